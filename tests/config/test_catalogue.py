@@ -50,8 +50,8 @@ def test_a_bearing_is_read_and_says_where_its_numbers_come_from(name: str) -> No
 def test_characteristic_frequencies_are_the_printed_ones(
     name: str, orders: dict[str, float], tolerance: float
 ) -> None:
-    found = frequencies.bearing_frequencies(name, "1800 rpm")["frequencies"]
-    assert {key: found[key]["order"] for key in orders} == pytest.approx(orders, abs=tolerance)
+    result = frequencies.bearing_frequencies(name, "1800 rpm")["frequencies"]
+    assert {key: result[key]["order"] for key in orders} == pytest.approx(orders, abs=tolerance)
 
 
 @pytest.mark.parametrize(
@@ -106,9 +106,9 @@ def test_balls_are_named_as_such(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_classes_of_clearance(element: str, bore: float, micrometres: dict[str, tuple[float, float]]) -> None:
-    found = {word: limits(word, element, 1e-3 * bore) for word in CLASSES}
+    result = {word: limits(word, element, 1e-3 * bore) for word in CLASSES}
     expected = {word: (1e-6 * low, 1e-6 * high) for word, (low, high) in micrometres.items()}
-    assert found == {word: pytest.approx(pair) for word, pair in expected.items()}
+    assert result == {word: pytest.approx(pair) for word, pair in expected.items()}
 
 
 def test_a_bore_belongs_to_the_row_that_ends_with_it() -> None:
@@ -153,7 +153,7 @@ def test_a_wrong_bearing_is_not_told_twice() -> None:
 
 def test_every_catalogue_bearing_has_every_class() -> None:
     for name in CATALOGUE:
-        found = [case(name, word).clearance for word in CLASSES]
-        assert found == sorted(found)
+        clearances = [case(name, word).clearance for word in CLASSES]
+        assert clearances == sorted(clearances)
         bearing: Bearing = load_bearing(name)
         assert bearing.roller_spacing > pi * bearing.roller_diameter / 3

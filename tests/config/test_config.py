@@ -42,11 +42,11 @@ def messages(**fields: Any) -> list[str]:
 
 
 def test_text_with_units_becomes_si() -> None:
-    found = case(defect=SLOT | {"angle": "90 deg"}, clearance="-5 um", settle="0 s")
-    assert found.defects[0].width == 0.0008
-    assert found.defects[0].angle == pytest.approx(math.pi / 2)
-    assert found.clearance == -5e-6
-    assert found.settle == 0.0
+    test_case = case(defect=SLOT | {"angle": "90 deg"}, clearance="-5 um", settle="0 s")
+    assert test_case.defects[0].width == 0.0008
+    assert test_case.defects[0].angle == pytest.approx(math.pi / 2)
+    assert test_case.clearance == -5e-6
+    assert test_case.settle == 0.0
 
 
 def test_floats_from_python_are_si_already() -> None:
@@ -55,25 +55,25 @@ def test_floats_from_python_are_si_already() -> None:
 
 
 def test_nf308_has_the_papers_outer_race_frequency() -> None:
-    found = case()
-    assert found.bearing.ball_pass_frequency(found.speed) == pytest.approx(159.0, rel=1e-12)
+    test_case = case()
+    assert test_case.bearing.ball_pass_frequency(test_case.speed) == pytest.approx(159.0, rel=1e-12)
 
 
 def test_defaults_are_resolved() -> None:
-    found = case()
-    assert found.start_angle == math.pi / 13
-    assert found.method == "auto"
+    test_case = case()
+    assert test_case.start_angle == math.pi / 13
+    assert test_case.method == "auto"
     assert case(model="static").method is None
     assert case(start_angle="0 deg").start_angle == 0.0
-    assert found.rig.bracket_stiffness == 1e7
-    assert found.bearing.material.density == 7850.0
-    assert found.record == ("ring.velocity",)
+    assert test_case.rig.bracket_stiffness == 1e7
+    assert test_case.bearing.material.density == 7850.0
+    assert test_case.record == ("ring.velocity",)
 
 
 def test_a_case_survives_its_own_dump() -> None:
-    found = case(defect=SLOT, contact={"damping": "kraemer"})
-    assert Case.model_validate(found.model_dump()) == found
-    assert hash(found) == hash(Case.model_validate(found.model_dump()))
+    test_case = case(defect=SLOT, contact={"damping": "kraemer"})
+    assert Case.model_validate(test_case.model_dump()) == test_case
+    assert hash(test_case) == hash(Case.model_validate(test_case.model_dump()))
 
 
 def test_damping_is_chosen_by_its_law() -> None:
@@ -178,8 +178,8 @@ def test_defects_of_one_race_do_not_overlap_but_merge(apart: str, fits: bool) ->
     if fits:
         assert len(case(defects=pair, excitation="soft-edge").defects) == 2
     else:
-        (told,) = messages(defects=pair, excitation="soft-edge")
-        assert "overlaps defect 1" in told
+        (message,) = messages(defects=pair, excitation="soft-edge")
+        assert "overlaps defect 1" in message
 
 
 def test_defects_of_other_elements_may_lie_at_the_same_angle() -> None:
@@ -195,8 +195,10 @@ def test_merged_defects_are_not_wider_than_the_spacing() -> None:
     wide = SLOT | {"width": "8 mm"}
     chain = [wide | {"angle": f"{11 * n} deg"} for n in range(3)]
     assert len(case(defects=chain[:2]).defects) == 2
-    told = messages(defects=chain)[0]
-    assert "the defects that overlap here are 22.7829 mm wide, wider than the roller spacing (18.6079 mm)" in told
+    message = messages(defects=chain)[0]
+    assert (
+        "the defects that overlap here are 22.7829 mm wide, wider than the roller spacing (18.6079 mm)" in message
+    )
 
 
 SPALL = SLOT | {"shape": "spall"}
@@ -244,8 +246,8 @@ def test_excitations_with_forms_for_simple_shapes_only(defect: dict[str, Any], p
 
 
 def test_what_a_spall_is_not_told_is_filled_in() -> None:
-    found = case(defect=SPALL).defects[0]
-    assert (found.grown, found.seed) == (1.0, 0)
+    defect = case(defect=SPALL).defects[0]
+    assert (defect.grown, defect.seed) == (1.0, 0)
     assert case(defect=SPALL | {"grown": "60 %", "seed": 4}).defects[0].grown == 0.6
     assert case(defect=SLOT | {"grown": "none", "edge": "none", "file": "none"}).defects[0].edge is None
 
@@ -260,9 +262,9 @@ def test_what_depends_on_the_model_is_filled_in() -> None:
     assert case().friction is None
     assert case().cage is None
     assert case(friction="none").friction is None
-    found = case(model="planar")
-    assert (found.friction, found.cage, found.drag) == (StaticDynamic(), Cage(), None)
-    assert found.method == "auto"
+    test_case = case(model="planar")
+    assert (test_case.friction, test_case.cage, test_case.drag) == (StaticDynamic(), Cage(), None)
+    assert test_case.method == "auto"
     kinematic = case(model="planar", cage={"motion": "kinematic"})
     assert kinematic.friction == Frictionless()
     assert case(model="planar", friction="none").friction == Frictionless()
@@ -298,12 +300,12 @@ def test_stiffness_suits_the_bearing() -> None:
 
 def test_optional_sections_may_be_none() -> None:
     sections = ("ramp", "drag", "shaft", "unbalance")
-    found = case(**dict.fromkeys(sections, "none"))
-    assert [getattr(found, name) for name in sections] == 4 * [None]
+    test_case = case(**dict.fromkeys(sections, "none"))
+    assert [getattr(test_case, name) for name in sections] == 4 * [None]
 
 
 def test_every_section_survives_its_own_dump() -> None:
-    found = case(
+    test_case = case(
         model="planar",
         bearing="6205",
         clearance="C3",
@@ -319,8 +321,8 @@ def test_every_section_survives_its_own_dump() -> None:
         seed=3,
         rig={"torsion_stiffness": "1e4 Nm/rad"},
     )
-    assert Case.model_validate(found.model_dump()) == found
-    assert found.load_across == -20.0
+    assert Case.model_validate(test_case.model_dump()) == test_case
+    assert test_case.load_across == -20.0
 
 
 NF308 = {

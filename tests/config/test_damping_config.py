@@ -20,17 +20,17 @@ def case(*damping: Any) -> Case:
     return Case.model_validate(base | ({"contact": {"damping": damping[0]}} if damping else {}))
 
 
-def damping(given: Any) -> Any:
-    return case(given).contact.damping
+def damping(fields: Any) -> Any:
+    return case(fields).contact.damping
 
 
 DEFAULTS: list[Any] = ["kraemer", {"law": "kraemer"}, {"beta": "2.5 us"}, {"law": "kraemer", "beta": 2.5e-6}, {}]
 
 
-@pytest.mark.parametrize("given", DEFAULTS)
-def test_the_default_however_it_is_said_is_the_same(given: Any) -> None:
-    assert damping(given) == case().contact.damping == Contact().damping == Kraemer(beta=2.5e-6)
-    assert case_id(case(given)) == case_id(case())
+@pytest.mark.parametrize("fields", DEFAULTS)
+def test_the_default_however_it_is_said_is_the_same(fields: Any) -> None:
+    assert damping(fields) == case().contact.damping == Contact().damping == Kraemer(beta=2.5e-6)
+    assert case_id(case(fields)) == case_id(case())
 
 
 @pytest.mark.parametrize(
@@ -67,9 +67,9 @@ def test_an_oil_is_a_grade_at_a_temperature(grade: Any) -> None:
 
 def test_a_film_survives_its_own_dump() -> None:
     for keys in ({"viscosity": "30 mPa s", "at": "own"}, {"oil": "VG 68", "temperature": "55 C"}):
-        found = case({"law": "film"} | keys)
-        assert Case.model_validate(found.model_dump()) == found
-        assert case_id(Case.model_validate(found.model_dump())) == case_id(found)
+        test_case = case({"law": "film"} | keys)
+        assert Case.model_validate(test_case.model_dump()) == test_case
+        assert case_id(Case.model_validate(test_case.model_dump())) == case_id(test_case)
 
 
 OIL = "law: film, oil: VG 68, temperature: 55 C"
@@ -164,8 +164,8 @@ def test_what_makes_no_sense_is_refused_at_its_place(
     write: Write, keys: str, caret: str | None, message: str
 ) -> None:
     path = write(f"{BASE}contact: {{damping: {{{keys}}}}}\n")
-    out, told = type_("check", path, code=2)
-    first, source, pointer, *_ = told.splitlines()
+    out, stderr = type_("check", path, code=2)
+    first, source, pointer, *_ = stderr.splitlines()
     assert out == ""
     assert first.startswith(f"{path}:6:")
     assert f": contact.{message}" in first
@@ -175,16 +175,16 @@ def test_what_makes_no_sense_is_refused_at_its_place(
 
 def test_a_bare_word_of_a_law_that_needs_numbers_is_refused(write: Write) -> None:
     for word in ("film", "loss-factor", "general"):
-        _, told = type_("check", write(f"{BASE}contact: {{damping: {word}}}\n"), code=2)
-        assert "contact.damping" in told
-        assert "^" in told
+        _, stderr = type_("check", write(f"{BASE}contact: {{damping: {word}}}\n"), code=2)
+        assert "contact.damping" in stderr
+        assert "^" in stderr
 
 
 def test_what_is_swept_of_a_film_has_units(write: Write) -> None:
     film = "contact: {damping: {law: film, oil: VG 68, temperature: 40 C}}\n"
     study = load_study(write(f"{BASE}{film}sweep: {{contact.damping.temperature: [40 C, 60 C, 80 C]}}\n"))
-    found = [one.contact.damping.inlet_viscosity for one in study.cases()]  # type: ignore[attr-defined]
-    assert found == sorted(found, reverse=True)
+    viscosities = [entry.contact.damping.inlet_viscosity for entry in study.cases()]  # type: ignore[attr-defined]
+    assert viscosities == sorted(viscosities, reverse=True)
     assert study.units == {"contact.damping.temperature": "C"}
 
 
@@ -196,15 +196,15 @@ def test_the_schema_knows_every_law() -> None:
 
 def test_units_of_the_library_are_read(write: Write) -> None:
     film = "{law: film, viscosity: 0.03 Pa s, pressure_coefficient: 0.02 1/MPa, loss_factor: 2 %}"
-    (found,) = load_study(write(f"{BASE}contact: {{damping: {film}}}\n")).cases()
-    given: Any = found.contact.damping
-    assert (given.viscosity, given.pressure_coefficient, given.loss_factor) == (0.03, pytest.approx(2e-8), 0.02)
+    (test_case,) = load_study(write(f"{BASE}contact: {{damping: {film}}}\n")).cases()
+    law: Any = test_case.contact.damping
+    assert (law.viscosity, law.pressure_coefficient, law.loss_factor) == (0.03, pytest.approx(2e-8), 0.02)
     assert Path(load_study(write(BASE)).path).exists()
 
 
-@pytest.mark.parametrize("given", ["none", {"law": "none"}])
-def test_a_contact_without_damping_is_that_of_a_damping_time_of_zero(given: Any) -> None:
-    undamped, zero = (case(damping) for damping in (given, {"beta": "0 s"}))
+@pytest.mark.parametrize("fields", ["none", {"law": "none"}])
+def test_a_contact_without_damping_is_that_of_a_damping_time_of_zero(fields: Any) -> None:
+    undamped, zero = (case(damping) for damping in (fields, {"beta": "0 s"}))
     assert undamped.contact.damping.model_dump() == {"law": "none"}
     assert contacts.outer(undamped) == contacts.outer(zero)
     assert type(contacts.outer(undamped)) is type(contacts.outer(zero))  # so that nothing else is compiled
@@ -219,4 +219,4 @@ def test_no_damping_takes_no_numbers(write: Write) -> None:
 
 def test_no_damping_is_swept_beside_other_laws(write: Write) -> None:
     study = load_study(write(BASE + "sweep: {contact.damping: [none, kraemer]}\n"))
-    assert [one.contact.damping.model_dump()["law"] for one in study.cases()] == ["none", "kraemer"]
+    assert [test_case.contact.damping.model_dump()["law"] for test_case in study.cases()] == ["none", "kraemer"]

@@ -35,40 +35,40 @@ def case(**fields: Any) -> Case:
     return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | fields)
 
 
-def bent(**rig: Any) -> Case:
+def flexible_case(**rig: Any) -> Case:
     return case(rig={"ring": BENDS} | rig)
 
 
-def ring_of(found: Case) -> FlexibleRing:
-    assert found.rig.ring is not None
-    return found.rig.ring
+def ring_of(test_case: Case) -> FlexibleRing:
+    assert test_case.rig.ring is not None
+    return test_case.rig.ring
 
 
-def load_of(found: Case) -> RingLoad:
-    assert found.rig.load is not None
-    return found.rig.load
+def load_of(test_case: Case) -> RingLoad:
+    assert test_case.rig.load is not None
+    return test_case.rig.load
 
 
 # What a case says
 
 
 def test_a_ring_that_bends_is_filled_in_from_the_bearing() -> None:
-    found = bent()
-    ring = ring_of(found)
+    test_case = flexible_case()
+    ring = ring_of(test_case)
     assert (ring.harmonics, ring.damping) == (13 + 7, 0.01)
     assert (ring.section.height, ring.section.width) == (0.0065, 0.023)
-    assert load_of(found) == RingLoad(by="point")
-    assert (found.rig.sensor.on, found.rig.sensor.angle) == ("ring", 0.0)
+    assert load_of(test_case) == RingLoad(by="point")
+    assert (test_case.rig.sensor.on, test_case.rig.sensor.angle) == ("ring", 0.0)
 
 
 @pytest.mark.parametrize(
     "rig", [{}, {"ring": "none"}, {"ring": {"bends": "false"}}, {"ring": "none", "load": "none"}]
 )
 def test_a_rigid_ring_has_neither_ring_nor_load(rig: dict[str, Any]) -> None:
-    found = case(rig=rig)
-    assert (found.rig.ring, found.rig.load) == (None, None)
-    assert found == case(rig={})
-    assert case_id(found) == case_id(case(rig={}))
+    test_case = case(rig=rig)
+    assert (test_case.rig.ring, test_case.rig.load) == (None, None)
+    assert test_case == case(rig={})
+    assert case_id(test_case) == case_id(case(rig={}))
 
 
 def test_what_a_ring_is_told_besides_lets_it_bend() -> None:
@@ -76,52 +76,52 @@ def test_what_a_ring_is_told_besides_lets_it_bend() -> None:
 
 
 def test_the_load_enters_as_it_is_said() -> None:
-    assert load_of(bent(load=PADS)).angles == pytest.approx((-math.pi / 4.0, math.pi / 4.0))
-    points = load_of(bent(load=POINTS))
+    assert load_of(flexible_case(load=PADS)).angles == pytest.approx((-math.pi / 4.0, math.pi / 4.0))
+    points = load_of(flexible_case(load=POINTS))
     assert points.mass == 2.0
     assert points.at is not None
     assert points.at[1] == SupportPoint(angle=math.pi / 6.0, stiffness=1e8)
-    housing = load_of(bent(load=HOUSING | {"fit": "-5 um"}))
+    housing = load_of(flexible_case(load=HOUSING | {"fit": "-5 um"}))
     assert (housing.stiffness, housing.fit, housing.mass) == (1e10, -5e-6, 1.0)
-    assert load_of(bent(load=HOUSING)).fit == 0.0
+    assert load_of(flexible_case(load=HOUSING)).fit == 0.0
 
 
 @pytest.mark.parametrize("unit", ["1e10 N/m/m", "1e10 N/m^2", "1e10 N/m²", "1e4 N/mm/mm", "1e4 N/mm^2"])
 def test_units_of_a_housing(unit: str) -> None:
-    assert load_of(bent(load=HOUSING | {"stiffness": unit})).stiffness == 1e10
+    assert load_of(flexible_case(load=HOUSING | {"stiffness": unit})).stiffness == 1e10
 
 
 def test_a_sensor_on_the_housing_needs_fewer_harmonics() -> None:
-    found = bent(load=HOUSING, sensor={"on": "housing", "angle": "10 deg"})
-    assert ring_of(found).harmonics == 8
-    assert found.rig.sensor_angle == found.rig.sensor.angle == math.radians(10.0)
+    test_case = flexible_case(load=HOUSING, sensor={"on": "housing", "angle": "10 deg"})
+    assert ring_of(test_case).harmonics == 8
+    assert test_case.rig.sensor_angle == test_case.rig.sensor.angle == math.radians(10.0)
 
 
 @pytest.mark.parametrize("rig", [{"sensor_angle": "60 deg"}, {"sensor": {"angle": "60 deg"}}])
 def test_the_angle_of_the_sensor_has_two_words(rig: dict[str, Any]) -> None:
-    found = case(rig=rig)
-    assert found.rig.sensor_angle == found.rig.sensor.angle == math.pi / 3.0
-    assert found == case(rig={"sensor_angle": "60 deg", "sensor": {"angle": "60 deg"}})
+    test_case = case(rig=rig)
+    assert test_case.rig.sensor_angle == test_case.rig.sensor.angle == math.pi / 3.0
+    assert test_case == case(rig={"sensor_angle": "60 deg", "sensor": {"angle": "60 deg"}})
 
 
 @pytest.mark.parametrize("rig", LOADS)
 def test_a_case_survives_a_dump_and_the_results_folder(rig: dict[str, Any]) -> None:
-    found = bent(**rig)
-    assert Case.model_validate(found.model_dump()) == found
-    assert case_of(flat_parameters(found) | {"record": ""}).rig == found.rig
+    test_case = flexible_case(**rig)
+    assert Case.model_validate(test_case.model_dump()) == test_case
+    assert case_of(flat_parameters(test_case) | {"record": ""}).rig == test_case.rig
 
 
 def test_results_from_before_sensors_are_read() -> None:
-    known = flat_parameters(case(rig={"sensor_angle": "60 deg"})) | {"record": ""}
-    old = {name: value for name, value in known.items() if not name.startswith("rig.sensor.")}
-    assert len(old) == len(known) - 2
+    stored = flat_parameters(case(rig={"sensor_angle": "60 deg"})) | {"record": ""}
+    old = {name: value for name, value in stored.items() if not name.startswith("rig.sensor.")}
+    assert len(old) == len(stored) - 2
     assert case_of(old).rig == case(rig={"sensor_angle": "60 deg"}).rig
 
 
 def test_stored_parameters_have_units() -> None:
     names = {"rig.load.stiffness": "N/m/m", "rig.load.at.2.stiffness": "N/m", "rig.load.angles.1": "rad"}
     assert {name: parameter_attributes(name)["units"] for name in names} == names
-    assert set(names) <= {name for load in LOADS[1:] for name in flat_parameters(bent(**load))}
+    assert set(names) <= {name for load in LOADS[1:] for name in flat_parameters(flexible_case(**load))}
 
 
 def test_the_schema_knows_the_ring() -> None:
@@ -177,7 +177,8 @@ def test_whatever_bends_the_ring_shapes_the_id() -> None:
         {"load": HOUSING, "sensor": {"on": "housing"}},
     ]
     ids = {
-        case_id(found) for found in [case(), *(case(model="static", rig={"ring": BENDS} | rig) for rig in rigs)]
+        case_id(test_case)
+        for test_case in [case(), *(case(model="static", rig={"ring": BENDS} | rig) for rig in rigs)]
     }
     assert len(ids) == 1 + len(rigs)
     material = case().bearing.model_dump() | {"material": {"density": 7850.0, "young_modulus": 100e9}}
@@ -194,8 +195,8 @@ def test_models_that_know_no_bending_refuse_it(write: Write, name: str) -> None:
     if name in ("static", "rollers"):
         assert load_study(write(text)).cases()[0].rig.ring
         return
-    told = type_("check", write(text), code=2)[1]
-    assert f"model: the {name} model cannot do this: `rig.ring` lets the outer ring bend" in told
+    stderr = type_("check", write(text), code=2)[1]
+    assert f"model: the {name} model cannot do this: `rig.ring` lets the outer ring bend" in stderr
 
 
 def test_the_least_model_that_bends() -> None:
@@ -204,16 +205,16 @@ def test_the_least_model_that_bends() -> None:
 
 
 def test_auto_takes_no_implicit_method_for_a_ring_that_bends() -> None:
-    found = bent()
+    test_case = flexible_case()
     implicit = {name for name, method in METHODS.items() if method.implicit}
-    assert not any(can_step(found, name) for name in implicit)
+    assert not any(can_step(test_case, name) for name in implicit)
     assert any(can_step(case(), name) for name in implicit)
-    assert implicit.isdisjoint(choice(found).prices)
+    assert implicit.isdisjoint(choice(test_case).prices)
 
 
 def test_a_bracket_that_is_not_there_is_not_uncertain() -> None:
-    assert not has_effect("bracket", bent(bracket_stiffness="0 N/m"))
-    assert has_effect("bracket", bent())
+    assert not has_effect("bracket", flexible_case(bracket_stiffness="0 N/m"))
+    assert has_effect("bracket", flexible_case())
 
 
 # Refusals
@@ -226,7 +227,7 @@ def _loaded(what: str) -> str:
     return f"rig: {{{BEND}, load: {{{what}}}}}"
 
 
-def _at(angles: str) -> str:
+def springs_at(angles: str) -> str:
     points = ", ".join(f"{{angle: {angle} deg, stiffness: 1e8 N/m}}" for angle in angles.split())
     return f"by: points, at: [{points}]"
 
@@ -265,9 +266,9 @@ LINES: list[tuple[str, str, str]] = [
     (_loaded("by: points, at: [45 deg]"), "45 deg", "rig.load.at: expected a mapping such as `{angle: 0 deg, stiffness: 1e8 N/m}`, got `45 deg`"),
     (_loaded("by: points, at: [{angle: 0 deg}]"), "{angle", "rig.load.at: `stiffness` is missing (expected a stiffness such as `1e7 N/m`)"),
     (_loaded("by: points, at: [{angle: 0 deg, stifness: 1 N/m, stiffness: 1 N/m}]"), "stifness", "rig.load.at: unknown key `stifness` (did you mean `stiffness`?)"),
-    (_loaded(_at("20 -340")), "[{angle", "rig.load.at: two springs stand at the same angle (give each angle once)"),
-    (_loaded(_at("120 -90")), "[{angle", "rig.load.at: no spring within 90 deg of the load line carries the load (give one at `angle: 0 deg`)"),
-    (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{_at('0')}}}}}", "[{angle", "rig.load.at: springs that push only do not hold the carrier here (give springs on both sides of the load line)"),
+    (_loaded(springs_at("20 -340")), "[{angle", "rig.load.at: two springs stand at the same angle (give each angle once)"),
+    (_loaded(springs_at("120 -90")), "[{angle", "rig.load.at: no spring within 90 deg of the load line carries the load (give one at `angle: 0 deg`)"),
+    (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{springs_at('0')}}}}}", "[{angle", "rig.load.at: springs that push only do not hold the carrier here (give springs on both sides of the load line)"),
     (_loaded("by: housing"), "housing", "rig.load.by: `by: housing` needs `stiffness` (use `stiffness: 1e10 N/m/m`)"),
     (_loaded("by: housing, stiffness: 1e10 N/m"), "1e10 N/m", "rig.load.stiffness: expected a stiffness per metre of circumference such as `1e10 N/m/m`, got `1e10 N/m` (`N/m` is a unit of stiffness)"),
     (_loaded("by: housing, stiffness: 2e13 N/m/m"), "2e13", "rig.load.stiffness: a housing of 2e+13 N/m/m holds the ring as a rigid one (take a rigid ring, or at most 1e13 N/m/m)"),
@@ -290,21 +291,21 @@ LINES: list[tuple[str, str, str]] = [
 @pytest.mark.parametrize(("lines", "caret", "message"), LINES)
 def test_a_mistake_is_one_message_at_its_place(write: Write, lines: str, caret: str, message: str) -> None:
     path = write(HEALTHY + lines + "\n")
-    told = _told(path)
-    first, source, mark = told.splitlines()
+    text = error_output(path)
+    first, source, mark = text.splitlines()
     assert first.partition(": ")[2] == message
     assert source[mark.index("^") :].startswith(caret)
 
 
-def _told(path: Path) -> str:
+def error_output(path: Path) -> str:
     """What `check` says of a study that it refuses."""
     return str(type_("check", path, code=2)[1])
 
 
 @pytest.mark.parametrize("angles", ["10 -10", "-30 30 180", "0 120 -120", "80 -80"])
 def test_springs_on_both_sides_need_no_bracket(angles: str) -> None:
-    at = [{"angle": f"{angle} deg", "stiffness": "1e8 N/m"} for angle in angles.split()]
-    assert load_of(bent(bracket_stiffness="0 N/m", load={"by": "points", "at": at})).carried
+    springs = [{"angle": f"{angle} deg", "stiffness": "1e8 N/m"} for angle in angles.split()]
+    assert load_of(flexible_case(bracket_stiffness="0 N/m", load={"by": "points", "at": springs})).carried
 
 
 def test_a_load_across_turns_the_load_line() -> None:
@@ -314,9 +315,9 @@ def test_a_load_across_turns_the_load_line() -> None:
     load = {"by": "points", "at": [{"angle": f"{angle} deg", "stiffness": "1e8 N/m"} for angle in (100, 120, 10)]}
     assert case(load_across="150 N", rig={"ring": BENDS, "load": load}).load_across == 150.0
     with pytest.raises(ValueError, match="carries the load"):
-        bent(load={"by": "points", "at": load["at"][:2]})
+        flexible_case(load={"by": "points", "at": load["at"][:2]})
 
 
 @pytest.mark.parametrize("load", LOADS)
 def test_a_ring_that_bends_may_have_no_bracket(load: dict[str, Any]) -> None:
-    assert bent(bracket_stiffness="0 N/m", **load).rig.bracket_stiffness == 0.0
+    assert flexible_case(bracket_stiffness="0 N/m", **load).rig.bracket_stiffness == 0.0

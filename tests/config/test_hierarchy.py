@@ -97,27 +97,27 @@ def most_able(fields: dict[str, Any]) -> str:
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
 def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -> None:
-    found = case(**fields | {"model": most_able(fields)})
-    assert simplest_model(found) == model
-    assert any(why in reason for reason in reasons(found))
+    test_case = case(**fields | {"model": most_able(fields)})
+    assert simplest_model(test_case) == model
+    assert any(why in reason for reason in reasons(test_case))
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
 def test_the_reference_is_planar_unless_it_cannot(fields: dict[str, Any], model: str, why: str) -> None:
-    found = case(**fields | {"model": "reference"})
-    assert found.model == most_able(fields)
-    assert reference_model(found) == found.model
-    assert found.method == (None if found.model == "impulse" else "auto")
-    assert Case.model_validate(found.model_dump()) == found
+    test_case = case(**fields | {"model": "reference"})
+    assert test_case.model == most_able(fields)
+    assert reference_model(test_case) == test_case.model
+    assert test_case.method == (None if test_case.model == "impulse" else "auto")
+    assert Case.model_validate(test_case.model_dump()) == test_case
 
 
 def test_the_reference_slips_only_where_a_case_speaks_of_it() -> None:
     silent = case(model="reference")
     assert silent.cage == Cage(motion="kinematic")
     assert silent.friction == Frictionless()
-    for said in ({"friction": "static-dynamic"}, {"drag": {}}, {"record": ["cage.slip"]}):
-        found = case(model="reference", **said)
-        assert found.cage == Cage(), said
+    for fields in ({"friction": "static-dynamic"}, {"drag": {}}, {"record": ["cage.slip"]}):
+        test_case = case(model="reference", **fields)
+        assert test_case.cage == Cage(), fields
 
 
 def test_the_reference_of_a_ring_that_bends_is_rollers() -> None:
@@ -128,7 +128,7 @@ def test_the_reference_of_a_ring_that_bends_is_rollers() -> None:
 def test_every_model_above_the_least_will_do(fields: dict[str, Any], model: str, why: str) -> None:
     above = [*MODELS][[*MODELS].index(model) :] if model != "impulse" else ("impulse",)
     sliced = "spatial" if fields.get("excitation") == "pressure-share" else ""  # its slices share no pressure
-    for higher in (one for one in above if one != sliced):
+    for higher in (name for name in above if name != sliced):
         assert case(**fields | {"model": higher}).model == higher
 
 
@@ -183,9 +183,9 @@ def test_a_model_that_cannot_is_refused_with_the_least_that_can(
 
 
 def test_what_is_a_matter_of_quality_is_not_refused() -> None:
-    found = case(model="static", defect=DEFECT, record=["ring.acceleration", "roller.outer_force"])
-    assert found.model == "static"
-    assert simplest_model(found) == "rollers"
+    test_case = case(model="static", defect=DEFECT, record=["ring.acceleration", "roller.outer_force"])
+    assert test_case.model == "static"
+    assert simplest_model(test_case) == "rollers"
     assert case(model="ring", speed="9000 rpm").model == "ring"
 
 
@@ -199,9 +199,9 @@ def test_what_planar_fills_in_asks_for_nothing() -> None:
 
 
 def test_every_need_is_somebodys_ability() -> None:
-    known = frozenset[str]().union(*(model.abilities for model in MODELS.values()))
-    found = {need.ability for fields, _, _ in LEAST for need in needs(case(**fields | {"model": "reference"}))}
-    assert found <= known
+    abilities = frozenset[str]().union(*(model.abilities for model in MODELS.values()))
+    needed = {need.ability for fields, _, _ in LEAST for need in needs(case(**fields | {"model": "reference"}))}
+    assert needed <= abilities
 
 
 def test_each_rung_can_what_the_one_below_can() -> None:
@@ -226,8 +226,8 @@ def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
     with pytest.raises(ValidationError, match="contact force"):
         case(model="impulse", record=["roller.outer_force"], defect=DEFECT)
     assert "impulses" not in {need.ability for need in needs(case(model="impulse", defect=DEFECT))}
-    asked = case(model="impulse", excitation="impulse-train", defect=DEFECT)
-    assert "impulses" in {need.ability for need in needs(asked)}
+    test_case = case(model="impulse", excitation="impulse-train", defect=DEFECT)
+    assert "impulses" in {need.ability for need in needs(test_case)}
 
 
 def test_balls_are_refused_by_the_spatial_model_alone() -> None:

@@ -34,7 +34,9 @@ def bowl(noise: float = 0.0, seed: int = 0) -> np.ndarray:
     return np.asarray(depth + noise * np.random.default_rng(seed).normal(size=depth.shape))
 
 
-def listed(path: Path, depth: np.ndarray, head: str = "s [mm],z [mm],depth [um]", s: Any = S, z: Any = Z) -> Path:
+def write_points(
+    path: Path, depth: np.ndarray, head: str = "s [mm],z [mm],depth [um]", s: Any = S, z: Any = Z
+) -> Path:
     lines = [
         f"{x:.6g},{y:.6g},{p:.6g}" for y, row in zip(z, depth, strict=True) for x, p in zip(s, row, strict=True)
     ]
@@ -42,7 +44,7 @@ def listed(path: Path, depth: np.ndarray, head: str = "s [mm],z [mm],depth [um]"
     return path
 
 
-def gridded(
+def write_grid(
     path: Path, depth: np.ndarray, head: str = "depth [um] | z [mm] | s [mm]", s: Any = S, z: Any = Z
 ) -> Path:
     rows = [f"{y:.6g}," + ",".join(f"{p:.6g}" for p in row) for y, row in zip(z, depth, strict=True)]
@@ -50,15 +52,17 @@ def gridded(
     return path
 
 
-def hdf5(path: Path, depth: np.ndarray, name: str = "depth", unit: str = "um", s: Any = S, z: Any = Z) -> Path:
+def write_hdf5(
+    path: Path, depth: np.ndarray, name: str = "depth", unit: str = "um", s: Any = S, z: Any = Z
+) -> Path:
     with h5py.File(path, "w") as file:
-        for key, values, of in (("s", s, "mm"), ("z", z, "mm"), (name, depth, unit)):
+        for key, values, axis_unit in (("s", s, "mm"), ("z", z, "mm"), (name, depth, unit)):
             file[key] = values
-            file[key].attrs["units"] = of
+            file[key].attrs["units"] = axis_unit
     return path
 
 
-def told(path: Path) -> str:
+def notes_text(path: Path) -> str:
     return "\n".join(read_scan(path).notes)
 
 
@@ -68,10 +72,10 @@ def refusal(path: Path) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("write", [gridded, hdf5])
+@pytest.mark.parametrize("write", [write_grid, write_hdf5])
 def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Any) -> None:
     """Its digest is of what the depths were read from, even if it changes at once."""
-    path = write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), bowl())
+    path = write(tmp_path / ("a.h5" if write is write_hdf5 else "a.csv"), bowl())
     content, ascending = path.read_bytes(), scanfile._ascending_grid
 
     def changing(*parts: np.ndarray) -> scanfile.Grid:
@@ -79,41 +83,41 @@ def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wr
         return ascending(*parts)
 
     monkeypatch.setattr(scanfile, "_ascending_grid", changing)
-    found = read_scan(path)
-    assert found.digest == hashlib.sha256(content).hexdigest()[:16]
-    assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
+    scan = read_scan(path)
+    assert scan.digest == hashlib.sha256(content).hexdigest()[:16]
+    assert scan.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
 
 
 def test_all_forms_of_a_file_are_the_same_scan(tmp_path: Path) -> None:
     depth = bowl()
     files = [
-        listed(tmp_path / "a.csv", depth),
-        gridded(tmp_path / "b.csv", depth),
-        gridded(tmp_path / "c.csv", depth.T, "depth [um] | s [mm] | z [mm]", s=Z, z=S),
-        gridded(tmp_path / "d.csv", -depth * 1e-3, "height [mm] | z [mm] | s [mm]"),
-        hdf5(tmp_path / "e.h5", depth),
-        hdf5(tmp_path / "f.hdf5", -depth, "height"),
+        write_points(tmp_path / "a.csv", depth),
+        write_grid(tmp_path / "b.csv", depth),
+        write_grid(tmp_path / "c.csv", depth.T, "depth [um] | s [mm] | z [mm]", s=Z, z=S),
+        write_grid(tmp_path / "d.csv", -depth * 1e-3, "height [mm] | z [mm] | s [mm]"),
+        write_hdf5(tmp_path / "e.h5", depth),
+        write_hdf5(tmp_path / "f.hdf5", -depth, "height"),
     ]
     for file in files:
-        found = read_scan(file)
-        assert found.notes == ()
-        assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
+        scan = read_scan(file)
+        assert scan.notes == ()
+        assert scan.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
         inside = (np.abs(S) <= 1.0 + 1e-9)[None, :] & (np.abs(Z) <= 3.0 + 1e-9)[:, None]
-        assert found.depth.ravel() == pytest.approx(1e-6 * depth[inside], abs=1e-10)
-        assert found.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
+        assert scan.depth.ravel() == pytest.approx(1e-6 * depth[inside], abs=1e-10)
+        assert scan.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
     assert len({read_scan(file).digest for file in files}) == len(files)
 
 
-@pytest.mark.parametrize("write", [gridded, hdf5, listed])
+@pytest.mark.parametrize("write", [write_grid, write_hdf5, write_points])
 @pytest.mark.parametrize("axis", ["s", "z"])
 def test_an_axis_that_runs_downwards_is_turned(tmp_path: Path, write: Any, axis: str) -> None:
     lopsided = bowl() * (S < 0.5)
-    straight = read_scan(write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), lopsided))
+    straight = read_scan(write(tmp_path / ("a.h5" if write is write_hdf5 else "a.csv"), lopsided))
     turned = {"s": S[::-1]} if axis == "s" else {"z": Z[::-1]}
     depth = lopsided[:, ::-1] if axis == "s" else lopsided[::-1]
-    found = read_scan(write(tmp_path / ("b.h5" if write is hdf5 else "b.csv"), depth, **turned))
-    assert f"{axis} is decreasing" in found.notes[0]
-    assert found.depth == pytest.approx(straight.depth)
+    scan = read_scan(write(tmp_path / ("b.h5" if write is write_hdf5 else "b.csv"), depth, **turned))
+    assert f"{axis} is decreasing" in scan.notes[0]
+    assert scan.depth == pytest.approx(straight.depth)
     assert not any("downwards" in note for note in straight.notes)
 
 
@@ -121,31 +125,31 @@ def test_missing_cells_are_filled_from_their_neighbours(tmp_path: Path) -> None:
     depth = bowl()
     depth[20, 30] = depth[20, 31] = depth[25, 10] = np.nan
     for file in (
-        listed(tmp_path / "a.csv", depth),
-        gridded(tmp_path / "b.csv", depth),
-        hdf5(tmp_path / "c.h5", depth),
+        write_points(tmp_path / "a.csv", depth),
+        write_grid(tmp_path / "b.csv", depth),
+        write_hdf5(tmp_path / "c.h5", depth),
     ):
-        assert "3 missing cells filled from their neighbours: s = 0 mm, z = 0 mm; " in told(file)
+        assert "3 missing cells filled from their neighbours: s = 0 mm, z = 0 mm; " in notes_text(file)
         assert 50e-6 - read_scan(file).depth.max() < 1e-6
 
 
 @pytest.mark.parametrize(
-    ("gone", "part"),
+    ("missing", "part"),
     [(np.s_[10:14, 20:24], "16 missing cells are adjacent"), (np.s_[::3, ::3], "cells are missing (11.")],
 )
-def test_too_many_missing_cells_are_refused(tmp_path: Path, gone: Any, part: str) -> None:
+def test_too_many_missing_cells_are_refused(tmp_path: Path, missing: Any, part: str) -> None:
     depth = bowl()
-    depth[gone] = np.nan
-    assert part in refusal(gridded(tmp_path / "a.csv", depth))
+    depth[missing] = np.nan
+    assert part in refusal(write_grid(tmp_path / "a.csv", depth))
 
 
 def test_spikes_are_taken_out(tmp_path: Path) -> None:
     depth = bowl(noise=0.2)
     depth[20, 40] += 300.0
     depth[5, 5] -= 80.0
-    file = gridded(tmp_path / "a.csv", depth)
-    assert "2 spikes of 80" in told(file)
-    assert "s = -1.25 mm, z = -3 mm; s = 0.5 mm, z = 0 mm" in told(file)
+    file = write_grid(tmp_path / "a.csv", depth)
+    assert "2 spikes of 80" in notes_text(file)
+    assert "s = -1.25 mm, z = -3 mm; s = 0.5 mm, z = 0 mm" in notes_text(file)
     assert read_scan(file).sizes[2] < 52e-6
 
 
@@ -153,13 +157,13 @@ def test_a_slot_has_no_spikes(tmp_path: Path) -> None:
     """Neither its walls nor its corners, nor a step of one cell's width."""
     slot = np.where((np.abs(S) < 0.4)[None, :] & (np.abs(Z) < 2.0)[:, None], 50.0, 0.0)
     slot[:, 5] = np.where(np.abs(Z) < 2.0, 10.0, 0.0)
-    assert told(gridded(tmp_path / "a.csv", slot)).startswith("the damage's middle")
+    assert notes_text(write_grid(tmp_path / "a.csv", slot)).startswith("the damage's middle")
 
 
 def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
     depth = bowl(noise=0.2)
     depth[1:-1:4, 1:-1:4] += 200.0
-    assert "filter it first" in refusal(gridded(tmp_path / "a.csv", depth))
+    assert "filter it first" in refusal(write_grid(tmp_path / "a.csv", depth))
 
 
 @pytest.mark.parametrize(
@@ -172,55 +176,53 @@ def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
     ],
 )
 def test_a_defect_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
-    found = read_scan(gridded(tmp_path / "a.csv", bowl(), head)).notes
-    assert list(found) == [f"the defect is {part}; is the unit right?" for part in parts]
+    scan_notes = read_scan(write_grid(tmp_path / "a.csv", bowl(), head)).notes
+    assert list(scan_notes) == [f"the defect is {part}; is the unit right?" for part in parts]
 
 
 def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
     s, z = np.meshgrid(S, Z)
-    file = gridded(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
-    assert "offset 12 um, tilt 8.99 um along s and -16 um along z taken off" in told(file)
-    assert "surroundings even to 0.0883 um: what is within 0.265 um of them is the race" in told(file)
-    level = read_scan(gridded(tmp_path / "b.csv", bowl(noise=0.1)))
+    file = write_grid(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
+    assert "offset 12 um, tilt 8.99 um along s and -16 um along z taken off" in notes_text(file)
+    assert "surroundings even to 0.0883 um: what is within 0.265 um of them is the race" in notes_text(file)
+    level = read_scan(write_grid(tmp_path / "b.csv", bowl(noise=0.1)))
     assert read_scan(file).sizes == pytest.approx(level.sizes, rel=0.03)
 
 
 def test_the_race_is_race_whatever_its_noise(tmp_path: Path) -> None:
     """Outside the bowl nothing is left of the noise that a roller would feel."""
-    found = read_scan(gridded(tmp_path / "a.csv", bowl(noise=0.3)))
-    s, z = np.meshgrid(found.s, found.z)
-    assert not found.depth[(s / 1.2e-3) ** 2 + (z / 3.6e-3) ** 2 > 1.0].any()
-    assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=0.12)
+    scan = read_scan(write_grid(tmp_path / "a.csv", bowl(noise=0.3)))
+    s, z = np.meshgrid(scan.s, scan.z)
+    assert not scan.depth[(s / 1.2e-3) ** 2 + (z / 3.6e-3) ** 2 > 1.0].any()
+    assert scan.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=0.12)
 
 
 def test_the_curvature_of_a_race_is_taken_off(tmp_path: Path) -> None:
     """A race of 38.5 mm radius falls 29 um within 1.5 mm."""
     s, _ = np.meshgrid(S, Z)
-    file = gridded(tmp_path / "a.csv", bowl(noise=0.1) - 1e3 * s**2 / (2 * 38.5))
-    assert "curved by a radius of 38." in told(file)
+    file = write_grid(tmp_path / "a.csv", bowl(noise=0.1) - 1e3 * s**2 / (2 * 38.5))
+    assert "curved by a radius of 38." in notes_text(file)
     assert read_scan(file).sizes[2] == pytest.approx(50e-6, rel=0.02)
 
 
 def test_the_middle_of_the_damage_is_its_place(tmp_path: Path) -> None:
-    found = read_scan(gridded(tmp_path / "a.csv", bowl(), s=S + 40.0, z=Z - 7.0))
-    assert "the damage's middle, s = 40 mm, z = -7 mm, is placed at the defect's position" in "\n".join(
-        found.notes
-    )
-    assert found.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
+    scan = read_scan(write_grid(tmp_path / "a.csv", bowl(), s=S + 40.0, z=Z - 7.0))
+    assert "the damage's middle, s = 40 mm, z = -7 mm, is placed at the defect's position" in "\n".join(scan.notes)
+    assert scan.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
 
 
 def test_uneven_places_are_taken_as_they_are(tmp_path: Path) -> None:
     s = np.sort(np.append(S, [0.01, 0.02]))
     x, z = np.meshgrid(s, Z)
     depth = 50.0 * np.clip(1.0 - x**2 - (z / 3.0) ** 2, 0.0, None)
-    found = read_scan(gridded(tmp_path / "a.csv", depth, s=s))
-    assert found.notes == ()
-    assert np.any(np.isclose(found.s, 1e-5))
+    scan = read_scan(write_grid(tmp_path / "a.csv", depth, s=s))
+    assert scan.notes == ()
+    assert np.any(np.isclose(scan.s, 1e-5))
 
 
 def test_damage_that_goes_on_along_the_roller(tmp_path: Path) -> None:
-    file = gridded(tmp_path / "a.csv", np.where(np.abs(S) < 0.4, 50.0, 0.0) * np.ones((len(Z), 1)))
-    assert "reaches the scan's end along z and is cut there" in told(file)
+    file = write_grid(tmp_path / "a.csv", np.where(np.abs(S) < 0.4, 50.0, 0.0) * np.ones((len(Z), 1)))
+    assert "reaches the scan's end along z and is cut there" in notes_text(file)
     assert read_scan(file).sizes[0] == pytest.approx(8e-3)
 
 
@@ -238,7 +240,7 @@ def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
     tmp_path: Path, depth: np.ndarray, part: str
 ) -> None:
     s = S[: depth.shape[1]]
-    assert part in refusal(gridded(tmp_path / "a.csv", depth, s=s))
+    assert part in refusal(write_grid(tmp_path / "a.csv", depth, s=s))
 
 
 @pytest.mark.parametrize(
@@ -282,24 +284,24 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
     assert "not a text file in UTF-8 (save it as UTF-8)" in refusal(tmp_path / "b.csv")
     assert "expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s (61,)" in refusal(
-        hdf5(tmp_path / "c.h5", bowl().T)
+        write_hdf5(tmp_path / "c.h5", bowl().T)
     )
-    assert "expected datasets `s`, `z` and either" in refusal(hdf5(tmp_path / "d.h5", bowl(), "deep"))
-    assert "(give `depth` the attribute `units`: um" in refusal(hdf5(tmp_path / "e.h5", bowl(), unit=""))
+    assert "expected datasets `s`, `z` and either" in refusal(write_hdf5(tmp_path / "d.h5", bowl(), "deep"))
+    assert "(give `depth` the attribute `units`: um" in refusal(write_hdf5(tmp_path / "e.h5", bowl(), unit=""))
     (tmp_path / "folder.csv").mkdir()
     assert "folder.csv` is a folder" in refusal(tmp_path / "folder.csv")
 
 
 def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
-    whole = hdf5(tmp_path / "whole.h5", bowl()).read_bytes()
-    for content in (b"", bytes(range(256)) * 9, *(whole[: len(whole) * n // 9] for n in range(1, 9))):
+    complete = write_hdf5(tmp_path / "whole.h5", bowl()).read_bytes()
+    for content in (b"", bytes(range(256)) * 9, *(complete[: len(complete) * n // 9] for n in range(1, 9))):
         (tmp_path / "a.h5").write_bytes(content)
         assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or cut off"
-    assert "no points in this file" in refusal(hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
+    assert "no points in this file" in refusal(write_hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
 
 
 def test_text_in_an_hdf5_file_is_refused_at_the_file(tmp_path: Path) -> None:
-    with h5py.File(hdf5(tmp_path / "a.h5", bowl()), "r+") as file:
+    with h5py.File(write_hdf5(tmp_path / "a.h5", bowl()), "r+") as file:
         del file["depth"]
         file["depth"] = np.full((len(Z), len(S)), "deep", dtype=h5py.string_dtype())
         file["depth"].attrs["units"] = "um"
@@ -338,13 +340,13 @@ def test_a_long_first_line_is_not_repeated(tmp_path: Path) -> None:
 def test_one_missing_cell_and_a_place_at_zero_are_told_in_words(tmp_path: Path) -> None:
     depth = bowl()
     depth[20, 30] = np.nan
-    found = told(listed(tmp_path / "a.csv", depth, s=np.where(np.abs(S) < 1e-9, 5.421e-17, S)))
-    assert "1 missing cell filled from its neighbours: s = 0 mm, z = 0 mm" in found
+    message = notes_text(write_points(tmp_path / "a.csv", depth, s=np.where(np.abs(S) < 1e-9, 5.421e-17, S)))
+    assert "1 missing cell filled from its neighbours: s = 0 mm, z = 0 mm" in message
 
 
 def test_a_file_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scanfile, "MAX_POINTS", 100)
-    assert "thin it out" in refusal(gridded(tmp_path / "a.csv", bowl()))
+    assert "thin it out" in refusal(write_grid(tmp_path / "a.csv", bowl()))
 
 
 # In a case and in a study
@@ -356,12 +358,12 @@ def case_with(file: Path, **fields: Any) -> Case:
 
 
 def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
-    file = gridded(tmp_path / "a.csv", bowl(noise=0.1))
-    found = case_with(file, angle="10 deg", offset="1 mm")
-    assert found.defects[0].length == read_scan(file).sizes[0]
-    assert Case.model_validate(found.model_dump()) == found
-    assert notes([found, found]) == [f"a.csv: {note}" for note in read_scan(file).notes]
-    assert notes([found.model_copy(update={"defects": ()})]) == []
+    file = write_grid(tmp_path / "a.csv", bowl(noise=0.1))
+    test_case = case_with(file, angle="10 deg", offset="1 mm")
+    assert test_case.defects[0].length == read_scan(file).sizes[0]
+    assert Case.model_validate(test_case.model_dump()) == test_case
+    assert notes([test_case, test_case]) == [f"a.csv: {note}" for note in read_scan(file).notes]
+    assert notes([test_case.model_copy(update={"defects": ()})]) == []
 
 
 @pytest.mark.parametrize(
@@ -375,7 +377,7 @@ def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
     ],
 )
 def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str], unit: str, part: str) -> None:
-    file = gridded(tmp_path / "a.csv", bowl(), f"depth [{unit}] | z [mm] | s [mm]")
+    file = write_grid(tmp_path / "a.csv", bowl(), f"depth [{unit}] | z [mm] | s [mm]")
     with pytest.raises(ValidationError, match=part.replace("(", r"\(").replace(")", r"\)")):
         case_with(file, **fields)
 
@@ -391,17 +393,17 @@ def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str]
 )
 def test_nobody_but_the_file_says_its_digest_and_sizes(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
     """Only what a case itself has said of the same file may stand beside it."""
-    file = gridded(tmp_path / "a.csv", bowl())
+    file = write_grid(tmp_path / "a.csv", bowl())
     digest = read_scan(file).digest
     sizes = dict(zip(("length", "width", "depth"), read_scan(file).sizes, strict=True))
-    made = case_with(file, digest=digest, **sizes)
-    assert made == case_with(file)
+    test_case = case_with(file, digest=digest, **sizes)
+    assert test_case == case_with(file)
     with pytest.raises(ValidationError, match=part):
         case_with(file, digest=digest, **fields)
 
 
 def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
-    digest = read_scan(gridded(tmp_path / "a.csv", bowl())).digest
+    digest = read_scan(write_grid(tmp_path / "a.csv", bowl())).digest
     path = tmp_path / "study.yaml"
     path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}, length: 3 mm, width: 1 mm, depth: 20 um"))
     with pytest.raises(StudyError, match=r"defect\.length: a scan's length comes from its file"):
@@ -413,15 +415,15 @@ def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_job_is_named_by_what_is_in_the_file(tmp_path: Path) -> None:
-    one, same = gridded(tmp_path / "a.csv", bowl()), gridded(tmp_path / "b.csv", bowl())
-    other = gridded(tmp_path / "c.csv", 0.9 * bowl())
-    assert case_id(case_with(one)) == case_id(case_with(same)) != case_id(case_with(other))
+    file, same = write_grid(tmp_path / "a.csv", bowl()), write_grid(tmp_path / "b.csv", bowl())
+    other = write_grid(tmp_path / "c.csv", 0.9 * bowl())
+    assert case_id(case_with(file)) == case_id(case_with(same)) != case_id(case_with(other))
 
 
 def test_a_file_that_changes_under_a_case_is_refused(tmp_path: Path) -> None:
-    file = gridded(tmp_path / "a.csv", bowl())
+    file = write_grid(tmp_path / "a.csv", bowl())
     dumped = case_with(file).model_dump()
-    gridded(file, 0.9 * bowl())
+    write_grid(file, 0.9 * bowl())
     with pytest.raises(ValidationError, match="has changed since"):
         Case.model_validate(dumped)
 
@@ -430,7 +432,7 @@ def test_a_sweep_over_many_scans_reads_and_traces_each_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A pass over them all does not drive the first ones out, nor what was made of them."""
-    files = [gridded(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
+    files = [write_grid(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
              range(100)]  # fmt: skip
     counts = {"read": 0, "traced": 0}
 
@@ -462,25 +464,25 @@ defect: {shape: scan, file: FILE}
 
 def test_a_file_is_looked_for_beside_the_study(tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
-    gridded(tmp_path / "scans" / "a.csv", bowl())
-    gridded(tmp_path / "scans" / "b.csv", 0.5 * bowl())
+    write_grid(tmp_path / "scans" / "a.csv", bowl())
+    write_grid(tmp_path / "scans" / "b.csv", 0.5 * bowl())
     path = tmp_path / "study.yaml"
     path.write_text(STUDY.replace("FILE", "scans/a.csv") + "sweep: {defect.file: [scans/a.csv, scans/b.csv]}\n")
     cases = load_study(path).cases()
-    assert [round(1e6 * found.defects[0].depth) for found in cases] == [50, 25]
+    assert [round(1e6 * test_case.defects[0].depth) for test_case in cases] == [50, 25]
     assert [swept["defect.file"] for _, swept in load_study(path).swept_cases] == ["scans/a.csv", "scans/b.csv"]
 
 
 def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for folder, share in (("here", 1.0), ("study", 0.5)):
         (tmp_path / folder).mkdir()
-        gridded(tmp_path / folder / "a.csv", share * bowl())
+        write_grid(tmp_path / folder / "a.csv", share * bowl())
     (tmp_path / "study" / "study.yaml").write_text(STUDY.replace("FILE", "a.csv"))
     depths = []
     for folder in ("here", "."):
         monkeypatch.chdir(tmp_path / folder)
-        (found,) = load_study(tmp_path / "study" / "study.yaml").cases()
-        depths.append(round(1e6 * found.defects[0].depth))
+        (test_case,) = load_study(tmp_path / "study" / "study.yaml").cases()
+        depths.append(round(1e6 * test_case.defects[0].depth))
     assert depths == [50, 25]
 
 
@@ -500,13 +502,13 @@ def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch:
 )
 def test_a_wrong_file_is_told_at_its_place(tmp_path: Path, file: str, message: str) -> None:
     (tmp_path / "bad.csv").write_text("s,z [mm],depth [um]\n1,1,1\n")
-    gridded(tmp_path / "deep.csv", bowl(), "depth [mm] | z [mm] | s [mm]")
+    write_grid(tmp_path / "deep.csv", bowl(), "depth [mm] | z [mm] | s [mm]")
     path = tmp_path / "study.yaml"
     path.write_text(STUDY.replace("FILE", file))
     with pytest.raises(StudyError) as caught:
         load_study(path)
-    (found,) = caught.value.problems
-    assert str(found).splitlines()[0] == f"{path}:5:{found.column}: {message}"
+    (problem,) = caught.value.problems
+    assert str(problem).splitlines()[0] == f"{path}:5:{problem.column}: {message}"
 
 
 @pytest.mark.parametrize("kind", DATASETS)

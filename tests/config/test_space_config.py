@@ -37,14 +37,14 @@ def refusal(**fields: Any) -> tuple[str, str]:
     with pytest.raises(ValidationError) as caught:
         case(**fields)
     (error,) = caught.value.errors()
-    found = error["ctx"]["conflicts"][0] if "conflicts" in error["ctx"] else None
-    return (found.message, found.hint) if found else (error["ctx"]["message"], error["ctx"]["hint"])
+    conflict = error["ctx"]["conflicts"][0] if "conflicts" in error["ctx"] else None
+    return (conflict.message, conflict.hint) if conflict else (error["ctx"]["message"], error["ctx"]["hint"])
 
 
 @pytest.mark.parametrize(("length", "offset"), [(12.0, 0.0), (3.0, 0.0), (3.0, 4.5), (0.37, -2.11)])
 def test_slices_end_where_the_defect_does_and_fill_the_roller(length: float, offset: float) -> None:
-    found = case(defect=DEFECT | {"length": length * 1e-3, "offset": offset * 1e-3})
-    ends, table = slice_ends(found), space.slices(found).table
+    test_case = case(defect=DEFECT | {"length": length * 1e-3, "offset": offset * 1e-3})
+    ends, table = slice_ends(test_case), space.slices(test_case).table
     for side in (-0.5, 0.5):
         assert np.abs(ends - (offset + side * length) * 1e-3).min() < 1e-11
     assert ends[0] == -6e-3
@@ -89,16 +89,16 @@ def test_what_a_profile_lacks_or_does_not_know_is_refused() -> None:
 
 
 def test_flanges_of_the_nf308_stand_on_the_inner_ring_and_one_on_the_outer() -> None:
-    found = space.flanges(case())
-    assert (found.inner_minus, found.inner_plus, found.outer_minus, found.outer_plus) == (1.0, 1.0, 0.0, 1.0)
-    assert found.play == 25e-6
+    result = space.flanges(case())
+    assert (result.inner_minus, result.inner_plus, result.outer_minus, result.outer_plus) == (1.0, 1.0, 0.0, 1.0)
+    assert result.play == 25e-6
     bare = case().bearing.model_copy(update={"flanges": None})
     assert isinstance(space.flanges(case().model_copy(update={"bearing": bare})), NoFlanges)
 
 
 def test_a_misaligned_ring_leans_where_the_case_says() -> None:
-    found = case(misalignment={"inner": "1 mrad", "outer": "-0.5 mrad", "direction": "30 deg"})
-    inner, outer = space.inner_mount(found), space.outer_mount(found)
+    test_case = case(misalignment={"inner": "1 mrad", "outer": "-0.5 mrad", "direction": "30 deg"})
+    inner, outer = space.inner_mount(test_case), space.outer_mount(test_case)
     assert isinstance(inner, RigidMount)
     assert inner == pytest.approx((1e-3 * np.cos(np.pi / 6), 0.5e-3), rel=1e-6)
     assert outer == pytest.approx((-0.5e-3 * np.cos(np.pi / 6), -0.25e-3), rel=1e-6)
@@ -111,8 +111,8 @@ def test_a_lean_in_degrees_that_was_meant_in_mrad_is_refused() -> None:
 
 
 def test_sprung_rings_have_masses_and_inertias() -> None:
-    found = case(rig=SPRUNG, shaft=SHAFT | SPRUNG)
-    inner, outer = space.inner_mount(found), space.outer_mount(found)
+    test_case = case(rig=SPRUNG, shaft=SHAFT | SPRUNG)
+    inner, outer = space.inner_mount(test_case), space.outer_mount(test_case)
     assert isinstance(inner, ElasticMount)
     assert isinstance(outer, ElasticMount)
     assert inner.m == 1.0
@@ -128,10 +128,13 @@ def test_half_a_spring_is_refused(key: str) -> None:
 
 
 def test_a_line_load_is_a_channel_for_each_slice() -> None:
-    found = case(record=["roller.3.outer_line_load", "roller.inner_line_load.7"], contact={"slices": 12})
-    assert found.record == (*(f"roller.3.outer_line_load.{k}" for k in range(1, 13)), "roller.inner_line_load.7")
+    test_case = case(record=["roller.3.outer_line_load", "roller.inner_line_load.7"], contact={"slices": 12})
+    assert test_case.record == (
+        *(f"roller.3.outer_line_load.{k}" for k in range(1, 13)),
+        "roller.inner_line_load.7",
+    )
     assert dataset_names("roller.3.outer_line_load.4") == ("roller.3.outer_line_load.4",)
-    assert Case.model_validate(found.model_dump()) == found
+    assert Case.model_validate(test_case.model_dump()) == test_case
     message, hint = refusal(record=["roller.3.outer_line_load.13"], contact={"slices": 12})
     assert message == "there is no slice 13: the roller is cut into 12"
     assert "`roller.3.outer_line_load`" in hint
@@ -166,8 +169,8 @@ def test_too_many_slices_are_told_with_everything_else() -> None:
     ]
     with pytest.raises(ValidationError) as caught:
         case(defects=defects, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
-    found = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
-    assert found == [
+    messages = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
+    assert messages == [
         "the defects cut the roller into more than 64 slices",
         "there is no roller 14: the bearing has 13",
     ]
@@ -192,8 +195,8 @@ def test_loads_at_rest_know_that_a_ring_leans() -> None:
     """A lean of 1 mrad at 1 kN loads the ends of rollers: 455 N where the plane has 316."""
 
     def at_rest(lean: str, **damping: Any) -> tuple[float, float, float]:
-        given = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}
-        return limits.loads_at_rest(assemble.healthy_case(case(**given)))
+        fields = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}
+        return limits.loads_at_rest(assemble.healthy_case(case(**fields)))
 
     leaning, straight = (at_rest(lean, damping=CHI) for lean in ("1 mrad", "0 mrad"))
     assert straight[0] == pytest.approx(316, rel=0.01)
@@ -209,8 +212,8 @@ def test_loads_at_rest_know_that_a_ring_leans() -> None:
 def test_what_is_the_same_has_one_id() -> None:
     assert case_id(case(misalignment={})) == case_id(case())
     assert case_id(case(contact={"length_nodes": 6})) == case_id(case())
-    given = {"excitation": "elastic-edge", "defect": DEFECT | {"edge": {"radius": "20 um"}}}
-    assert case_id(case(**given)) == case_id(case(excitation="elastic-edge", defect=DEFECT))
+    fields = {"excitation": "elastic-edge", "defect": DEFECT | {"edge": {"radius": "20 um"}}}
+    assert case_id(case(**fields)) == case_id(case(excitation="elastic-edge", defect=DEFECT))
 
 
 def test_what_only_space_knows_names_no_result_of_another_model() -> None:

@@ -54,14 +54,14 @@ def rows_of(page: str, head: str) -> Iterator[list[str]]:
         yield [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
 
 
-def named(cell: str) -> list[str]:
+def quoted_names(cell: str) -> list[str]:
     """The words in backquotes."""
     return re.findall(r"`([^`]+)`", cell)
 
 
 def heads(page: str, head: str) -> list[str]:
     """The names in the first cells of a table."""
-    return [name for cells in rows_of(page, head) for name in named(cells[0])]
+    return [name for cells in rows_of(page, head) for name in quoted_names(cells[0])]
 
 
 TABLE_OF_NEEDS = [(cells[0], cells[2:]) for cells in rows_of("abilities.md", "| need | asked for by |")]
@@ -83,24 +83,26 @@ def test_every_ability_has_its_row() -> None:
 
 def models_of(cell: str) -> set[str]:
     """The models that a cell of the table of channels names."""
-    shown = set(named(cell.partition(" with ")[0].partition(";")[0]))
-    return set(MODELS) - shown if cell.startswith("all") else shown
+    models = set(quoted_names(cell.partition(" with ")[0].partition(";")[0]))
+    return set(MODELS) - models if cell.startswith("all") else models
 
 
 def test_the_models_of_each_channel_are_those_that_can() -> None:
     """But of those that a model only computes badly, which is not refused."""
-    shown = {name: cells[3] for cells in rows_of("results.md", "| channel | unit |") for name in named(cells[0])}
-    shown.pop(".x")
-    shown.pop(".y")
-    assert set(shown) == set(CHANNELS)
-    for channel, cell in shown.items():
+    documented = {
+        name: cells[3] for cells in rows_of("results.md", "| channel | unit |") for name in quoted_names(cells[0])
+    }
+    documented.pop(".x")
+    documented.pop(".y")
+    assert set(documented) == set(CHANNELS)
+    for channel, cell in documented.items():
         ability, _ = _RECORD_ABILITIES.get(channel, ("acceleration", ""))
         able = {name for name, model in MODELS.items() if ability in model.abilities or ability == "acceleration"}
         assert models_of(cell) == able, channel
 
 
 def test_methods_are_those_of_the_catalogue() -> None:
-    table = {named(cells[0])[0]: cells for cells in rows_of("methods.md", "| `method` | order |")}
+    table = {quoted_names(cells[0])[0]: cells for cells in rows_of("methods.md", "| `method` | order |")}
     assert set(table) == set(METHODS)
     for name, (head, _, steps, *_) in table.items():
         assert ("(auto)" in head, steps == "adaptive") == (METHODS[name].automatic, METHODS[name].adaptive), name
@@ -108,11 +110,11 @@ def test_methods_are_those_of_the_catalogue() -> None:
 
 def test_laws_are_those_of_the_catalogue() -> None:
     elements = {"rollers": "roller", "balls": "ball", "both": ""}
-    shown = {
-        re.split(r"[,}]", named(cells[0])[0].removeprefix("{law: "))[0]: elements[cells[3]]
+    documented = {
+        re.split(r"[,}]", quoted_names(cells[0])[0].removeprefix("{law: "))[0]: elements[cells[3]]
         for cells in rows_of("contact.md", "| `contact.stiffness` |")
     }
-    assert shown == {law.name: law.element for law in LAWS["stiffness"].values()}
+    assert documented == {law.name: law.element for law in LAWS["stiffness"].values()}
     for page in ("contact.md", "damping.md"):
         assert set(heads(page, "| `contact.damping.law` |")) == set(LAWS["damping"])
     assert set(heads("planar.md", "| `friction` |")) == set(LAWS["friction"])
@@ -132,7 +134,7 @@ def test_models_are_those_of_the_catalogue() -> None:
 @pytest.mark.parametrize("model", MODELS)
 def test_what_a_model_is_said_to_do_can_be_made(model: str) -> None:
     """Each excitation and element that a case may have with it: there are parameters for it."""
-    made = set[tuple[str, str]]()
+    built = set[tuple[str, str]]()
     for bearing, excitation in product(("nf308", "6205"), get_args(Excitation)):
         defect = {"shape": "rectangular", "length": "3 mm", "width": "0.4 mm", "depth": "20 um"}
         fields = {"bearing": bearing, "speed": "1800 rpm", "load": "150 N", "model": model, "defect": defect}
@@ -141,8 +143,8 @@ def test_what_a_model_is_said_to_do_can_be_made(model: str) -> None:
         except ValidationError:
             continue
         assemble.model(resolve_settling(case))
-        made.add((bearing, excitation))
+        built.add((bearing, excitation))
     able = MODELS[model].abilities
-    assert ("6205" in {bearing for bearing, _ in made}) == ("balls" in able)
-    assert ("nf308", "impulse-train") in made or "impulses" not in able
-    assert ("nf308", "soft-edge") in made or "weakened contact" not in able
+    assert ("6205" in {bearing for bearing, _ in built}) == ("balls" in able)
+    assert ("nf308", "impulse-train") in built or "impulses" not in able
+    assert ("nf308", "soft-edge") in built or "weakened contact" not in able

@@ -12,7 +12,7 @@ from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError
 from bearingsim.plots.line_load import LoadAlong, instants
 from bearingsim.plots.plot import drawn
-from tests.config.test_scan import bowl, gridded
+from tests.config.test_scan import bowl, write_grid
 from tests.plots.test_plots import only, results
 
 __all__ = ["results"]
@@ -166,7 +166,7 @@ def test_without_a_defect_the_largest_and_the_least_load_are_drawn(loaded):
 def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
     """Where the defect ends along the roller is dotted: that takes the scan."""
     text = "".join(line + "\n" for line in STUDY.splitlines() if not line.startswith("defect"))
-    scan = gridded(tmp_path / "a.csv", 0.5 * bowl())
+    scan = write_grid(tmp_path / "a.csv", 0.5 * bowl())
     opened = loaded(text=text + "defect: {shape: scan, file: a.csv, angle: 0 deg}\n")
     scan.unlink()
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))

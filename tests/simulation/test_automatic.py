@@ -21,7 +21,7 @@ TABLE = ROOT / "tests" / "data" / "automatic.csv"
 STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
 
 
-def taken(study: Path) -> list[tuple[str, str, str]]:
+def chosen_steps(study: Path) -> list[tuple[str, str, str]]:
     """Model, method and step (s) of every job; jobs beside each other that are given the same stand once."""
     cases = [job.case for job in load_study(study).jobs()]
     result = [
@@ -30,17 +30,18 @@ def taken(study: Path) -> list[tuple[str, str, str]]:
     return [variant for variant, _ in groupby(result)]
 
 
-def kept(study: Path) -> list[tuple[str, str, str]]:
+def stored_steps(study: Path) -> list[tuple[str, str, str]]:
     with TABLE.open(newline="") as file:
         return [(r["model"], r["method"], r["step_s"]) for r in csv.DictReader(file) if r["study"] == study.stem]
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=lambda path: path.stem)
 def test_every_job_of_a_study_is_given_the_method_and_step_it_was_given(study: Path) -> None:
-    result, before = taken(study), kept(study)
-    assert [one[:2] for one in result] == [one[:2] for one in before]
-    steps = [float(one[2]) for one in result]
-    assert steps == pytest.approx([float(one[2]) for one in before], rel=1e-8)  # processors differ in rounding
+    result, before = chosen_steps(study), stored_steps(study)
+    assert [variant[:2] for variant in result] == [variant[:2] for variant in before]
+    steps = [float(variant[2]) for variant in result]
+    expected = [float(variant[2]) for variant in before]
+    assert steps == pytest.approx(expected, rel=1e-8)  # processors differ in rounding
 
 
 def main() -> None:
@@ -48,7 +49,7 @@ def main() -> None:
     with TABLE.open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(("study", "model", "method", "step_s"))
-        table.writerows((study.stem, *one) for study in STUDIES for one in taken(study))
+        table.writerows((study.stem, *variant) for study in STUDIES for variant in chosen_steps(study))
 
 
 if __name__ == "__main__":

@@ -99,17 +99,17 @@ def test_limits_fall_with_the_load_where_damping_grows_with_it(
     model: str, method: str, rise: float, defects: tuple
 ) -> None:
     """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
-    result = [
+    by_load = [
         limits(case(model=model, method=method, defects=defects, load=load, **HEAVY))
         for load in (50, 150, 300, 1000, 5000)
     ]
     for name in ("at_rest", "at_impact"):
-        series = [getattr(one, name) for one in result]
+        series = [getattr(entry, name) for entry in by_load]
         assert all(after < rise * before for before, after in pairwise(series))
         assert series[-1] < 0.7 * series[0]
         assert len(set(series)) == len(series)
-    assert all(one.at_impact <= one.at_rest for one in result)
-    assert [one.rest_load for one in result] == sorted(one.rest_load for one in result)
+    assert all(entry.at_impact <= entry.at_rest for entry in by_load)
+    assert [entry.rest_load for entry in by_load] == sorted(entry.rest_load for entry in by_load)
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
@@ -197,7 +197,7 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
     )
-    soft, hard = (limiting.impact(0.01, assemble.contacts.outer(one), 0.05) for one in laws)
+    soft, hard = (limiting.impact(0.01, assemble.contacts.outer(law), 0.05) for law in laws)
     assert hard[2] > 10.0 * soft[2]
 
 
@@ -275,8 +275,8 @@ def test_a_record_without_samples_is_refused() -> None:
 
 
 def test_estimate_counts_steps_and_bytes() -> None:
-    asked = {"duration": 0.29, "sampling": 10000.0, "record": ["ring.velocity", "roller.outer_force"]}
-    test_case = case(model="ring", periodic=False, **asked)
+    fields = {"duration": 0.29, "sampling": 10000.0, "record": ["ring.velocity", "roller.outer_force"]}
+    test_case = case(model="ring", periodic=False, **fields)
     result, cut = time_grid.estimate(test_case), grid(test_case)
     assert result.bytes == 3 * 4 * 2900
     assert result.steps == cut.passes * cut.steps_per_pass
@@ -322,11 +322,11 @@ def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
 
 def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> None:
     stiff = case(model="rollers", defect=SLOT, duration="0.1 s", contact={"damping": {"chi": "2000 s/m"}})
-    taken, longest = choice.choice(stiff), limits(choice.with_method(stiff, "verlet")).at_impact
-    assert taken.method == "rodas"
-    saved = taken.prices["verlet"] / taken.prices["rodas"]
-    told = f"explicit steps are limited to {1e6 * longest:.2g} us: about {saved:.2g} times the CPU time"
-    assert (taken.reason, saved > 1.0, 1e-8 < longest < 1e-7) == (told, True, True)
+    result, longest = choice.choice(stiff), limits(choice.with_method(stiff, "verlet")).at_impact
+    assert result.method == "rodas"
+    ratio = result.prices["verlet"] / result.prices["rodas"]
+    reason = f"explicit steps are limited to {1e6 * longest:.2g} us: about {ratio:.2g} times the CPU time"
+    assert (result.reason, ratio > 1.0, 1e-8 < longest < 1e-7) == (reason, True, True)
 
 
 @pytest.mark.parametrize("model", ["static", "impulse"])
@@ -334,13 +334,13 @@ def test_a_model_without_a_method_has_no_other(model: str) -> None:
     assert choice.alternatives(case(model=model, defect=SLOT)) == []
 
 
-@pytest.mark.parametrize(("coefficient", "taken"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
-def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, taken):
+@pytest.mark.parametrize(("coefficient", "step_s"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
+def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, step_s):
     """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
     test_case = case(method="rodas", defect=SLOT, contact={"damping": damping})
     result = pricing.adaptive_step(test_case, choice.limits(choice.with_method(test_case, "verlet")))
-    assert result == pytest.approx(taken, rel=0.5)
+    assert result == pytest.approx(step_s, rel=0.5)
 
 
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])

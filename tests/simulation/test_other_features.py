@@ -55,7 +55,7 @@ def leaves(case, time, series):
     raise SystemExit(3)
 
 
-def registered(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
+def register_feature(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
     """Let one feature, `mine`, be that of another package."""
     feature = Feature("mine", "m/s", "mine", f"{__name__}:{function}")
     monkeypatch.setattr("bearingsim.catalogue.FEATURES", {"mine": feature})
@@ -63,19 +63,19 @@ def registered(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
         monkeypatch.setattr(f"bearingsim.{module}.FEATURES", {"mine": feature})
 
 
-def declared(monkeypatch: pytest.MonkeyPatch) -> None:
+def declare_feature(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let `mine` be among the declared features."""
     for module in ("simulation.features", "assemble.registered"):
         monkeypatch.setattr(f"bearingsim.{module}.DECLARED", {**FEATURES, "mine": FEATURES["velocity.rms"]})
 
 
-def read() -> tuple[dict[str, float], dict[str, str]]:
+def compute_features() -> tuple[dict[str, float], dict[str, str]]:
     return extension_features(case(), TIME, SERIES)
 
 
 def test_a_number_is_a_value(monkeypatch) -> None:
-    registered(monkeypatch, "mean")
-    assert read() == ({"mine": 2.0}, {})
+    register_feature(monkeypatch, "mean")
+    assert compute_features() == ({"mine": 2.0}, {})
 
 
 VALUELESS = {
@@ -87,8 +87,8 @@ VALUELESS = {
 
 @pytest.mark.parametrize("function", VALUELESS)
 def test_what_has_no_finite_value_is_nan_with_a_reason(function, monkeypatch) -> None:
-    registered(monkeypatch, function)
-    values, facts = read()
+    register_feature(monkeypatch, function)
+    values, facts = compute_features()
     assert np.isnan(values["mine"])
     assert facts == {"no_value.mine": VALUELESS[function]}
 
@@ -104,9 +104,9 @@ FAILING = {
 @pytest.mark.parametrize("function", FAILING)
 def test_what_fails_is_named(function, monkeypatch) -> None:
     """A KeyError of its own is no series that is missing."""
-    registered(monkeypatch, function)
+    register_feature(monkeypatch, function)
     with pytest.raises(BrokenExtension, match=f"^feature `mine`: `{__name__}:{FAILING[function]}"):
-        read()
+        compute_features()
 
 
 def test_why_jobs_have_no_value_is_said_once_for_each_reason() -> None:
@@ -124,19 +124,19 @@ def test_why_jobs_have_no_value_is_said_once_for_each_reason() -> None:
 @pytest.mark.parametrize("function", ["NO_FUNCTION", "not_there", "mean"])
 def test_a_feature_that_cannot_be_computed_is_refused_first(function, monkeypatch) -> None:
     """Before anything runs: what is no function, what does not load, and what was registered too late."""
-    registered(monkeypatch, function)
-    told = {
+    register_feature(monkeypatch, function)
+    messages = {
         "NO_FUNCTION": "^feature `mine`: `.*` is not a function$",
         "not_there": f"^`.*:not_there` of the extension `{__name__}` does not load",
         "mean": "^feature `mine` is not declared; register it in the module of its entry point$",
     }
-    with pytest.raises(UserError, match=told[function]):
+    with pytest.raises(UserError, match=messages[function]):
         check_features()
 
 
 def test_a_declared_feature_is_accepted(monkeypatch) -> None:
-    registered(monkeypatch, "mean")
-    declared(monkeypatch)
+    register_feature(monkeypatch, "mean")
+    declare_feature(monkeypatch)
     check_features()
     refuse_undeclared(["mine", "velocity.rms"])
 
@@ -144,16 +144,16 @@ def test_a_declared_feature_is_accepted(monkeypatch) -> None:
 def test_a_computed_feature_that_nobody_declared_is_refused(monkeypatch) -> None:
     """The failure of its job says so, without the name of a class before it."""
     simulating = import_module("bearingsim.simulation.simulate")  # its name is also a function's
-    own = simulating.features
-    monkeypatch.setattr(simulating, "features", lambda *run: own(*run) | {"velocity.skewness": 0.0})
-    told = "feature `velocity.skewness` is computed but not declared: add it to config/names.py"
-    with pytest.raises(UserError, match=f"^{told}$") as caught:
+    original = simulating.features
+    monkeypatch.setattr(simulating, "features", lambda *run: original(*run) | {"velocity.skewness": 0.0})
+    message = "feature `velocity.skewness` is computed but not declared: add it to config/names.py"
+    with pytest.raises(UserError, match=f"^{message}$") as caught:
         simulating.simulate(case(model="static", duration=0.02))
-    assert _failure("abc", caught.value).reason == told
+    assert _failure("abc", caught.value).reason == message
 
 
 def test_a_foreign_feature_is_part_of_every_id(monkeypatch) -> None:
     """The sources of its package are; without one a case of the program's own has none."""
     assert extensions(case()) == {}
-    registered(monkeypatch, "mean")
+    register_feature(monkeypatch, "mean")
     assert extensions(case()) == {"extensions": catalogue.extension_digest()}

@@ -166,9 +166,9 @@ def test_lines_of_small_defects_add_up():
         return lines(names, quantity="displacement", model="static", defects=defects, **fields)
 
     healthy = displacement_lines([])
-    changes = [displacement_lines([one]) - healthy for one in each]
+    changes = [displacement_lines([defect]) - healthy for defect in each]
     assert np.abs(displacement_lines(each) - healthy - sum(changes)) == pytest.approx(
         0.0, abs=0.01 * np.abs(sum(changes)).min()
     )
-    for one, own in zip(changes, ("BPFO", "BPFI", "2BSF+FTF"), strict=True):
-        assert np.abs(one[names.index(own)]) > 2e-10
+    for change, own in zip(changes, ("BPFO", "BPFI", "2BSF+FTF"), strict=True):
+        assert np.abs(change[names.index(own)]) > 2e-10

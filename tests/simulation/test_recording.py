@@ -24,7 +24,7 @@ def record_passes(position, passes=3):
         differentiate(window, RING, TAIL, H)
         full = slice(TAIL - STENCIL_REACH, TAIL + STEPS - STENCIL_REACH)
         result.append((t[full], window[VELOCITY, full].copy(), window[ACCELERATION, full].copy()))
-    return (np.concatenate(one, axis=-1) for one in zip(*result, strict=True))
+    return (np.concatenate(parts, axis=-1) for parts in zip(*result, strict=True))
 
 
 @pytest.mark.parametrize("omega", [400.0, 800.0])
@@ -77,7 +77,7 @@ def test_raw_values_are_interpolated_by_the_method(method):
     """Linear interpolation between recorded instants gave accelerations with an error of 20 %."""
     test_case = case(model="rollers", method=method, antialias=False, tolerance=1e-5, **WIDE)
     result, fine = (
-        simulate(test_case.model_copy(update=one)) for one in ({}, {"step_check": False, "tolerance": 1e-7})
+        simulate(test_case.model_copy(update=update)) for update in ({}, {"step_check": False, "tolerance": 1e-7})
     )
     for name, bound in (("velocity.rms", 1e-3), ("acceleration.rms", 3e-3), ("acceleration.peak", 3e-3)):
         assert result.features[name] == pytest.approx(fine.features[name], rel=bound)

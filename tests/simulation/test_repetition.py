@@ -170,7 +170,7 @@ LONG: dict[str, Any] = {"model": "rollers", "defect": SLOT, "duration": "0.6 s",
 
 @pytest.fixture
 def no_period_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Search, "add_pass", lambda *given: (0, 0.1))
+    monkeypatch.setattr(Search, "add_pass", lambda *arguments: (0, 0.1))
 
 
 @pytest.mark.usefixtures("no_period_found")

@@ -17,8 +17,8 @@ from tests.scenes.short_cases import FORCES, RING, SLOT, case
 ROOT = Path(__file__).parents[2]
 
 
-def fingerprint(given: Case) -> str:
-    result = simulate(given)
+def fingerprint(test_case: Case) -> str:
+    result = simulate(test_case)
     digest = hashlib.sha256(repr(sorted(result.features.items())).encode())
     for name, series in sorted(result.series.items()):
         digest.update(name.encode() + series.tobytes())
@@ -75,7 +75,7 @@ def plain() -> list[list[float]]:
     """Return the features of each of ``FIELDS``, computed in plain Python by one process."""
     code = "from tests.simulation.test_same_numbers import *; "
     code += "print([[x.hex() for x in numbers(**fields)] for fields in FIELDS])"
-    return [[float.fromhex(x) for x in one] for one in eval(run_in_new_process(code, NUMBA_DISABLE_JIT="1"))]
+    return [[float.fromhex(x) for x in row] for row in eval(run_in_new_process(code, NUMBA_DISABLE_JIT="1"))]
 
 
 @pytest.mark.parametrize("n", range(len(FIELDS)), ids=["outer race", "inner race", "roller"])

@@ -37,25 +37,25 @@ def line(features: dict[str, float], name: str) -> complex:
 # The chain from steps to samples, on a motion that is known
 
 
-def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
+def record_of_signal(test_case: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
     """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
 
-    def known(
+    def prescribed(
         method: Any,
         model: Any,
         monitor: Monitor,
         start: int,
         y: np.ndarray,
-        places: np.ndarray,
+        rows: np.ndarray,
         out: np.ndarray,
         samples: Any,
     ) -> tuple:
         out[:] = 0.0
-        out[places.tolist().index(lay.VELOCITY + lay.X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
+        out[rows.tolist().index(lay.VELOCITY + lay.X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
         return out.shape[1], SUCCESS, -1
 
-    with mock.patch.object(INTEGRATION, "advance_and_sample", known):
-        return simulate(given.model_copy(update={"step_check": False}))
+    with mock.patch.object(INTEGRATION, "advance_and_sample", prescribed):
+        return simulate(test_case.model_copy(update={"step_check": False}))
 
 
 SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
@@ -65,7 +65,7 @@ SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
 @pytest.mark.parametrize("share", [0.03, 0.37])
 def test_a_tone_in_the_pass_band_is_recorded_where_it_was(sampling: float, share: float) -> None:
     omega = 2 * np.pi * share * sampling
-    result = driven(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
+    result = record_of_signal(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
     t = 0.03 + result.time
     assert np.abs(result.series["ring.velocity.x"] - np.cos(omega * t + 0.7)).max() < 3e-4
     assert not result.series["ring.velocity.y"].any()
@@ -75,19 +75,19 @@ def test_a_tone_in_the_pass_band_is_recorded_where_it_was(sampling: float, share
 @pytest.mark.parametrize("share", [0.62, 1.02, 2.7, 3.9, 4.05, 8.03])
 def test_a_tone_that_would_alias_is_rejected(sampling: float, share: float) -> None:
     test_case = case(sampling=sampling, step="1 us")
-    result = driven(test_case, lambda t: np.cos(2 * np.pi * share * sampling * t))
+    result = record_of_signal(test_case, lambda t: np.cos(2 * np.pi * share * sampling * t))
     assert np.abs(result.series["ring.velocity.x"]).max() < 10 ** (-70 / 20)
 
 
 def test_a_constant_stays_a_constant() -> None:
-    result = driven(case(), lambda t: np.full_like(t, 0.3))
+    result = record_of_signal(case(), lambda t: np.full_like(t, 0.3))
     assert result.series["ring.velocity.x"] == pytest.approx(0.3, rel=1e-13)
     assert math.isnan(result.features["velocity.crest"])
 
 
 @pytest.mark.parametrize("settle", [0.03, 0.0371])
 def test_raw_samples_of_a_straight_line_are_exact(settle: float) -> None:
-    result = driven(case(antialias=False, settle=settle, sampling=7777.7), lambda t: 2.0 - 5.0 * t)
+    result = record_of_signal(case(antialias=False, settle=settle, sampling=7777.7), lambda t: 2.0 - 5.0 * t)
     assert result.series["ring.velocity.x"] == pytest.approx(2.0 - 5.0 * (settle + result.time), abs=1e-12)
 
 
@@ -101,7 +101,7 @@ def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
         Z_theta = 13 * 0.2 + 2 * np.pi * RATE * t
         return 1.0 + np.sum([A * np.cos(k * Z_theta + phase) for k, (A, phase) in lines.items()], axis=0)
 
-    result = driven(test_case, signal).features
+    result = record_of_signal(test_case, signal).features
     for k in range(1, 6):
         A, phase = lines.get(k, (0.0, 0.0))
         name = "velocity@BPFO" if k == 1 else f"velocity@{k}BPFO"
@@ -114,7 +114,7 @@ def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
 
 def test_nothing_before_settling_gets_into_the_features() -> None:
     """Loud until 35 ms, with 2 ms for the filters to forget: settled after 37 ms, in the middle of a ball pass."""
-    result = driven(
+    result = record_of_signal(
         case(settle=0.037, periodic=False), lambda t: np.where(t < 0.035, np.cos(2 * np.pi * RATE * t), 0.0)
     )
     assert result.features["velocity.peak"] < 1e-3
@@ -136,17 +136,17 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
 # The chain on real motion, against the integrator driven by hand
 
 
-def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
+def integrate_steps(test_case: Case, passes: int) -> tuple[np.ndarray, float]:
     """Recording (8, steps + 1) of every step from the start at rest (the rows of ROW), and the step (s)."""
-    given = choice.resolve(given)
-    cut, model = time_grid.grid(given), assemble.model(given)
+    test_case = choice.resolve(test_case)
+    cut, model = time_grid.grid(test_case), assemble.model(test_case)
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     begin(model, 0.0, y)
     cells = np.array([channels.cell(name) for name in ROW])
     wide = np.empty((len(ROW), passes * cut.steps_per_pass + 1))
     record(y, cells, 0, wide)
-    advance(assemble.method(given, cut.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
+    advance(assemble.method(test_case, cut.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
     return wide, cut.step
 
 
@@ -157,20 +157,20 @@ ROW = {name: row for row, name in enumerate(name for channel in RING + FORCES fo
 def test_without_antialias_samples_lie_on_lines_between_steps(settle: float) -> None:
     times = {"settle": settle, "duration": 0.021, "sampling": 8765.4}
     test_case = case(defect=SLOT, antialias=False, record=RING + FORCES, step_check=False, **times)
-    raw, h = by_hand(test_case, 6)
+    raw, h = integrate_steps(test_case, 6)
     result = simulate(test_case)
-    places = (settle + result.time) / h
+    positions = (settle + result.time) / h
     assert len(result.series) == 8
     for name, series in result.series.items():
         row = raw[ROW[name]]
-        expected = np.interp(places, np.arange(len(row)), row)
+        expected = np.interp(positions, np.arange(len(row)), row)
         assert np.abs(series - expected).max() < 1e-9 * np.abs(row).max()
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 def test_lines_equal_those_of_the_raw_steps(model: str) -> None:
     test_case = case(model=model, defect=SLOT, settle=0.03, duration=0.04, sampling=2048.0)
-    raw, h = by_hand(test_case, 11)
+    raw, h = integrate_steps(test_case, 11)
     cut = time_grid.grid(test_case)
     start = math.ceil(0.03 * cut.fine_rate - 1e-6) * cut.decimation
     steps = start + np.arange(6 * cut.steps_per_pass)
@@ -210,10 +210,10 @@ def test_phase_tells_where_the_defect_is(model: str) -> None:
     healthy = simulate(case(model=model)).features
     left, right = (simulate(case(model=model, defect=SLOT | {"angle": f"{a} deg"})).features for a in (2.0, -2.0))
     for k, name in ((1, "velocity@BPFO"), (2, "velocity@2BPFO")):
-        a, b, none = (line(features, name) for features in (left, right, healthy))
-        turned = np.angle((a - none) / (b - none))
+        a, b, reference = (line(features, name) for features in (left, right, healthy))
+        difference = np.angle((a - reference) / (b - reference))
         expected = -2.0 * k * 13 * math.radians(2.0)
-        assert math.remainder(turned - expected, 2 * math.pi) == pytest.approx(0.0, abs=0.06)
+        assert math.remainder(difference - expected, 2 * math.pi) == pytest.approx(0.0, abs=0.06)
 
 
 @pytest.mark.parametrize(
@@ -222,7 +222,7 @@ def test_phase_tells_where_the_defect_is(model: str) -> None:
 @pytest.mark.parametrize("model", ["static", "ring"])
 def test_lines_do_not_depend_on_when_one_looks(model: str, change: dict) -> None:
     """Phases are told from a roller passing the load line, so neither the start nor the length matters."""
-    base, other = (simulate(case(model=model, defect=SLOT, **more)).features for more in ({}, change))
+    base, other = (simulate(case(model=model, defect=SLOT, **fields)).features for fields in ({}, change))
     for name in ("displacement@BPFO", "velocity@BPFO", "velocity@3BPFO"):
         assert abs(line(other, name) / line(base, name) - 1.0) < 5e-3
 
@@ -268,24 +268,24 @@ def test_the_sensor_sees_the_direction_it_looks_in() -> None:
         return simulate(case(defect=SLOT | {"angle": "20 deg"}, rig=rig, record=RING, antialias=False)).features
 
     record = simulate(case(defect=SLOT | {"angle": "20 deg"}, rig={"name": "r"}, record=RING, antialias=False))
-    full = round(math.floor(80e-3 * RATE) / RATE * 10240)  # samples of the record's whole ball passes
+    count = round(math.floor(80e-3 * RATE) / RATE * 10240)  # samples of the record's whole ball passes
     along, across, between = features("0 deg"), features("90 deg"), features("30 deg")
     for quantity, series in (("velocity", record.velocity), ("displacement", record.displacement)):
         for result, direction in ((along, series[:, 0]), (across, series[:, 1])):
-            assert result[f"{quantity}.rms"] == pytest.approx(direction[:full].std(), rel=1e-9)
+            assert result[f"{quantity}.rms"] == pytest.approx(direction[:count].std(), rel=1e-9)
         mixed = math.cos(math.pi / 6) * line(along, f"{quantity}@BPFO") + 0.5 * line(across, f"{quantity}@BPFO")
         assert line(between, f"{quantity}@BPFO") == pytest.approx(mixed, rel=1e-9)
-    both = math.cos(math.pi / 6) * record.velocity[:, 0] + 0.5 * record.velocity[:, 1]
-    assert between["velocity.rms"] == pytest.approx(both[:full].std(), rel=1e-9)
+    combined = math.cos(math.pi / 6) * record.velocity[:, 0] + 0.5 * record.velocity[:, 1]
+    assert between["velocity.rms"] == pytest.approx(combined[:count].std(), rel=1e-9)
     assert across["velocity.rms"] != pytest.approx(along["velocity.rms"], rel=0.01)
 
 
 def test_statistics_are_those_of_the_motion_between_samples_too() -> None:
     """Nearly those of the samples; but a peak between two of them counts."""
     result = simulate(case(defect=SLOT, record=RING))
-    full = round(math.floor(80e-3 * RATE) / RATE * 10240)
+    count = round(math.floor(80e-3 * RATE) / RATE * 10240)
     for quantity, series in (("velocity", result.velocity), ("acceleration", result.acceleration)):
-        along = series[:full, 0] - series[:full, 0].mean()
+        along = series[:count, 0] - series[:count, 0].mean()
         assert result.features[f"{quantity}.rms"] == pytest.approx(along.std(), rel=5e-3)
         assert 0.99 < result.features[f"{quantity}.peak"] / np.abs(along).max() < 1.2
 
@@ -368,15 +368,16 @@ def test_info_says_how_it_was_computed() -> None:
     assert info["steps"] == info["passes_computed"] * cut.steps_per_pass
     assert info["passes"] == cut.passes
     cage = 2 * np.pi * RATE / 13
-    asked = test_case.start_angle + cage * 0.03
-    assert 0.0 <= float(info["cage_angle_start_rad"]) - asked <= cage * cut.step  # moved to put the cusp in step
+    requested = test_case.start_angle + cage * 0.03
+    moved = float(info["cage_angle_start_rad"]) - requested  # to put the cusp in step
+    assert 0.0 <= moved <= cage * cut.step
     assert 0.0 < float(info["integrator_cpu_s"]) <= float(info["cpu_s"])
 
 
 def test_warming_computes_each_kind_of_case_once() -> None:
     with (
         mock.patch.object(WARM_UP, "_COMPILED", set()),
-        mock.patch.object(WARM_UP, "simulate", wraps=simulate) as mocked,
+        mock.patch.object(WARM_UP, "simulate", wraps=simulate) as mock_simulate,
     ):
         cases = [
             case(defects=[SLOT, SLOT | {"angle": 1}]),
@@ -388,7 +389,7 @@ def test_warming_computes_each_kind_of_case_once() -> None:
         ]
         warm(cases)
         warm(cases)
-    warmed = [call.args[0] for call in mocked.call_args_list]
+    warmed = [call.args[0] for call in mock_simulate.call_args_list]
     kinds = [(variant.model, variant.antialias, len(variant.defects)) for variant in warmed]
     assert kinds == [("ring", True, 2), ("ring", True, 0), ("static", True, 0), ("ring", False, 0)]
     assert all(variant.duration <= 0.01 for variant in warmed)
@@ -401,9 +402,9 @@ def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
         return case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
 
     cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
-    with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as mocked:
+    with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as mock_simulate:
         warm(cases)
-    assert mocked.call_count == 8  # any other exponent is a number
+    assert mock_simulate.call_count == 8  # any other exponent is a number
 
 
 # The jump of the damping force at a narrow defect's cusp
@@ -424,11 +425,11 @@ def test_the_cusp_of_a_narrow_defect_costs_no_first_order_error(method: str, fie
         update={"defects": (test_case.defects[0].model_copy(update={"angle": radians(angle)}),)}
     )
     step = choice.limits(test_case).crossing / 50
-    result = []
+    amplitudes = []
     for h in (step, step / 2):
         with mock.patch.object(time_grid, "requested_step", return_value=h):
-            result.append(simulate(test_case).features["velocity@BPFO"])
-    assert result[0] == pytest.approx(result[1], rel=5e-3)
+            amplitudes.append(simulate(test_case).features["velocity@BPFO"])
+    assert amplitudes[0] == pytest.approx(amplitudes[1], rel=5e-3)
 
 
 def radians(angle: str) -> float:
@@ -439,7 +440,7 @@ def radians(angle: str) -> float:
 def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
     test_case = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
     cusp, steps = assemble.kind_of_method(method).cusp, 12345
-    moved = assemble.align_with_cusp(assemble.model(test_case), steps, cusp).bearing
-    place = (moved.theta_0 - math.radians(7)) * moved.Z * steps / (2 * math.pi)
-    assert abs(place + cusp - round(place + cusp)) < 1e-6
-    assert 0.0 <= moved.theta_0 - test_case.start_angle < 2 * math.pi / (moved.Z * steps)
+    aligned = assemble.align_with_cusp(assemble.model(test_case), steps, cusp).bearing
+    crossing = (aligned.theta_0 - math.radians(7)) * aligned.Z * steps / (2 * math.pi)
+    assert abs(crossing + cusp - round(crossing + cusp)) < 1e-6
+    assert 0.0 <= aligned.theta_0 - test_case.start_angle < 2 * math.pi / (aligned.Z * steps)

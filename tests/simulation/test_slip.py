@@ -17,7 +17,7 @@ OIL = {"model": "planar", "drag": {}, "record": ["cage.slip"], "sampling": "2 kH
 LAND_TORQUE, ORBIT_TORQUE = 0.21872, 0.18138  # N m at 6000 rpm, by hand: see the test
 
 
-def oiled(rpm: float, load: float, **changes):
+def oil_case(rpm: float, load: float, **changes):
     """Return the healthy NF308 in oil."""
     return case(**(OIL | {"speed": f"{rpm} rpm", "load": f"{load} N"} | changes))
 
@@ -36,10 +36,10 @@ class Pocket(dict):
 def slip(rpm: float, load: float, **changes) -> float:
     """Return the mean slip of the cage over 0.2 s, after 0.5 s."""
     settings = {"settle": "0.5 s", "duration": "0.2 s"} | changes
-    return simulate(oiled(rpm, load, **settings)).features["cage.slip.mean"]
+    return simulate(oil_case(rpm, load, **settings)).features["cage.slip.mean"]
 
 
-def early(rpm: float, load: float, **changes) -> float:
+def early_slip(rpm: float, load: float, **changes) -> float:
     """Return the mean slip over 0.1 s, after 0.3 s: gross slip has begun, but still grows."""
     return slip(rpm, load, settle="0.3 s", duration="0.1 s", **changes)
 
@@ -51,7 +51,7 @@ def test_without_drag_the_cage_is_kinematic(rpm, load, friction):
     tight = {"drag": "none", "friction": friction, "cage": {"pocket_clearance": "20 um"}} | ramp
     if friction == "static-dynamic":  # on a shaft, as in `test_free_lines`: so both are compiled once
         tight["shaft"] = {"stiffness": "1e8 N/m", "mass": "2 kg", "damping": "2000 N s/m"}
-    result = simulate(oiled(rpm, load, settle="0.3 s", duration="0.2 s", **tight)).features
+    result = simulate(oil_case(rpm, load, settle="0.3 s", duration="0.2 s", **tight)).features
     assert abs(result["cage.slip.mean"]) < 1e-4
 
 
@@ -61,12 +61,14 @@ def test_drag_by_hand():
     Orbit: 1/2 * 86 kg/m^3 * 1 * (12 mm)^2 * (8.3256 m/s)^2 = 0.42920 N on each of 13 rollers, at 32.5 mm.
     Land: 2 pi * 0.05 Pa s * (36.7 mm)^3 * 11 mm / 0.2 mm * 256.17 rad/s.
     """
-    assert drag_torque(assemble.model(oiled(6000, 20)), 0.0) == pytest.approx(LAND_TORQUE + ORBIT_TORQUE, rel=1e-4)
+    assert drag_torque(assemble.model(oil_case(6000, 20)), 0.0) == pytest.approx(
+        LAND_TORQUE + ORBIT_TORQUE, rel=1e-4
+    )
 
 
 def test_friction_by_hand():
     """Far into slip each roller slides at 0.15 and both races push it: 2 * 0.15 * sum Q_i * 32.5 mm."""
-    model = assemble.model(oiled(1800, 20))
+    model = assemble.model(oil_case(1800, 20))
     result = loads(model, 0.5)
     assert friction_torque(model, result, 0.5) == pytest.approx(0.15 * 0.065 * result.inner.sum(), rel=0.01)
     assert 20.0 < result.inner.sum() < 1.28 * 20.0  # 1.2733 for linear contacts, half the circle loaded
@@ -76,11 +78,11 @@ def test_the_floor_is_the_pockets_clearance_over_the_load_zone():
     """A roller enters at the rear of its pocket and rolls across it before it pushes, over 102 mm of load zone."""
     narrow, wide = (slip(1800, 150, cage=Pocket(clearance)) for clearance in (0.1, 0.4))
     assert wide - narrow == pytest.approx(0.3 / 102.1, rel=0.15)
-    assert narrow == pytest.approx(balance(oiled(1800, 150, cage=Pocket(0.1))), rel=0.1)
+    assert narrow == pytest.approx(balance(oil_case(1800, 150, cage=Pocket(0.1))), rel=0.1)
 
 
 def test_slip_grows_as_load_falls_and_speed_rises():
-    result = [[early(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
+    result = [[early_slip(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
     for row in result:
         assert row[0] < row[1]
     for column in list(zip(*result, strict=True))[1:]:
@@ -95,7 +97,7 @@ def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
 
     After 1 s: the slip at 3000 rpm still grows, from 5 % under the balance after 0.5 s to 1 % after 1 s.
     """
-    expected = balance(oiled(rpm, load, friction=friction))
+    expected = balance(oil_case(rpm, load, friction=friction))
     assert 0.15 < expected < 0.25
     result = [slip(rpm, load, friction=friction, seed=seed, settle="1 s") for seed in (1, 2, 3)]
     assert sum(result) / 3.0 == pytest.approx(expected, rel=0.05)
@@ -107,8 +109,10 @@ def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
 )
 def test_the_onset_of_gross_slip_is_where_drag_exceeds_friction(rpm, friction):
     """Within 20 % in load, from rolling."""
-    onset = onset_by_balance(oiled(rpm, 20, friction=friction))
-    assert early(rpm, onset * 1.2, friction=friction) < GROSS < early(rpm, onset / 1.2, friction=friction)
+    onset = onset_by_balance(oil_case(rpm, 20, friction=friction))
+    assert (
+        early_slip(rpm, onset * 1.2, friction=friction) < GROSS < early_slip(rpm, onset / 1.2, friction=friction)
+    )
 
 
 def test_seeds_agree_on_the_mean():

@@ -24,16 +24,16 @@ def line(model, clearance="0 um", healthy=False, **changes):
     return f["velocity@BPFO"] * np.exp(1j * f["velocity@BPFO.phase"])
 
 
-def amplitude(*given, **changes):
-    return abs(line(*given, **changes))
+def amplitude(*arguments, **changes):
+    return abs(line(*arguments, **changes))
 
 
-def less_healthy(*given, **changes):
-    return abs(line(*given, **changes) - line(*given, healthy=True))
+def change_from_healthy(*arguments, **changes):
+    return abs(line(*arguments, **changes) - line(*arguments, healthy=True))
 
 
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("measure", [amplitude, less_healthy])
+@pytest.mark.parametrize("measure", [amplitude, change_from_healthy])
 def test_the_line_falls_with_angle(model, measure):
     result = [measure(model, angle=f"{angle} deg") for angle in range(0, 61, 10)]
     assert all(a > b for a, b in pairwise(result))

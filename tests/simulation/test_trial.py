@@ -112,13 +112,15 @@ CYCLES = 1.7  # of the line in a ball pass
 
 def tones(spans: list[slice], *components: tuple[float, float]) -> np.ndarray:
     """Return a sum of cosines (cycles per ball pass, amplitude)."""
-    at = np.arange(spans[0].stop + PER_PASS) / PER_PASS
-    return sum((size * np.cos(2.0 * np.pi * cycles * at) for cycles, size in components), np.zeros(len(at)))
+    passes = np.arange(spans[0].stop + PER_PASS) / PER_PASS
+    return sum(
+        (size * np.cos(2.0 * np.pi * cycles * passes) for cycles, size in components), np.zeros(len(passes))
+    )
 
 
 def phases(spans: list[slice], *cycles: float) -> np.ndarray:
-    at = np.arange(spans[0].stop + PER_PASS) / PER_PASS
-    return 2.0 * np.pi * np.multiply.outer(cycles, at)
+    passes = np.arange(spans[0].stop + PER_PASS) / PER_PASS
+    return 2.0 * np.pi * np.multiply.outer(cycles, passes)
 
 
 def test_modulation_by_defect_turns_is_not_scatter() -> None:

@@ -12,7 +12,7 @@ from bearingsim.config.scan.repair import read_scan
 from bearingsim.plots.plot import drawn
 from bearingsim.runner import run
 from bearingsim.study import Study, load_study
-from tests.config.test_scan import bowl, gridded
+from tests.config.test_scan import bowl, write_grid
 
 TEXT = """\
 study: scans
@@ -31,8 +31,8 @@ settle: 0 ms
 def home(tmp_path: Path) -> Path:
     """Make a folder with a study and its scans."""
     (tmp_path / "somebody" / "scans").mkdir(parents=True)
-    gridded(tmp_path / "somebody" / "scans" / "a.csv", bowl())
-    gridded(tmp_path / "somebody" / "scans" / "b.CSV", 0.5 * bowl())
+    write_grid(tmp_path / "somebody" / "scans" / "a.csv", bowl())
+    write_grid(tmp_path / "somebody" / "scans" / "b.CSV", 0.5 * bowl())
     (tmp_path / "somebody" / "study.yaml").write_text(TEXT)
     return tmp_path / "somebody"
 
@@ -100,7 +100,7 @@ def test_scan_missing_or_changed_before_the_run_is_reported(
     study, file = study_of(home), home / "scans" / "a.csv"
     file.unlink()
     if new_content:
-        gridded(file, 0.9 * bowl())
+        write_grid(file, 0.9 * bowl())
     with pytest.raises(ScanError, match=message):
         run(study, tmp_path / "out", jobs=1, progress=False)
 

@@ -46,8 +46,8 @@ def test_an_override_may_use_the_old_word(write: Write) -> None:
 
 
 def test_python_may_use_the_old_word() -> None:
-    given = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
-    assert Case.model_validate(given | {"prove": False}).step_check is False
+    fields = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
+    assert Case.model_validate(fields | {"prove": False}).step_check is False
 
 
 def test_results_that_swept_the_old_word_know_its_dimension() -> None:
@@ -62,8 +62,8 @@ def test_both_words_at_once_are_refused(write: Write) -> None:
 
 
 def test_check_says_so(write: Write) -> None:
-    found, _ = type_("check", write(BASE + "prove: false\n"), "--json")
-    assert json.loads(found)["notes"][-1] == "`prove` is now `step_check`; the old word is still read"
+    plan, _ = type_("check", write(BASE + "prove: false\n"), "--json")
+    assert json.loads(plan)["notes"][-1] == "`prove` is now `step_check`; the old word is still read"
 
 
 @pytest.mark.parametrize("old", DEPRECATED_KEYS)

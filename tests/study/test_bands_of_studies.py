@@ -23,13 +23,13 @@ sweep: {load: [150 N, 300 N]}
 ALL = {RMS := "velocity.rms@10-1000Hz", HIGH := "acceleration.rms@1000-20000Hz", ENVELOPE := "envelope@BPFO"}
 
 
-def features(write: Write, said: str) -> set[str]:
-    (found,) = {case.features for case in load_study(write(BASE + said)).cases()}
-    return set(found)
+def features(write: Write, text: str) -> set[str]:
+    (test_case,) = {case.features for case in load_study(write(BASE + text)).cases()}
+    return set(test_case)
 
 
 @pytest.mark.parametrize(
-    ("said", "named"),
+    ("text", "named"),
     [
         ("", set()),
         (f"features: [{HIGH}]\n", {HIGH}),
@@ -40,8 +40,8 @@ def features(write: Write, said: str) -> set[str]:
         ),
     ],
 )
-def test_what_figures_draw_is_computed(write: Write, said: str, named: set[str]) -> None:
-    assert features(write, said) == named
+def test_what_figures_draw_is_computed(write: Write, text: str, named: set[str]) -> None:
+    assert features(write, text) == named
 
 
 def test_what_figures_draw_is_computed_whatever_else_is_said_instead(write: Write) -> None:
@@ -88,11 +88,11 @@ def test_what_is_computed_anyway_needs_no_naming(write: Write) -> None:
 
 
 def test_the_order_of_names_makes_no_other_case() -> None:
-    one, other, none = (
+    forward, reverse, none = (
         Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "features": names})
         for names in ([RMS, ENVELOPE], [ENVELOPE, RMS], [])
     )
-    assert case_id(one) == case_id(other) != case_id(none)
+    assert case_id(forward) == case_id(reverse) != case_id(none)
 
 
 def test_a_high_band_raises_the_rate_of_fine_samples() -> None:
@@ -116,7 +116,7 @@ def test_they_are_stored_drawn_and_beside_their_healthy_twin(tmp_path: Path) -> 
             apart = table.loc[job, name] - table.loc[healthy, name]  # type: ignore[index]
             assert table.loc[job, f"{name}-healthy"] == apart  # type: ignore[index]
             assert apart > 0.0
-    shown, _ = type_("show", tmp_path / "out")
-    assert ".rms@10-1000Hz" in shown  # below "velocity" in a stacked heading
+    output, _ = type_("show", tmp_path / "out")
+    assert ".rms@10-1000Hz" in output  # below "velocity" in a stacked heading
     for kind in ("sweep", "pit"):  # the latter makes the case again from its parameters
         type_("plot", tmp_path / "out", "--kind", kind, "--format", "svg")

@@ -41,13 +41,13 @@ def values(study: Study, path: str) -> list[float]:
     return [float(swept[name][path]) for name in design_of(study).ids]
 
 
-def told(path: Path, overrides: dict[str, str] | None = None, quick: bool = False) -> tuple[str, str]:
+def first_problem(path: Path, overrides: dict[str, str] | None = None, quick: bool = False) -> tuple[str, str]:
     """The first message, and the text at its caret."""
     with pytest.raises(StudyError) as caught:
         load_study(path, overrides, quick)
-    found = caught.value.problems[0]
-    hint = f" ({found.hint})" if found.hint else ""
-    return found.message + hint, found.source_line[found.column - 1 :]
+    problem = caught.value.problems[0]
+    hint = f" ({problem.hint})" if problem.hint else ""
+    return problem.message + hint, problem.source_line[problem.column - 1 :]
 
 
 # What is drawn
@@ -59,9 +59,9 @@ def test_a_design_moves_its_paths_as_the_points_of_the_cube(write: Write, kind: 
     cube = designs.cube(kind, 8, 2, seed=1)
     assert values(study, "defect.width") == pytest.approx(0.2e-3 + 1.8e-3 * cube[:, 0], rel=1e-11)
     assert values(study, "load") == pytest.approx(50.0 * 10.0 ** cube[:, 1], rel=1e-11)
-    found = design_of(study)
-    assert (found.kind, found.n, found.seed, found.paths) == (kind, 8, 1, ("defect.width", "load"))
-    assert len(found.ids) == 8 * designs.block(kind, 2)
+    design = design_of(study)
+    assert (design.kind, design.n, design.seed, design.paths) == (kind, 8, 1, ("defect.width", "load"))
+    assert len(design.ids) == 8 * designs.block(kind, 2)
     assert study.units == {"defect.width": "mm", "load": "N"}
 
 
@@ -79,9 +79,9 @@ def test_ranges_are_kept_in_si(write: Write) -> None:
 def test_two_rows_may_be_one_case(write: Write) -> None:
     """A trajectory of Morris in two parameters meets itself and others: each row has the id of its case."""
     study = load_study(write(sweep("morris", 40)))
-    found = design_of(study)
-    assert len(study.cases()) <= len(designs.LEVELS) ** 2 < len(found.ids) == 120
-    assert set(found.ids) == {case_id(case) for case in study.cases()}
+    design = design_of(study)
+    assert len(study.cases()) <= len(designs.LEVELS) ** 2 < len(design.ids) == 120
+    assert set(design.ids) == {case_id(case) for case in study.cases()}
 
 
 def test_the_ids_are_those_that_results_were_named_by(write: Write) -> None:
@@ -96,11 +96,11 @@ def test_the_ids_are_those_that_results_were_named_by(write: Write) -> None:
     assert design_of(study).ids[:2] == ("a0cb45a9ed0ed43b", "8eceb5b6b594bfc2")
 
 
-@pytest.mark.parametrize(("kind", "kept"), [("sobol", 64), ("saltelli", 256), ("morris", 192), ("lhs", 0)])
-def test_a_larger_design_keeps_the_ids_or_says_that_it_does_not(write: Write, kind: str, kept: int) -> None:
+@pytest.mark.parametrize(("kind", "kept_count"), [("sobol", 64), ("saltelli", 256), ("morris", 192), ("lhs", 0)])
+def test_a_larger_design_keeps_the_ids_or_says_that_it_does_not(write: Write, kind: str, kept_count: int) -> None:
     few, many = (load_study(write(sweep(kind, n))) for n in (64, 256))
-    assert sum(a == b for a, b in zip(design_of(few).ids, design_of(many).ids, strict=False)) == kept
-    assert any("cannot be extended" in note for note in many.notes) == (kept == 0)
+    assert sum(a == b for a, b in zip(design_of(few).ids, design_of(many).ids, strict=False)) == kept_count
+    assert any("cannot be extended" in note for note in many.notes) == (kept_count == 0)
 
 
 def test_points_out_of_balance_are_told_of(write: Write) -> None:
@@ -117,10 +117,10 @@ def range_of(text: str, path: str = "load") -> Node:
     return parse(f"{path}: {text}", "f").root.mapping[path]
 
 
-def drawn(text: str, shares: list[float], path: str = "load") -> list[float]:
+def quantiles_of(text: str, shares: list[float], path: str = "load") -> list[float]:
     """The numbers that shares come to, in the unit of the range."""
-    found = distributions.range_of(path, range_of(text, path))
-    return [float(node.text.split()[0]) for node in found.nodes(np.array(shares))]
+    distribution = distributions.range_of(path, range_of(text, path))
+    return [float(node.text.split()[0]) for node in distribution.nodes(np.array(shares))]
 
 
 SHARES = [0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.999]
@@ -128,11 +128,13 @@ SHARES = [0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.999]
 
 @pytest.mark.parametrize("text", ["[100 N, 200 N]", "{uniform: [100 N, 0.2 kN]}"])
 def test_uniform(text: str) -> None:
-    assert drawn(text, SHARES) == pytest.approx([100.0 + 100.0 * t for t in SHARES], rel=1e-12)
+    assert quantiles_of(text, SHARES) == pytest.approx([100.0 + 100.0 * t for t in SHARES], rel=1e-12)
 
 
 def test_log() -> None:
-    assert drawn("{log: [0.5 N, 10 N]}", SHARES) == pytest.approx([0.5 * 20.0**t for t in SHARES], rel=1e-11)
+    assert quantiles_of("{log: [0.5 N, 10 N]}", SHARES) == pytest.approx(
+        [0.5 * 20.0**t for t in SHARES], rel=1e-11
+    )
 
 
 @pytest.mark.parametrize(
@@ -149,17 +151,17 @@ def test_normal_is_cut_at_its_bounds(text: str, mean: float, deviation: float, l
     def density(x: float) -> float:
         return math.exp(-0.5 * ((x - mean) / deviation) ** 2)
 
-    whole, _ = integrate.quad(density, low, high, epsabs=0.0, epsrel=1e-12)
-    found = drawn(text, SHARES)
-    below = [integrate.quad(density, low, x, epsabs=0.0, epsrel=1e-12)[0] / whole for x in found]
+    total, _ = integrate.quad(density, low, high, epsabs=0.0, epsrel=1e-12)
+    quantiles = quantiles_of(text, SHARES)
+    below = [integrate.quad(density, low, x, epsabs=0.0, epsrel=1e-12)[0] / total for x in quantiles]
     assert below == pytest.approx(SHARES, abs=2e-9)
-    assert found[0] == low
+    assert quantiles[0] == low
 
 
 def test_a_deviation_of_a_temperature_is_a_difference() -> None:
     path = "contact.damping.temperature"
-    in_kelvin = drawn("{normal: [55 C, 5 K], within: [40 C, 70 C]}", SHARES, path)
-    assert in_kelvin == drawn("{normal: [55 C, 5 C], within: [40 C, 70 C]}", SHARES, path)
+    in_kelvin = quantiles_of("{normal: [55 C, 5 K], within: [40 C, 70 C]}", SHARES, path)
+    assert in_kelvin == quantiles_of("{normal: [55 C, 5 C], within: [40 C, 70 C]}", SHARES, path)
     assert in_kelvin[3] == 55.0
 
 
@@ -173,16 +175,18 @@ def test_values_lie_within_their_ranges(low: float, width: float, form: str, sha
     high = low * (1.0 + width)
     if not low < high:
         return
-    found = drawn(form.format(a=repr(low), b=repr(high), s=repr(high - low)), [*shares, 0.0, 1.0 - 2.0**-53])
-    assert all(low <= value <= high for value in found)
-    by_share = [value for _, value in sorted(zip(shares, found, strict=False))]
+    values = quantiles_of(
+        form.format(a=repr(low), b=repr(high), s=repr(high - low)), [*shares, 0.0, 1.0 - 2.0**-53]
+    )
+    assert all(low <= value <= high for value in values)
+    by_share = [value for _, value in sorted(zip(shares, values, strict=False))]
     assert by_share == sorted(by_share)
 
 
 def test_a_design_of_many_points_is_distributed_as_it_says(write: Write) -> None:
     text = sweep("lhs", 400, "{load: {normal: [150 N, 20 N], within: [130 N, 200 N]}}")
-    found = (np.array(values(load_study(write(text)), "load")) - 150.0) / 20.0
-    assert stats.kstest(found, stats.truncnorm(-1.0, 2.5).cdf).statistic < 1.0 / 400
+    scores = (np.array(values(load_study(write(text)), "load")) - 150.0) / 20.0
+    assert stats.kstest(scores, stats.truncnorm(-1.0, 2.5).cdf).statistic < 1.0 / 400
 
 
 # What else a study says
@@ -190,30 +194,30 @@ def test_a_design_of_many_points_is_distributed_as_it_says(write: Write) -> None
 
 def test_lists_beside_sobol_multiply_it(write: Write) -> None:
     study = load_study(write(sweep("sobol", 4, more=", model: [ring, rollers]")))
-    found = design_of(study)
-    assert len(found.ids) == 8 == len(study.cases())
+    design = design_of(study)
+    assert len(design.ids) == 8 == len(study.cases())
     models = {case_id(case): case.model for case in study.cases()}
-    assert [models[name] for name in found.ids] == 4 * ["ring", "rollers"]
+    assert [models[name] for name in design.ids] == 4 * ["ring", "rollers"]
 
 
 def test_where_takes_points_out(write: Write) -> None:
-    whole = load_study(write(sweep("sobol", 32)))
+    full = load_study(write(sweep("sobol", 32)))
     some = load_study(write(sweep("sobol", 32, more=", where: [load < 200 N, defect.width > 0.5 mm]")))
-    kept = [
+    left = [
         name
         for name, load, width in zip(
-            design_of(whole).ids, values(whole, "load"), values(whole, "defect.width"), strict=True
+            design_of(full).ids, values(full, "load"), values(full, "defect.width"), strict=True
         )
         if load < 200.0 and width > 0.5e-3
     ]
-    assert 0 < len(kept) < 32
-    assert list(design_of(some).ids) == kept
+    assert 0 < len(left) < 32
+    assert list(design_of(some).ids) == left
 
 
 def test_quick_takes_fewer_points(write: Write) -> None:
     path = write(sweep("sobol", 64) + "quick: {sweep: {sobol: {n: 4}}}\n")
-    whole, quick = load_study(path), load_study(path, quick=True)
-    assert design_of(quick).ids == design_of(whole).ids[:4]
+    full, quick = load_study(path), load_study(path, quick=True)
+    assert design_of(quick).ids == design_of(full).ids[:4]
 
 
 def test_quick_takes_another_design(write: Write) -> None:
@@ -235,7 +239,7 @@ def test_quick_draws_a_path_that_was_listed(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "paths", "count"),
+    ("overrides", "paths", "count"),
     [
         ({"sobol.n": "4"}, ("defect.width", "load"), 4),
         ({"load": "200 N"}, ("defect.width",), 16),
@@ -244,9 +248,9 @@ def test_quick_draws_a_path_that_was_listed(write: Write) -> None:
     ],
 )
 def test_the_command_line_has_the_last_word(
-    write: Write, given: dict[str, str], paths: tuple[str, ...] | None, count: int
+    write: Write, overrides: dict[str, str], paths: tuple[str, ...] | None, count: int
 ) -> None:
-    study = load_study(write(sweep()), given)
+    study = load_study(write(sweep()), overrides)
     assert (study.design and study.design.paths, len(study.cases())) == (paths, count)
 
 
@@ -283,9 +287,9 @@ def test_repeat_tries_seeds(write: Write) -> None:
     assert len(load_study(write(text), {"repeat": "5"}).cases()) == 10
 
 
-@pytest.mark.parametrize("said", ["model: rollers", "model: planar\ncage: {motion: kinematic}"])
-def test_what_is_not_random_is_not_repeated(write: Write, said: str) -> None:
-    message, caret = told(write(f"{BASE}{said}\nsweep: {{repeat: 3}}\n"))
+@pytest.mark.parametrize("text", ["model: rollers", "model: planar\ncage: {motion: kinematic}"])
+def test_what_is_not_random_is_not_repeated(write: Write, text: str) -> None:
+    message, caret = first_problem(write(f"{BASE}{text}\nsweep: {{repeat: 3}}\n"))
     assert message.startswith("repeat: nothing in this study depends on `seed`")
     assert caret == "repeat: 3}"
 
@@ -301,11 +305,11 @@ def test_random_impulses_are_repeated(write: Write) -> None:
 def test_the_plan_holds_the_design(write: Write, tmp_path: Path) -> None:
     study = load_study(write(sweep("saltelli", 4)))
     store.write_plan(tmp_path, study, study.jobs())
-    found = store.read_plan(tmp_path)["design"]
-    assert found == json.loads(json.dumps(asdict(design_of(study))))
-    assert set(found) == {"kind", "n", "seed", "paths", "ranges", "ids"}
-    assert len(found["ranges"]) == len(found["paths"])
-    assert set(found["ids"]) <= {job["job"] for job in store.read_plan(tmp_path)["jobs"]}
+    design = store.read_plan(tmp_path)["design"]
+    assert design == json.loads(json.dumps(asdict(design_of(study))))
+    assert set(design) == {"kind", "n", "seed", "paths", "ranges", "ids"}
+    assert len(design["ranges"]) == len(design["paths"])
+    assert set(design["ids"]) <= {job["job"] for job in store.read_plan(tmp_path)["jobs"]}
 
 
 def test_a_plan_of_an_older_version_has_no_design(write: Write, tmp_path: Path) -> None:
@@ -320,8 +324,8 @@ def test_a_plan_of_an_older_version_has_no_design(write: Write, tmp_path: Path) 
 def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -> None:
     figures = "duration: 0.2 s\naccuracy: 5 %\nfigures: [{y: velocity@BPFO, x: load}]\n"
     study = load_study(write(sweep("saltelli", 4) + figures))
-    found = {key(study, case): Choice("ring", "ring", "told", {}) for case in study.cases()}
-    after = selection.apply_choices(study, found)
+    choices = {key(study, case): Choice("ring", "ring", "told", {}) for case in study.cases()}
+    after = selection.apply_choices(study, choices)
     named = load_study(write(sweep("saltelli", 4) + "duration: 0.2 s\nmodel: ring\nrecord: []\nuntil: 1.25 %\n"))
     assert design_of(after) == design_of(named) != design_of(study)
     assert set(design_of(after).ids) <= {job.id for job in after.planned()}
@@ -331,7 +335,7 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
 
 
 @pytest.mark.parametrize(
-    ("said", "message", "caret"),
+    ("text", "message", "caret"),
     [
         ("sobol: {n: 1000000000, over: {load: [1 N, 2 N]}}", "sweep.sobol.n: 1000000000 points of 1 path are 1000000000 cases; at most 1000000 are possible", "1000000000"),
         ("saltelli: {n: 300000, over: {load: [1 N, 2 N], speed: [1 Hz, 2 Hz]}}", "sweep.saltelli.n: 300000 base points of 2 paths are 1200000 cases; at most 1000000 are possible", "300000"),
@@ -375,18 +379,18 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("seed: [1, 2], repeat: 3", "`seed` is swept twice", "repeat"),
     ],
 )  # fmt: skip
-def test_what_is_refused_and_where(write: Write, said: str, message: str | None, caret: str) -> None:
-    found, rest = told(write(f"{BASE}model: rollers\nsweep: {{{said}}}\n"))
-    assert found == message or message is None
-    assert rest.startswith(caret)
+def test_what_is_refused_and_where(write: Write, text: str, message: str | None, caret: str) -> None:
+    first_line, pointed = first_problem(write(f"{BASE}model: rollers\nsweep: {{{text}}}\n"))
+    assert first_line == message or message is None
+    assert pointed.startswith(caret)
 
 
 def test_a_figure_says_how_many_points_are_left() -> None:
     from bearingsim.plots.design import description
 
-    told = {"kind": "sobol", "n": 32, "seed": 0, "ids": ("a",) * 24}
-    assert description(told) == "sobol design of 24 of 32 points, seed 0"
-    assert description(told | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
+    design = {"kind": "sobol", "n": 32, "seed": 0, "ids": ("a",) * 24}
+    assert description(design) == "sobol design of 24 of 32 points, seed 0"
+    assert description(design | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
 
 
 def test_a_single_value_beside_blocks_is_let_be(write: Write) -> None:
@@ -394,15 +398,15 @@ def test_a_single_value_beside_blocks_is_let_be(write: Write) -> None:
 
 
 def test_a_word_of_no_design_is_refused_on_the_command_line(write: Write) -> None:
-    message, caret = told(write(BASE), {"sobol.n": "4"})
+    message, caret = first_problem(write(BASE), {"sobol.n": "4"})
     assert message == "the study has no `sobol` (name it in `sweep`)"
     assert caret == "sobol.n=4"
 
 
 def test_many_paths_leave_room_for_fewer_rows(write: Write) -> None:
-    paths = [path for path, known in known_paths().items() if known][:21]
+    paths = [path for path, dimension in known_paths().items() if dimension][:21]
     over = ", ".join(f"{path}: [1 N, 2 N]" for path in paths)
-    message, caret = told(write(sweep("sobol", 500_000, f"{{{over}}}")))
+    message, caret = first_problem(write(sweep("sobol", 500_000, f"{{{over}}}")))
     assert message == (
         "sweep.sobol.n: 500000 cases of 21 paths are 10500000 values; at most 10000000 are possible"
     )
@@ -411,4 +415,4 @@ def test_many_paths_leave_room_for_fewer_rows(write: Write) -> None:
 
 def test_a_product_that_is_too_large_is_refused_before_it_is_made(write: Write) -> None:
     text = sweep("sobol", 2048, more=", speed: {linspace: [10 Hz, 20 Hz, 1000]}")
-    assert re.match("sweep: 2048000 cases; at most 1000000 are possible", told(write(text))[0])
+    assert re.match("sweep: 2048000 cases; at most 1000000 are possible", first_problem(write(text))[0])

@@ -15,16 +15,16 @@ FEW = 100
 
 
 @pytest.fixture
-def made(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+def built_cases(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The cases that are made."""
-    made: list[Any] = []
+    built_cases: list[Any] = []
 
-    def counted(*given: Any) -> Any:
-        made.append(given)
-        return diagnose.case_of(*given)
+    def count_case(*arguments: Any) -> Any:
+        built_cases.append(arguments)
+        return diagnose.case_of(*arguments)
 
-    monkeypatch.setattr(plan, "case_of", counted)
-    return made
+    monkeypatch.setattr(plan, "case_of", count_case)
+    return built_cases
 
 
 @pytest.mark.parametrize(
@@ -56,20 +56,22 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         ("sweep: {repeat: 90000}", "nothing in this study depends on `seed`"),
     ],
 )
-def test_what_costs_nothing_is_refused_first(write: Write, made: list[Any], lines: str, message: str) -> None:
+def test_what_costs_nothing_is_refused_first(
+    write: Write, built_cases: list[Any], lines: str, message: str
+) -> None:
     with pytest.raises(StudyError, match=message.replace("[", r"\[")):
         load_study(write(BASE + lines))
-    assert len(made) < FEW
+    assert len(built_cases) < FEW
 
 
-def test_a_figure_without_its_path_is_refused_before_36000_cases(made: list[Any]) -> None:
+def test_a_figure_without_its_path_is_refused_before_36000_cases(built_cases: list[Any]) -> None:
     (path,) = [path for path in SLOW_STUDIES if path.stem == "unswept_figure"]
     with pytest.raises(StudyError, match=r"no swept path `defect\.length`"):
         load_study(path)
-    assert len(made) < FEW
+    assert len(built_cases) < FEW
 
 
-def test_what_only_one_combination_shows_is_refused_all_the_same(write: Write, made: list[Any]) -> None:
+def test_what_only_one_combination_shows_is_refused_all_the_same(write: Write, built_cases: list[Any]) -> None:
     """Each value is right with the first of the other."""
     with pytest.raises(StudyError, match="10 ms is shorter than one ball pass"):
         load_study(write(BASE + "sweep: {duration: [1 s, 10 ms, 2 s], speed: [1800 rpm, 300 rpm, 900 rpm]}"))
@@ -80,16 +82,16 @@ def test_a_model_that_only_the_quick_study_has_gives_its_features(write: Write) 
     assert load_study(write(BASE + "sweep: {load: [150 N, 300 N]}\n" + figure)).figures
 
 
-def test_the_number_of_cases_is_said_before_they_are_read(write: Write, made: list[Any]) -> None:
+def test_the_number_of_cases_is_said_before_they_are_read(write: Write, built_cases: list[Any]) -> None:
     counts: list[tuple[int, int]] = []
     load_study(
         write(BASE + "sweep: {load: {linspace: [1 N, 2 N, 200]}}"),
         None,
         False,
-        lambda n: counts.append((n, len(made))),
+        lambda n: counts.append((n, len(built_cases))),
     )
     assert [count for count, _ in counts] == [200]
-    assert counts[0][1] < FEW < len(made)
+    assert counts[0][1] < FEW < len(built_cases)
 
 
 def test_no_limits_of_steps_are_needed_to_count_jobs(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,14 +25,14 @@ def problems(path: Path, overrides: dict[str, str] | None = None) -> list[Proble
     return caught.value.problems
 
 
-def at(problem: Problem) -> str:
+def text_at_caret(problem: Problem) -> str:
     """The text at the caret."""
     lines = str(problem).splitlines()
     return lines[1][lines[2].index("^") :]
 
 
 @pytest.mark.parametrize(
-    ("said", "within", "of"),
+    ("text", "within", "of"),
     [
         ("2 %", 0.02, ("velocity@BPFO", "velocity.rms")),  # what figures draw, and an accuracy can be held of
         ("0.5 %", 0.005, ("velocity@BPFO", "velocity.rms")),
@@ -44,9 +44,9 @@ def at(problem: Problem) -> str:
     ],
 )  # fmt: skip
 def test_an_accuracy_says_how_close_and_of_what(
-    write: Write, said: str, within: float, of: tuple[str, ...]
+    write: Write, text: str, within: float, of: tuple[str, ...]
 ) -> None:
-    assert goal(write, f"accuracy: {said}\n{SWEEP}{FIGURE}") == Goal(within, of)
+    assert goal(write, f"accuracy: {text}\n{SWEEP}{FIGURE}") == Goal(within, of)
 
 
 def test_a_study_without_asks_for_none(write: Write) -> None:
@@ -67,7 +67,7 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "caret", "message"),
+    ("text", "caret", "message"),
     [
         ("0.4 %", "0.4 %", "accuracy: expected 0.5 % to 50 %, got `0.4 %` (the reference itself is not more accurate than that (docs/accuracy.md))"),
         ("60 %", "60 %", "accuracy: expected 0.5 % to 50 %, got `60 %`"),
@@ -86,18 +86,18 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
         ("0.5", "0.5", "accuracy: expected a share such as `1 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_told_at_its_place(write: Write, said: str, caret: str, message: str | None) -> None:
-    found = problems(write(f"{BASE}accuracy: {said}\n{SWEEP}{FIGURE}"))
-    assert len(found) == 1, found
-    assert at(found[0]).startswith(caret)
+def test_what_is_wrong_is_told_at_its_place(write: Write, text: str, caret: str, message: str | None) -> None:
+    all_problems = problems(write(f"{BASE}accuracy: {text}\n{SWEEP}{FIGURE}"))
+    assert len(all_problems) == 1, all_problems
+    assert text_at_caret(all_problems[0]).startswith(caret)
     if message is not None:
-        assert str(found[0]).splitlines()[0].partition(": ")[2] == message
+        assert str(all_problems[0]).splitlines()[0].partition(": ")[2] == message
 
 
 def test_of_nothing_drawn_no_accuracy_can_be_held(write: Write) -> None:
-    (found,) = problems(write(f"{BASE}accuracy: 2 %\n{SWEEP}figures: [{{y: seconds, x: load}}]\n"))
-    assert "no figure shows a spectral line" in found.message
-    assert at(found).startswith("accuracy: 2 %")
+    (problem,) = problems(write(f"{BASE}accuracy: 2 %\n{SWEEP}figures: [{{y: seconds, x: load}}]\n"))
+    assert "no figure shows a spectral line" in problem.message
+    assert text_at_caret(problem).startswith("accuracy: 2 %")
 
 
 BESIDE = "`{}` cannot be combined with `accuracy`, which chooses it (leave `{}` out, or `accuracy`)"
@@ -115,9 +115,9 @@ BESIDE = "`{}` cannot be combined with `accuracy`, which chooses it (leave `{}` 
     ],
 )
 def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, key: str, caret: str) -> None:
-    (found,) = [one for one in problems(write(f"{BASE}{MODELS}{text}")) if "cannot be combined" in str(one)]
-    assert str(found).splitlines()[0].endswith(BESIDE.format(key, key))
-    assert at(found).startswith(caret)
+    (problem,) = [p for p in problems(write(f"{BASE}{MODELS}{text}")) if "cannot be combined" in str(p)]
+    assert str(problem).splitlines()[0].endswith(BESIDE.format(key, key))
+    assert text_at_caret(problem).startswith(caret)
 
 
 @pytest.mark.parametrize(
@@ -130,17 +130,17 @@ def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, k
     ],
 )
 def test_nor_can_it_be_swept(write: Write, sweep: str, caret: str) -> None:
-    (found,) = [
-        one for one in problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}")) if "cannot be combined" in str(one)
+    (problem,) = [
+        p for p in problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}")) if "cannot be combined" in str(p)
     ]
-    assert at(found).startswith(caret)
+    assert text_at_caret(problem).startswith(caret)
 
 
 @pytest.mark.parametrize("key", ["model", "method"])
 def test_nor_can_it_be_set(write: Write, key: str) -> None:
     value = {"model": "ring", "method": "verlet"}[key]
-    (found,) = [one for one in problems(write(BASE + MODELS), {key: value}) if "cannot be combined" in str(one)]
-    assert f"leave out --set {key}" in str(found)
+    (problem,) = [p for p in problems(write(BASE + MODELS), {key: value}) if "cannot be combined" in str(p)]
+    assert f"leave out --set {key}" in str(problem)
 
 
 STEPPED = "`{}` cannot be combined with `accuracy`, which needs the error bound of an automatic step (leave `{}` out, or `accuracy`)"
@@ -160,9 +160,9 @@ BENDS = "rig: {ring: {bends: true}}\n"
     ],
 )
 def test_nor_what_the_choice_is_about(write: Write, text: str, path: str, caret: str, message: str) -> None:
-    (found,) = problems(write(f"{BASE}{MODELS}{text}"))
-    assert str(found).splitlines()[0].endswith(message.format(path, path))
-    assert at(found).startswith(caret)
+    (problem,) = problems(write(f"{BASE}{MODELS}{text}"))
+    assert str(problem).splitlines()[0].endswith(message.format(path, path))
+    assert text_at_caret(problem).startswith(caret)
 
 
 @pytest.mark.parametrize(
@@ -177,9 +177,9 @@ def test_nor_what_the_choice_is_about(write: Write, text: str, path: str, caret:
     ],
 )
 def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
-    (found,) = problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}"))
-    assert "`accuracy`" in found.message
-    assert at(found).startswith(caret)
+    (problem,) = problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}"))
+    assert "`accuracy`" in problem.message
+    assert text_at_caret(problem).startswith(caret)
 
 
 @pytest.mark.parametrize(
@@ -193,20 +193,20 @@ def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
     ],
 )
 def test_nor_can_that_be_set(write: Write, path: str, value: str, caret: str) -> None:
-    (found,) = problems(write(BASE + MODELS), {path: value})
-    assert "`accuracy`" in found.message
-    assert at(found).startswith(caret)
+    (problem,) = problems(write(BASE + MODELS), {path: value})
+    assert "`accuracy`" in problem.message
+    assert text_at_caret(problem).startswith(caret)
 
 
-@pytest.mark.parametrize("said", ["step_check: false", "quick: {step_check: false}"])
-def test_the_error_of_the_step_must_be_known(write: Write, said: str) -> None:
-    (found,) = problems(write(f"{BASE}{MODELS}{said}\n"))
-    assert "`accuracy` needs `step_check`, which bounds the error of the step (leave it out)" in str(found)
-    assert at(found).startswith("step_check: false")
+@pytest.mark.parametrize("text", ["step_check: false", "quick: {step_check: false}"])
+def test_the_error_of_the_step_must_be_known(write: Write, text: str) -> None:
+    (problem,) = problems(write(f"{BASE}{MODELS}{text}\n"))
+    assert "`accuracy` needs `step_check`, which bounds the error of the step (leave it out)" in str(problem)
+    assert text_at_caret(problem).startswith("step_check: false")
 
 
 @pytest.mark.parametrize(
-    "said",
+    "text",
     [
         "step: auto\ntolerance: auto\n",
         "quick: {step: auto}\n",
@@ -216,8 +216,8 @@ def test_the_error_of_the_step_must_be_known(write: Write, said: str) -> None:
         "rig: {ring: {bends: true, harmonics: 10}}\n",
     ],
 )
-def test_what_does_no_harm_may_be_said(write: Write, said: str) -> None:
-    study = load_study(write(f"{BASE}{MODELS}{said}"))
+def test_what_does_no_harm_may_be_said(write: Write, text: str) -> None:
+    study = load_study(write(f"{BASE}{MODELS}{text}"))
     assert study.otherwise is not None
     assert all(study.otherwise({"model": "static"}))
 
@@ -225,23 +225,23 @@ def test_what_does_no_harm_may_be_said(write: Write, said: str) -> None:
 @pytest.mark.parametrize("rig", ["", BENDS, "rig: {ring: {bends: false}}\n"])
 def test_supports_cannot_be_tried_by_models_that_know_none(write: Write, rig: str) -> None:
     """The advice must not lead to what is refused in its turn."""
-    (found,) = problems(write(f"{BASE}{MODELS}{rig}uncertainty: {{support: unknown}}\n"))
-    assert found.message.startswith("uncertainty.support: not possible with `accuracy`")
-    assert found.hint == "omit `support`, or use `model` instead of `accuracy`"
-    assert at(found).startswith("unknown}")
+    (problem,) = problems(write(f"{BASE}{MODELS}{rig}uncertainty: {{support: unknown}}\n"))
+    assert problem.message.startswith("uncertainty.support: not possible with `accuracy`")
+    assert problem.hint == "omit `support`, or use `model` instead of `accuracy`"
+    assert text_at_caret(problem).startswith("unknown}")
 
 
 def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
     """A defect off the roller's middle tilts rollers, a ring that bends is known to others."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
-    (found,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
-    assert found.message.startswith("accuracy: no model can compute all of this: an `offset` tilts the roller")
-    assert found.hint == "omit that, or use `model` instead of `accuracy`"
+    (problem,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
+    assert problem.message.startswith("accuracy: no model can compute all of this: an `offset` tilts the roller")
+    assert problem.hint == "omit that, or use `model` instead of `accuracy`"
     load_study(write(offset + MODELS))  # without the ring: spatial
 
 
 @pytest.mark.parametrize(
-    ("said", "assumed"),
+    ("fields", "assumed"),
     [
         ("accuracy: {within: 2 %, of: [velocity.rms]}\n", (NO_OIL,)),
         ("accuracy: {within: 2 %, of: [velocity.rms]}\nfriction: none\n", (NO_SLIP,)),
@@ -251,9 +251,9 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
         ("model: rollers\n", ()),
     ],
 )
-def test_what_a_reference_leaves_out_is_told(write: Write, said: str, assumed: tuple[str, ...]) -> None:
+def test_what_a_reference_leaves_out_is_told(write: Write, fields: str, assumed: tuple[str, ...]) -> None:
     text = "study: a\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\nrig: {ring: {bends: false}}\n"
-    assert load_study(write(text + said)).assumptions == assumed
+    assert load_study(write(text + fields)).assumptions == assumed
 
 
 # Records that end early

@@ -18,7 +18,7 @@ VALID = ["load 150 N # \u202e"]
 """Of the malformed files: a comment may say anything."""
 
 
-def told(path: Path) -> list[str]:
+def error_lines(path: Path) -> list[str]:
     with pytest.raises(StudyError) as caught:
         load_study(path)
     return str(caught.value).splitlines()
@@ -29,9 +29,9 @@ def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
     wrong, valid = {}, []
     for name, path in malformed.malformed(tmp_path):
         ended = hostile.run_in_process("check", str(path))
-        found = hostile.faults(ended, path, SLOWLY)
-        if found:
-            wrong[name] = found
+        faults = hostile.faults(ended, path, SLOWLY)
+        if faults:
+            wrong[name] = faults
         if ended.code == 0:
             valid.append(name)
     assert wrong == {}
@@ -55,7 +55,7 @@ def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
             load_study(path)
             continue
         refused += 1
-        assert str(path.parent) in "\n".join(told(path))
+        assert str(path.parent) in "\n".join(error_lines(path))
     assert 40 < refused < 80
 
 
@@ -74,13 +74,13 @@ MOST_MADE = 1000
 def test_studies_with_crossed_blocks_load_or_are_refused_soon(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
 ) -> None:
-    made: list[Path] = []
+    built: list[Path] = []
 
-    def counted(*given: Any) -> Any:
-        made.append(path)
-        return diagnose.case_of(*given)
+    def count_case(*arguments: Any) -> Any:
+        built.append(path)
+        return diagnose.case_of(*arguments)
 
-    monkeypatch.setattr(plan, "case_of", counted)
+    monkeypatch.setattr(plan, "case_of", count_case)
     refused = {}
     for _, path in crossed_blocks.write_crossed(tmp_path, 40, seed):
         try:
@@ -89,48 +89,54 @@ def test_studies_with_crossed_blocks_load_or_are_refused_soon(
             refused[path] = str(error)
     assert 10 < len(refused) < 35
     assert all(map(hostile.POSITION.search, refused.values()))
-    assert max(map(made.count, refused)) < MOST_MADE
+    assert max(map(built.count, refused)) < MOST_MADE
 
 
 def test_limits_are_those_of_what_was_checked() -> None:
-    def wrong(code: int, said: str, cpu: float, memory: float = 1e8) -> str:
-        ended = hostile.CommandResult(code, said, cpu, memory)
-        return check_limits.row_of(1, "", Path("a.yaml"), ended).wrong
+    def exceeded(code: int, text: str, cpu: float, memory: float = 1e8) -> str:
+        result = hostile.CommandResult(code, text, cpu, memory)
+        return check_limits.row_of(1, "", Path("a.yaml"), result).wrong
 
     valid, refused = "a: 500 jobs (400 cases, 100 healthy twins)", "a.yaml:1:1: no"
-    assert [wrong(0, valid, cpu) for cpu in (1.4, 1.6)] == ["", "1.6 s"]
-    assert [wrong(2, refused, cpu) for cpu in (1.9, 2.1)] == ["", "2.1 s"]
-    assert wrong(2, refused, 0.5, 3.1e8) == "310 MB"
-    assert wrong(1, "a.yaml: Traceback", 0.5) == "a traceback; exit code 1"
+    assert [exceeded(0, valid, cpu) for cpu in (1.4, 1.6)] == ["", "1.6 s"]
+    assert [exceeded(2, refused, cpu) for cpu in (1.9, 2.1)] == ["", "2.1 s"]
+    assert exceeded(2, refused, 0.5, 3.1e8) == "310 MB"
+    assert exceeded(1, "a.yaml: Traceback", 0.5) == "a traceback; exit code 1"
 
 
 # What messages look like
 
 
 def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
-    first, line, caret = told(write(malformed.study_with(f"load: [{'150 N, ' * 100}&a &b]")))
+    first, line, caret = error_lines(write(malformed.study_with(f"load: [{'150 N, ' * 100}&a &b]")))
     assert line[caret.index("^")] == "&"
     assert len(line) <= MAX_LINE + 4
-    first, *_ = told(write(malformed.study_with(f"load: {'x' * 5000}")))
+    first, *_ = error_lines(write(malformed.study_with(f"load: {'x' * 5000}")))
     assert f"`{'x' * MAX_ECHO}...`" in first
 
 
 def test_a_message_has_no_letters_of_control(write: Write) -> None:
-    said = "\n".join(told(write(malformed.study_with('"load\u202e\u00a0": "a\\nb"'))))
-    assert r"unknown key `load\u202e\xa0`" in said
-    assert all(letter.isprintable() or letter == "\n" for letter in said)
+    output = "\n".join(error_lines(write(malformed.study_with('"load\u202e\u00a0": "a\\nb"'))))
+    assert r"unknown key `load\u202e\xa0`" in output
+    assert all(letter.isprintable() or letter == "\n" for letter in output)
 
 
 def test_no_more_problems_are_told_than_one_mends(write: Write) -> None:
-    said = told(write(malformed.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200))
-    assert said[-1] == "and 190 more like these"
-    assert sum(line.strip() == "^" for line in said) == MAX_PROBLEMS
+    lines = error_lines(
+        write(malformed.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200)
+    )
+    assert lines[-1] == "and 190 more like these"
+    assert sum(line.strip() == "^" for line in lines) == MAX_PROBLEMS
 
 
 def test_a_file_that_is_no_text_says_where(tmp_path: Path) -> None:
     path = tmp_path / "study.yaml"
     path.write_bytes(b"study: a\nload: \xff N\n")
-    assert told(path) == [f"{path}:2:7: not a text file in UTF-8 (save it as UTF-8)", "    load: ", "          ^"]
+    assert error_lines(path) == [
+        f"{path}:2:7: not a text file in UTF-8 (save it as UTF-8)",
+        "    load: ",
+        "          ^",
+    ]
 
 
 def test_letters_are_counted_with_their_aliases() -> None:
@@ -148,14 +154,16 @@ def test_twenty_levels_are_read_and_one_more_is_not() -> None:
 
 @pytest.mark.parametrize("tag", ["!!python/object/apply:os.system", "!!int", "!mine"])
 def test_a_tag_is_refused(write: Write, tag: str) -> None:
-    assert f"the tag `{tag}` means nothing here" in told(write(malformed.study_with(f"load: {tag} 150 N")))[0]
+    assert (
+        f"the tag `{tag}` means nothing here" in error_lines(write(malformed.study_with(f"load: {tag} 150 N")))[0]
+    )
 
 
 # Base values that a sweep replaces
 
 
 @pytest.mark.parametrize(
-    ("said", "swept", "message"),
+    ("text", "swept", "message"),
     [
         ("load: 150 mm", "load: [1 N, 2 N]", "load: expected a force"),
         ("defect: {shape: circular, length: 1 N}", "{defect.length: [1 mm], defect.width: [1 mm], defect.depth: [1 um]}", "defect.length: expected a length"),  # noqa: E501
@@ -168,10 +176,10 @@ def test_a_tag_is_refused(write: Write, tag: str) -> None:
         ("seed: x", "seed: [1, 2]", "seed: expected a whole number"),
     ],
 )  # fmt: skip
-def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, swept: str, message: str) -> None:
-    first, line, caret = told(write(f"{malformed.study_with(said)}sweep: {{{swept.strip('{}')}}}\n"))
+def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, text: str, swept: str, message: str) -> None:
+    first, line, caret = error_lines(write(f"{malformed.study_with(text)}sweep: {{{swept.strip('{}')}}}\n"))
     assert message in first
-    assert line.strip() == said
+    assert line.strip() == text
     assert caret.strip() == "^"
 
 
@@ -195,4 +203,4 @@ def test_a_base_completed_by_the_sweep_is_valid(
 
 def test_both_words_of_a_key_are_refused(write: Write) -> None:
     """The old one would be taken for the new one, and one value lost."""
-    assert "is now called" in told(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]
+    assert "is now called" in error_lines(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]

@@ -26,8 +26,8 @@ def case(bearing: str, **values: object) -> Case:
     return Case.model_validate({"bearing": bearing, "speed": "1800 rpm", "load": "150 N", **values})
 
 
-def warned(write: Write, said: str) -> list[str]:
-    return [note for note in load_study(write(BASE + said)).assumptions if note.startswith("warning: ")]
+def warnings_of(write: Write, text: str) -> list[str]:
+    return [note for note in load_study(write(BASE + text)).assumptions if note.startswith("warning: ")]
 
 
 @pytest.mark.parametrize(
@@ -48,18 +48,18 @@ def test_a_rated_roller_is_pressed_to_4_gpa(name: str) -> None:
 
 def test_lines_stand_where_freq_says() -> None:
     """`bearingsim freq nf308`: orders 5.3 and 7.7 of BPFO and BPFI, 0.4077 of the cage."""
-    found = case("nf308")
+    test_case = case("nf308")
     orders = {"2BPFO": 10.6, "BPFI-fr": 6.7, "2BSF+FTF": 2.0 * 2.616 + 0.4077, "fr": 1.0}
     for name, order in orders.items():
-        assert frequency(found, name) == pytest.approx(30.0 * order, rel=1e-3)
+        assert frequency(test_case, name) == pytest.approx(30.0 * order, rel=1e-3)
 
 
 def test_what_is_in_range_is_not_spoken_of(write: Write) -> None:
-    assert warned(write, "load: 10 kN\nsweep: {speed: [1000 rpm, 14000 rpm]}\n") == []
+    assert warnings_of(write, "load: 10 kN\nsweep: {speed: [1000 rpm, 14000 rpm]}\n") == []
 
 
 @pytest.mark.parametrize(
-    ("said", "parts"),
+    ("text", "parts"),
     [
         (
             "sweep: {load: [1 kN, 70 kN, 95 kN]}",
@@ -83,29 +83,29 @@ def test_what_is_in_range_is_not_spoken_of(write: Write) -> None:
         ),
     ],
 )
-def test_what_leaves_its_range_is_told_once(write: Write, said: str, parts: list[str]) -> None:
-    lines = said.splitlines()
+def test_what_leaves_its_range_is_told_once(write: Write, text: str, parts: list[str]) -> None:
+    lines = text.splitlines()
     base = "".join(
         f"{old}\n" for old in BASE.splitlines() if old.split(":")[0] not in {s.split(":")[0] for s in lines}
     )
-    found = [note for note in load_study(write(f"{base}{said}\n")).assumptions if note.startswith("warning: ")]
+    warnings = [note for note in load_study(write(f"{base}{text}\n")).assumptions if note.startswith("warning: ")]
     for part in parts:
-        assert sum(part in note for note in found) == 1
-    assert len(found) <= len(parts)
-    assert all(len(note) <= 100 for note in found)
+        assert sum(part in note for note in warnings) == 1
+    assert len(warnings) <= len(parts)
+    assert all(len(note) <= 100 for note in warnings)
 
 
 def test_how_many_cases_leave_a_range_is_told_unless_all_do(write: Write) -> None:
-    some = warned(write, "sweep: {load: [1 kN, 70 kN, 95 kN]}\n")
+    some = warnings_of(write, "sweep: {load: [1 kN, 70 kN, 95 kN]}\n")
     assert [note[note.rindex("(") :] for note in some] == ["(1 of 3 cases)", "(2 of 3 cases)"]
-    assert not any("cases" in note for note in warned(write, "sweep: {load: [90 kN, 95 kN]}\n"))
+    assert not any("cases" in note for note in warnings_of(write, "sweep: {load: [90 kN, 95 kN]}\n"))
 
 
 def test_the_highest_line_drawn_counts(write: Write) -> None:
     drawn = "load: 1 N\nsampling: 400 Hz\nsweep: {clearance: [0 um, 5 um]}\nfigures: [{x: clearance, y: [Y]}]\n"
-    assert warned(write, drawn.replace("Y", "velocity@BPFO, velocity.rms")) == []
-    (found,) = warned(write, drawn.replace("Y", "velocity@BPFO, velocity@2BPFO-healthy"))
-    assert "2BPFO (318 Hz) is above half" in found
+    assert warnings_of(write, drawn.replace("Y", "velocity@BPFO, velocity.rms")) == []
+    (warning,) = warnings_of(write, drawn.replace("Y", "velocity@BPFO, velocity@2BPFO-healthy"))
+    assert "2BPFO (318 Hz) is above half" in warning
 
 
 def test_check_says_it_and_results_keep_it(write: Write, tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_check_says_it_and_results_keep_it(write: Write, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("said", "message"),
+    ("text", "message"),
     [
         ("speed: 1e9 rpm", "the inner race moves at 2.78e+06 m/s: its hoop stress rho v^2"),
         ("ramp: {to: 1e6 rpm, time: 1 s}\nmodel: planar", "ramp.to: at 1e+06 rpm the inner race moves"),
@@ -126,13 +126,13 @@ def test_check_says_it_and_results_keep_it(write: Write, tmp_path: Path) -> None
         ("contact: {damping: {law: general, coefficient: 1, indentation_exponent: 1e9}}", "from 0 to 10"),
     ],
 )
-def test_what_no_physics_has_is_refused(write: Write, said: str, message: str) -> None:
-    key = said.partition(":")[0]
+def test_what_no_physics_has_is_refused(write: Write, text: str, message: str) -> None:
+    key = text.partition(":")[0]
     base = "".join(f"{line}\n" for line in f"{BASE}load: 1 N".splitlines() if not line.startswith(f"{key}:"))
     with pytest.raises(StudyError) as caught:
-        load_study(write(f"{base}{said}\n"))
-    (found,) = caught.value.problems
-    assert message in str(found)
+        load_study(write(f"{base}{text}\n"))
+    (problem,) = caught.value.problems
+    assert message in str(problem)
 
 
 def test_the_fastest_ring_of_steel_does_not_burst(write: Write) -> None:
@@ -176,10 +176,10 @@ def test_every_need_of_quality_has_a_scene() -> None:
 def test_a_model_that_leaves_out_what_is_asked_for_is_named(need: str, model: str, has_it: bool) -> None:
     if model == "impulse" and need == "tilt":
         pytest.skip("impulses have no place along the roller, and refuse it")
-    found = list(omission_warnings([of_model(model, ITALICS[need])]))
-    named = [text for text in found if f"omits {ABILITY.get(need, need)}:" in text]
+    warnings = list(omission_warnings([of_model(model, ITALICS[need])]))
+    named = [text for text in warnings if f"omits {ABILITY.get(need, need)}:" in text]
     assert len(named) == (not has_it)
-    assert all(text.startswith(f"warning: `{model}` omits") and len(text) <= 100 for text in found)
+    assert all(text.startswith(f"warning: `{model}` omits") and len(text) <= 100 for text in warnings)
 
 
 def of_model(model: str, fields: dict[str, Any]) -> Case:

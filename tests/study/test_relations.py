@@ -17,15 +17,15 @@ def problems(path: Path, overrides: dict[str, str] | None = None) -> list[Proble
     return caught.value.problems
 
 
-def sweep(said: str) -> str:
-    return f"{BASE}sweep:\n  {said}\n"
+def sweep(text: str) -> str:
+    return f"{BASE}sweep:\n  {text}\n"
 
 
 WIDTHS = "defect.width: [0.4 mm, 0.8 mm]\n  "
 
 
 @pytest.mark.parametrize(
-    ("said", "depths"),
+    ("text", "depths"),
     [
         ("derived: {defect.depth: defect.width / 40}", [1e-5, 2e-5]),
         ("derived: {defect.depth: defects.1.width / 40}", [1e-5, 2e-5]),
@@ -36,8 +36,8 @@ WIDTHS = "defect.width: [0.4 mm, 0.8 mm]\n  "
         ("derived: {defect.depth: bearing.roller_length / 1000}", [1.2e-5, 1.2e-5]),
     ],
 )
-def test_a_value_follows_from_others(write: Write, said: str, depths: list[float]) -> None:
-    cases = load_study(write(sweep(WIDTHS + said))).cases()
+def test_a_value_follows_from_others(write: Write, text: str, depths: list[float]) -> None:
+    cases = load_study(write(sweep(WIDTHS + text))).cases()
     assert [case.defects[0].depth for case in cases] == pytest.approx(depths, rel=1e-15)
 
 
@@ -51,18 +51,18 @@ def test_a_derived_case_is_the_one_that_is_written(write: Write) -> None:
 
 
 def test_derived_values_follow_from_each_other_in_any_order(write: Write) -> None:
-    said = (
+    text = (
         "derived: {clearance: defect.depth / 2, defect.depth: defect.width / 40, defect.length: 10 * defect.width}"
     )
-    cases = load_study(write(sweep(WIDTHS + said))).cases()
+    cases = load_study(write(sweep(WIDTHS + text))).cases()
     assert [case.clearance for case in cases] == pytest.approx([5e-6, 1e-5])
     assert [case.defects[0].length for case in cases] == pytest.approx([0.004, 0.008])
 
 
 def test_a_section_that_is_swept_gives_its_values(write: Write) -> None:
     """A formula reads what the case says, whatever said it: a bearing's file, too."""
-    said = "bearing: [nf308, nu204]\n  derived: {defect.length: bearing.roller_length / 2}"
-    study = load_study(write(sweep(said)))
+    text = "bearing: [nf308, nu204]\n  derived: {defect.length: bearing.roller_length / 2}"
+    study = load_study(write(sweep(text)))
     assert [case.defects[0].length for case in study.cases()] == [
         pytest.approx(float(case.bearing.roller_length or 0.0) / 2.0) for case in study.cases()
     ]
@@ -89,7 +89,7 @@ def test_whole_numbers_follow_too(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "left"),
+    ("text", "left"),
     [
         ("where: [defect.width < 0.5 mm]", [(0.0004, 100.0), (0.0004, 200.0)]),
         ("where: defect.width < 0.5 mm", [(0.0004, 100.0), (0.0004, 200.0)]),
@@ -102,8 +102,8 @@ def test_whole_numbers_follow_too(write: Write) -> None:
         ("where: []", [(0.0004, 100.0), (0.0004, 200.0), (0.0008, 100.0), (0.0008, 200.0)]),
     ],
 )
-def test_conditions_leave_combinations_out(write: Write, said: str, left: list[tuple[float, float]]) -> None:
-    cases = load_study(write(sweep(WIDTHS + "load: [100 N, 200 N]\n  " + said))).cases()
+def test_conditions_leave_combinations_out(write: Write, text: str, left: list[tuple[float, float]]) -> None:
+    cases = load_study(write(sweep(WIDTHS + "load: [100 N, 200 N]\n  " + text))).cases()
     assert [(case.defects[0].width, case.load) for case in cases] == left
 
 
@@ -121,22 +121,22 @@ def test_a_condition_holds_where_it_holds_on_paper(write: Write, swept: str, con
     """Of 0.1 mm * 3 and 0.3 mm the floats differ in their last bit; -5 C is no -278.15 K."""
     path, listed = swept.split(": ")
     oil = "contact: {damping: {oil: VG 68, temperature: 20 C}}\n"
-    (kept,) = load_study(write(oil + sweep(f"{swept}\n  where: ['{condition}']"))).cases()
+    (test_case,) = load_study(write(oil + sweep(f"{swept}\n  where: ['{condition}']"))).cases()
     (first,) = load_study(write(oil + sweep(f"{path}: {listed.split(',')[0]}]"))).cases()
-    assert case_id(kept) == case_id(first)
+    assert case_id(test_case) == case_id(first)
 
 
 def test_a_condition_reads_derived_values(write: Write) -> None:
-    said = WIDTHS + "derived: {defect.depth: defect.width / 40}\n  where: [defect.depth > 15 um]"
-    assert [case.defects[0].width for case in load_study(write(sweep(said))).cases()] == [0.0008]
+    text = WIDTHS + "derived: {defect.depth: defect.width / 40}\n  where: [defect.depth > 15 um]"
+    assert [case.defects[0].width for case in load_study(write(sweep(text))).cases()] == [0.0008]
 
 
 def test_what_is_left_out_need_not_be_possible(write: Write) -> None:
     """A defect longer than the roller is refused, unless no case has it."""
-    said = "defect.length: [3 mm, 20 mm]"
-    assert "longer than the roller" in problems(write(sweep(said)))[0].message
-    kept = load_study(write(sweep(said + "\n  where: [defect.length <= bearing.roller_length]"))).cases()
-    assert [case.defects[0].length for case in kept] == [0.003]
+    text = "defect.length: [3 mm, 20 mm]"
+    assert "longer than the roller" in problems(write(sweep(text)))[0].message
+    cases = load_study(write(sweep(text + "\n  where: [defect.length <= bearing.roller_length]"))).cases()
+    assert [case.defects[0].length for case in cases] == [0.003]
 
 
 def test_quick_and_the_command_line_say_other_values(write: Write) -> None:
@@ -152,7 +152,7 @@ def test_quick_and_the_command_line_say_other_values(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "message", "caret"),
+    ("text", "message", "caret"),
     [
         ("derived: {defect.depth: load / 4}", "derived.defect.depth: expected a length such as `0.8 mm`, and this is a force", "load / 4"),
         ("derived: {defect.depth: 1 < 2}", "derived.defect.depth: expected a length such as `0.8 mm`, and this is true or false", "1 < 2"),
@@ -194,26 +194,26 @@ def test_quick_and_the_command_line_say_other_values(write: Write) -> None:
         (f"where: [{'9' * 401} > 1]", "where: more than 400 letters in a formula", "999"),
     ],
 )  # fmt: skip
-def test_what_is_refused_and_where(write: Write, said: str, message: str | None, caret: str | None) -> None:
+def test_what_is_refused_and_where(write: Write, text: str, message: str | None, caret: str | None) -> None:
     begun = time.process_time()
-    found = problems(write(sweep(WIDTHS + said)))[0]
+    problem = problems(write(sweep(WIDTHS + text)))[0]
     assert time.process_time() - begun < 2.0
-    hint = f" ({found.hint})" if found.hint else ""
-    assert message is None or (found.message + hint).startswith(message)
-    assert found.line == 8
-    assert caret is None or found.source_line[found.column - 1 :].startswith(caret)
+    hint = f" ({problem.hint})" if problem.hint else ""
+    assert message is None or (problem.message + hint).startswith(message)
+    assert problem.line == 8
+    assert caret is None or problem.source_line[problem.column - 1 :].startswith(caret)
 
 
 def test_the_only_combination_is_left_out(write: Write) -> None:
-    (found,) = problems(write(sweep("where: [load > 200 N]")))
-    assert found.message == "where: the only combination is left out"
+    (problem,) = problems(write(sweep("where: [load > 200 N]")))
+    assert problem.message == "where: the only combination is left out"
 
 
 def test_one_problem_is_told_of_many_cases(write: Write) -> None:
-    said = "defect.width: {linspace: [0.1 mm, 0.2 mm, 2000]}\n  derived: {defect.depth: defect.width / 0}"
-    assert len(problems(write(sweep(said)))) == 1
+    text = "defect.width: {linspace: [0.1 mm, 0.2 mm, 2000]}\n  derived: {defect.depth: defect.width / 0}"
+    assert len(problems(write(sweep(text)))) == 1
 
 
 def test_other_problems_are_told_beside(write: Write) -> None:
     text = sweep(WIDTHS + "derived: {defect.depth: lod}\n  where: [lad > 1]").replace("1800 rpm", "1800")
-    assert [found.line for found in problems(write(text))] == [3, 8, 9]
+    assert [problem.line for problem in problems(write(text))] == [3, 8, 9]

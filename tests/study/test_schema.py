@@ -200,14 +200,14 @@ def test_crossed_studies_are_marked_as_check_refuses_them(tmp_path: Path) -> Non
     for name, path in write_crossed(tmp_path, 45, seed=35):
         if "unswept_figure" in name:
             continue  # its 36 000 cases are read elsewhere
-        found = schema_errors(path.read_text())
+        errors = schema_errors(path.read_text())
         try:
             load_study(path)
             valid += 1
-            wrong += [(name, path.name, found)] if found else []
+            wrong += [(name, path.name, errors)] if errors else []
         except StudyError as error:
-            reasons = [one.message for one in error.problems if EXPRESSIBLE.search(one.message)]
-            wrong += [(name, path.name, reasons)] if reasons and not found else []
+            reasons = [problem.message for problem in error.problems if EXPRESSIBLE.search(problem.message)]
+            wrong += [(name, path.name, reasons)] if reasons and not errors else []
     assert wrong == []
     assert 10 < valid < 35
 

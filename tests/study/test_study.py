@@ -30,44 +30,44 @@ def test_the_template_is_a_good_study(write: Write) -> None:
 
 
 def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> None:
-    said = NEW_STUDY
+    text = NEW_STUDY
     keys = ("rig", "clearance", "excitation", "model", "method", "step", "settle", "sampling", "gravity", "seed")
     for key in keys:
-        said = said.replace(f"\n# {key}:", f"\n{key}:")
-    said = said.replace("# contact:\n#   stiffness", "contact:\n  stiffness").replace(
+        text = text.replace(f"\n# {key}:", f"\n{key}:")
+    text = text.replace("# contact:\n#   stiffness", "contact:\n  stiffness").replace(
         "\n#   damping", "\n  damping"
     )
-    said = said.replace("\n  # offset:", "\n  offset:")
-    assert said.count("#") < NEW_STUDY.count("#")
-    assert load_study(write(said)).cases() == load_study(write(NEW_STUDY)).cases()
+    text = text.replace("\n  # offset:", "\n  offset:")
+    assert text.count("#") < NEW_STUDY.count("#")
+    assert load_study(write(text)).cases() == load_study(write(NEW_STUDY)).cases()
 
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_what_the_template_zips_is_right(write: Write, which: int) -> None:
     head, *ends = NEW_STUDY.split("\n  # zip:")
-    said = [head, *("\n  # zip:" + end for end in ends)]
-    said[1 + which] = said[1 + which].replace("\n  # zip:", "\n  zip:")
-    assert len(load_study(write("".join(said))).cases()) == 12 * (2, 3)[which]
+    parts = [head, *("\n  # zip:" + end for end in ends)]
+    parts[1 + which] = parts[1 + which].replace("\n  # zip:", "\n  zip:")
+    assert len(load_study(write("".join(parts))).cases()) == 12 * (2, 3)[which]
 
 
 def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> None:
-    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
+    text = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
     for key in ("friction", "cage", "drag", "ramp", "shaft", "unbalance"):
-        said = said.replace(f"\n# {key}:", f"\n{key}:")
-    found = load_study(write(said)).cases()[0]
-    assert (found.model, found.friction, found.cage) == ("planar", StaticDynamic(), Cage())
-    assert found.drag == Drag()
-    assert None not in (found.ramp, found.shaft, found.unbalance)
+        text = text.replace(f"\n# {key}:", f"\n{key}:")
+    test_case = load_study(write(text)).cases()[0]
+    assert (test_case.model, test_case.friction, test_case.cage) == ("planar", StaticDynamic(), Cage())
+    assert test_case.drag == Drag()
+    assert None not in (test_case.ramp, test_case.shaft, test_case.unbalance)
 
 
 def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> None:
-    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
+    text = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
     for key in ("misalignment", "  offset", "  edge"):
-        said = said.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
-    found = load_study(write(said)).cases()[0]
-    assert found.model == "spatial"
-    assert found.misalignment is not None
-    assert found.defects[0].edge is not None
+        text = text.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
+    test_case = load_study(write(text)).cases()[0]
+    assert test_case.model == "spatial"
+    assert test_case.misalignment is not None
+    assert test_case.defects[0].edge is not None
 
 
 # Ids
@@ -78,7 +78,7 @@ HEAVY = {"contact": {"damping": {"chi": "50 s/m"}}}
 OF_OLD = HEAVY | {"settle": "50 ms"}
 
 
-def one(**fields: Any) -> Case:
+def single_case(**fields: Any) -> Case:
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
     return Case.model_validate(base | fields)
 
@@ -93,8 +93,8 @@ def test_the_same_quantity_in_another_unit_has_the_same_id(
     for (word, shift), exponent in zip(words.items(), (first, second), strict=True):
         mantissa = Fraction(digits) * Fraction(10) ** (power - shift - exponent)
         text = f"{digits}e{power - shift} {word}" if exponent > 0 else f"{_decimal(mantissa)}e{exponent} {word}"
-        ids.add(case_id(one(load=text)))
-    assert ids == {case_id(one(load=float(load)))}
+        ids.add(case_id(single_case(load=text)))
+    assert ids == {case_id(single_case(load=float(load)))}
 
 
 def _decimal(value: Fraction) -> str:
@@ -132,7 +132,7 @@ def _decimal(value: Fraction) -> str:
     ],
 )
 def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -> None:
-    assert case_id(one(**first)) == case_id(one(**second))
+    assert case_id(single_case(**first)) == case_id(single_case(**second))
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
     ],
 )
 def test_whatever_shapes_the_result_shapes_the_id(change: dict[str, Any]) -> None:
-    assert case_id(one(**change)) != case_id(one())
+    assert case_id(single_case(**change)) != case_id(single_case())
 
 
 @pytest.mark.parametrize(
@@ -189,30 +189,30 @@ def test_whatever_shapes_the_result_shapes_the_id(change: dict[str, Any]) -> Non
     ],
 )
 def test_what_the_planar_model_takes_shapes_the_id(change: dict[str, Any]) -> None:
-    assert case_id(one(**PLANAR | change)) != case_id(one(**PLANAR))
+    assert case_id(single_case(**PLANAR | change)) != case_id(single_case(**PLANAR))
 
 
 def test_what_carries_a_defect_and_how_it_is_felt_shape_the_id() -> None:
     defect = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
     roller: dict[str, Any] = {"race": "roller"}
     races = [{"race": "outer"}, {"race": "inner"}, roller, roller | {"roller": 2}]
-    ids = {case_id(one(defect=defect | race)) for race in races}
-    ids |= {case_id(one(defect=defect, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
+    ids = {case_id(single_case(defect=defect | race)) for race in races}
+    ids |= {case_id(single_case(defect=defect, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
     impulses = {"defect": defect, "model": "impulse"}
-    ids |= {case_id(one(**impulses)), case_id(one(**impulses, excitation="random-impulses"))}
-    ids |= {case_id(one(**impulses, excitation="random-impulses", seed=1))}
+    ids |= {case_id(single_case(**impulses)), case_id(single_case(**impulses, excitation="random-impulses"))}
+    ids |= {case_id(single_case(**impulses, excitation="random-impulses", seed=1))}
     assert len(ids) == 9
-    assert case_id(one(**impulses, seed=1)) == case_id(one(**impulses))
-    assert case_id(one(defect=defect | {"race": "roller"})) == case_id(
-        one(defect=defect | {"race": "roller", "roller": 1})
+    assert case_id(single_case(**impulses, seed=1)) == case_id(single_case(**impulses))
+    assert case_id(single_case(defect=defect | {"race": "roller"})) == case_id(
+        single_case(defect=defect | {"race": "roller", "roller": 1})
     )
 
 
 def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
     def ids(**fields: Any) -> set[str]:
         materials = [{"density": 7850.0, "young_modulus": modulus} for modulus in (207e9, 100e9)]
-        bearing = one().bearing.model_dump()
-        return {case_id(one(bearing=bearing | {"material": material}, **fields)) for material in materials}
+        bearing = single_case().bearing.model_dump()
+        return {case_id(single_case(bearing=bearing | {"material": material}, **fields)) for material in materials}
 
     assert len(ids()) == 1
     assert len(ids(contact={"stiffness": "johnson"})) == 2
@@ -226,22 +226,22 @@ def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) 
     """
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
     defect = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
-    assert case_id(one(method="verlet", **OF_OLD)) == "974269e6f84a60ad"
-    assert case_id(one(model="static", **OF_OLD)) == "2510496c4be94656"
-    assert case_id(one(method="verlet", defect=defect, **OF_OLD)) == "4a0348f94d255097"
+    assert case_id(single_case(method="verlet", **OF_OLD)) == "974269e6f84a60ad"
+    assert case_id(single_case(model="static", **OF_OLD)) == "2510496c4be94656"
+    assert case_id(single_case(method="verlet", defect=defect, **OF_OLD)) == "4a0348f94d255097"
     several = {"method": "verlet", "model": "ring", "defects": [defect, defect | {"angle": 1.0}]}
-    assert case_id(one(**several, **OF_OLD)) == "7f2b9e8f07decf70"
+    assert case_id(single_case(**several, **OF_OLD)) == "7f2b9e8f07decf70"
     kraemer = {"stiffness": "iso16281", "damping": {"beta": "10 us"}}
-    assert case_id(one(method="verlet", contact=kraemer, settle="50 ms")) == "00aa2375f74ec272"
+    assert case_id(single_case(method="verlet", contact=kraemer, settle="50 ms")) == "00aa2375f74ec272"
 
 
 def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = one()
-    renamed = found.bearing.model_copy(update={"name": "other", "source": "elsewhere"})
-    assert case_id(found.model_copy(update={"bearing": renamed})) == case_id(found)
-    before = case_id(found)
+    test_case = single_case()
+    renamed = test_case.bearing.model_copy(update={"name": "other", "source": "elsewhere"})
+    assert case_id(test_case.model_copy(update={"bearing": renamed})) == case_id(test_case)
+    before = case_id(test_case)
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", -1)
-    assert case_id(found) != before
+    assert case_id(test_case) != before
     assert len(before) == 16
     assert int(before, 16) >= 0
 
@@ -289,7 +289,7 @@ def test_dimensions_of_paths() -> None:
 
 def test_the_id_names_the_methods_that_auto_tries(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other prices that change them give other numbers; what a case names is tried alone."""
-    case, named = one(), one(method="verlet")
+    case, named = single_case(), single_case(method="verlet")
     before = choice.candidate_methods(case)
     assert before[0] == "verlet"
     assert case_id(case) == identity(case, {"method": before}) != case_id(named)
@@ -305,7 +305,7 @@ def test_a_case_that_is_refused_has_an_id(monkeypatch: pytest.MonkeyPatch) -> No
         raise Refused("nothing holds the ring", "give it a load")
 
     monkeypatch.setattr(choice, "choice", refuse)
-    assert case_id(one()) == identity(one(), {"method": ["auto"]})
+    assert case_id(single_case()) == identity(single_case(), {"method": ["auto"]})
 
 
 def test_reading_a_study_imports_nothing_heavy(write: Write) -> None:

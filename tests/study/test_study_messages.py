@@ -18,7 +18,7 @@ def problems(path: Path, overrides: dict[str, str] | None = None, quick: bool = 
     return caught.value.problems
 
 
-def pointed(problem: Problem) -> str:
+def text_at_caret(problem: Problem) -> str:
     """The text at the caret."""
     caret = str(problem).splitlines()[2].index("^")
     return str(problem).splitlines()[1][caret:]
@@ -114,25 +114,25 @@ def test_a_mistake_is_one_message_at_its_place(
     write: Write, line: str, caret: str | None, message: str | None
 ) -> None:
     key = line.split(":")[0]
-    kept = [old for old in BASE.splitlines() if key == "speed" or not old.startswith(f"{key}:")]
-    path = write("\n".join([*kept, line, ""]))
-    found = problems(path)
-    assert len({(p.line, p.message) for p in found}) == (1 if message else len(found))
-    shown = str(found[0]).splitlines()
+    lines = [old for old in BASE.splitlines() if key == "speed" or not old.startswith(f"{key}:")]
+    path = write("\n".join([*lines, line, ""]))
+    all_problems = problems(path)
+    assert len({(p.line, p.message) for p in all_problems}) == (1 if message else len(all_problems))
+    message_lines = str(all_problems[0]).splitlines()
     if message:
-        assert shown[0] == f"{path}:{found[0].line}:{found[0].column}: {message}"
+        assert message_lines[0] == f"{path}:{all_problems[0].line}:{all_problems[0].column}: {message}"
     if caret:
-        assert pointed(found[0]).startswith(caret)
-    assert shown[1].removeprefix("    ") == path.read_text().splitlines()[found[0].line - 1]
+        assert text_at_caret(all_problems[0]).startswith(caret)
+    assert message_lines[1].removeprefix("    ") == path.read_text().splitlines()[all_problems[0].line - 1]
 
 
 @pytest.mark.parametrize(
-    ("value", "shown"), [(0.003, "`0.003`"), (["1 mm"], "a list"), ({"a": 1}, "a mapping"), (None, "`None`")]
+    ("value", "echo"), [(0.003, "`0.003`"), (["1 mm"], "a list"), ({"a": 1}, "a mapping"), (None, "`None`")]
 )
-def test_an_override_from_python_that_is_no_text_is_refused(write: Write, value: object, shown: str) -> None:
+def test_an_override_from_python_that_is_no_text_is_refused(write: Write, value: object, echo: str) -> None:
     wrong: dict[str, Any] = {"defect.offset": value, "load": "1 N"}
-    (found,) = problems(write(BASE), wrong)
-    assert f"defect.offset: an override is a text as it would stand in the file, got {shown}" in found.message
+    (problem,) = problems(write(BASE), wrong)
+    assert f"defect.offset: an override is a text as it would stand in the file, got {echo}" in problem.message
 
 
 @pytest.mark.parametrize(
@@ -161,11 +161,11 @@ def test_an_override_from_python_that_is_no_text_is_refused(write: Write, value:
 def test_a_mistake_in_a_defect(write: Write, defect: str, caret: str, message: str) -> None:
     parts = ["shape: circular", "length: 3 mm", "width: 0.8 mm", "depth: 50 um"]
     key = defect.split(":")[0]
-    kept = [part for part in parts if not part.startswith(f"{key}:")]
-    path = write("\n".join([*BASE.splitlines()[:4], "defect: {" + ", ".join([*kept, defect]) + "}", ""]))
-    (found,) = problems(path)
-    assert str(found).splitlines()[0] == f"{path}:5:{found.column}: {message}"
-    assert pointed(found).startswith(caret)
+    other_parts = [part for part in parts if not part.startswith(f"{key}:")]
+    path = write("\n".join([*BASE.splitlines()[:4], "defect: {" + ", ".join([*other_parts, defect]) + "}", ""]))
+    (problem,) = problems(path)
+    assert str(problem).splitlines()[0] == f"{path}:5:{problem.column}: {message}"
+    assert text_at_caret(problem).startswith(caret)
 
 
 def test_everything_wrong_is_told_at_once(write: Write) -> None:
@@ -186,7 +186,7 @@ figures: [{y: velocity@BPFO, x: load}]
 quick: {sweep: {model: [rigid]}}
 excitation: soft-edge
 """)
-    told = "\n".join(map(str, problems(path, {"foo": "1"})))
+    report = "\n".join(map(str, problems(path, {"foo": "1"})))
     for part in [
         "1:8: study: expected a name",
         "3:8: speed: expected a rotation speed",
@@ -206,8 +206,8 @@ excitation: soft-edge
         "14:25: model: expected",
         "command line: no such path `foo`",
     ]:
-        assert part in told
-    assert told.count("^") == 17
+        assert part in report
+    assert report.count("^") == 17
 
 
 @pytest.mark.parametrize(
@@ -236,8 +236,8 @@ def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Pat
     text = bearing.read_text().replace("bore: 40 mm", "bore: 60 mm\nwdth: 1 mm")
     own.write_text(text.replace("rollers: 13", "rollers: 13\nrollers: 14"))
     path = write(BASE.replace("nf308", "own.yaml") + "clearance: 1\n")
-    told = problems(path)
-    assert [(p.file, p.message) for p in told] == [
+    all_problems = problems(path)
+    assert [(p.file, p.message) for p in all_problems] == [
         (str(path), "clearance: expected a length such as `0.8 mm`, got `1`"),
         (str(own), "the key `rollers` is given twice, first on line 3"),
         (str(own), "bearing: unknown key `wdth`"),
@@ -245,9 +245,9 @@ def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Pat
     with pytest.raises(StudyError, match="wdth"):
         load_rolling_parts(str(own))
     own.write_text(bearing.read_text().replace("bore: 40 mm", "bore: 60 mm"))
-    (found,) = problems(write(BASE.replace("nf308", "own.yaml")))
-    assert (found.file, found.message) == (str(own), "bearing.bore: the inner race (53 mm) is inside the bore")
-    assert pointed(found).startswith("60 mm")
+    (problem,) = problems(write(BASE.replace("nf308", "own.yaml")))
+    assert (problem.file, problem.message) == (str(own), "bearing.bore: the inner race (53 mm) is inside the bore")
+    assert text_at_caret(problem).startswith("60 mm")
 
 
 def test_a_bearing_by_name() -> None:
@@ -258,12 +258,12 @@ def test_a_bearing_by_name() -> None:
 
 def test_a_bearings_file_that_is_no_yaml(write: Write, tmp_path: Path) -> None:
     (tmp_path / "own.yaml").write_text("rollers: [13\n")
-    found = problems(write(BASE.replace("nf308", "own.yaml")))
-    assert [p.file for p in found] == [str(tmp_path / "own.yaml")]
+    all_problems = problems(write(BASE.replace("nf308", "own.yaml")))
+    assert [p.file for p in all_problems] == [str(tmp_path / "own.yaml")]
 
 
 @pytest.mark.parametrize(
-    ("override", "shown"),
+    ("override", "message_lines"),
     [
         ({"load": "15 mm"}, ["    --set load=15 mm", "               ^"]),
         ({"lod": "15 N"}, ["    --set lod=15 N", "          ^"]),
@@ -272,11 +272,11 @@ def test_a_bearings_file_that_is_no_yaml(write: Write, tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_on_the_command_line_is_shown_there(
-    write: Write, override: dict[str, str], shown: list[str]
+    write: Write, override: dict[str, str], message_lines: list[str]
 ) -> None:
-    found = problems(write(BASE), override)
-    assert {problem.file for problem in found} == {"command line"}
-    assert shown in [str(problem).splitlines()[1:] for problem in found]
+    all_problems = problems(write(BASE), override)
+    assert {problem.file for problem in all_problems} == {"command line"}
+    assert message_lines in [str(problem).splitlines()[1:] for problem in all_problems]
 
 
 @pytest.mark.parametrize(
@@ -298,8 +298,8 @@ def test_files_that_are_no_studies(tmp_path: Path, content: bytes, part: str) ->
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
-    (found,) = problems(tmp_path / "none.yaml")
-    assert str(found) == f"{tmp_path / 'none.yaml'}: no such file"
+    (problem,) = problems(tmp_path / "none.yaml")
+    assert str(problem) == f"{tmp_path / 'none.yaml'}: no such file"
 
 
 def test_a_sweep_beyond_reason_is_refused(write: Write) -> None:
@@ -313,6 +313,6 @@ def test_a_figure_of_what_no_model_of_the_study_knows_is_refused(write: Write) -
     path = write(
         BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n"
     )
-    (found,) = problems(path)
-    assert "no model of the study has `cage.slip.mean`" in str(found)
-    assert "`model: planar`" in str(found)
+    (problem,) = problems(path)
+    assert "no model of the study has `cage.slip.mean`" in str(problem)
+    assert "`model: planar`" in str(problem)

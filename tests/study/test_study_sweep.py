@@ -272,8 +272,8 @@ def test_the_seed_is_the_healthy_twins_where_something_is_random(write: Write) -
 
 def test_clearance_by_class_and_by_length(write: Write) -> None:
     study = load_study(write(BASE + "sweep: {clearance: [C2, CN, 10 um], bearing: [nf308, nu205]}\n"))
-    found = [(case.bearing.name, round(1e6 * case.clearance, 6)) for case in study.cases()]
-    assert found == [
+    clearances = [(case.bearing.name, round(1e6 * case.clearance, 6)) for case in study.cases()]
+    assert clearances == [
         ("NF308", 17.5),
         ("NU205", 12.5),
         ("NF308", 37.5),
@@ -375,9 +375,9 @@ def test_a_value_that_leaves_its_section_idle_is_swept_as_written(write: Write) 
     ],
 )
 def test_a_rig_is_swept(write: Write, rig: str, entry: str, values: list[float | str]) -> None:
-    found = load_study(write(BASE + f"rig: {rig}\nsweep: {{{entry}}}\n"))
-    assert [row[0] for row in swept(found)] == values
-    assert len({case_id(case) for case in found.cases()}) == len(values)
+    study = load_study(write(BASE + f"rig: {rig}\nsweep: {{{entry}}}\n"))
+    assert [row[0] for row in swept(study)] == values
+    assert len({case_id(case) for case in study.cases()}) == len(values)
 
 
 def test_pads_and_springs_are_set_as_a_whole(write: Write) -> None:
@@ -396,9 +396,11 @@ ALIASES = [
 ]
 
 
-@pytest.mark.parametrize(("written", "said"), ALIASES)
+@pytest.mark.parametrize(("written", "override"), ALIASES)
 @pytest.mark.parametrize("value", ["0.5 mm", "[0.5 mm]"])
-def test_another_spelling_of_a_path_replaces_its_values(write: Write, written: str, said: str, value: str) -> None:
+def test_another_spelling_of_a_path_replaces_its_values(
+    write: Write, written: str, override: str, value: str
+) -> None:
     """In lists, in a zip, in a design, and where they are derived; from the command line, and in `quick`."""
     for sweep in (
         f"{written}: [1 mm, 2 mm]",
@@ -407,10 +409,10 @@ def test_another_spelling_of_a_path_replaces_its_values(write: Write, written: s
         f"derived: {{{written}: defect.length / 10}}",
     ):
         text = BASE + f"sweep: {{{sweep}}}\n"
-        given = f"sweep: {{{said}: {value}}}" if value.startswith("[") else f"{said}: {value}"
+        fields = f"sweep: {{{override}: {value}}}" if value.startswith("[") else f"{override}: {value}"
         for study in (
-            load_study(write(text), {said: value}),
-            load_study(write(f"{text}quick: {{{given}}}\n"), quick=True),
+            load_study(write(text), {override: value}),
+            load_study(write(f"{text}quick: {{{fields}}}\n"), quick=True),
         ):
             assert {case.defects[0].width for case in study.cases()} == {0.5e-3}, sweep
 

@@ -30,10 +30,10 @@ from tests.scenes.study_text import BASE, Write
 US = 1e-6
 
 
-def uncertain(write: Write, said: str) -> tuple[UncertainParameter, ...]:
-    found = load_study(write(f"{BASE}uncertainty: {said}\n")).uncertainty
-    assert found is not None
-    return found
+def uncertain(write: Write, text: str) -> tuple[UncertainParameter, ...]:
+    parameters = load_study(write(f"{BASE}uncertainty: {text}\n")).uncertainty
+    assert parameters is not None
+    return parameters
 
 
 # What is written
@@ -44,7 +44,7 @@ def test_two_values_stand_for_a_range_of_three(write: Write) -> None:
     damping, clearance, bracket = uncertain(
         write, "{damping: [10 us, 0.5 us], clearance: [-2 um, 10 um], bracket: [0.5, 2]}"
     )
-    assert [one.name for one in (damping, clearance, bracket)] == ["damping", "clearance", "bracket"]
+    assert [parameter.name for parameter in (damping, clearance, bracket)] == ["damping", "clearance", "bracket"]
     assert damping.values == pytest.approx((0.5e-6, math.sqrt(5.0) * US, 1e-5), rel=1e-12)
     assert clearance.values == pytest.approx((-2e-6, 4e-6, 1e-5), rel=1e-12)
     assert bracket == UncertainParameter("bracket", (0.5, 1.0, 2.0))
@@ -62,7 +62,7 @@ def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "caret", "message"),
+    ("text", "caret", "message"),
     [
         ("{dampin: [1 us, 2 us]}", "dampin", "uncertainty: unknown key `dampin` (did you mean `damping`?)"),
         (
@@ -89,10 +89,10 @@ def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
         ("{bracket: [50 %, 200 %]}", "50 %", "uncertainty.bracket: expected a plain number"),
     ],
 )
-def test_a_mistake_is_told_at_its_place(write: Write, said: str, caret: str, message: str) -> None:
-    path = write(f"{BASE}uncertainty: {said}\n")
-    out, told = type_("check", path, code=2)
-    first, source, pointer, *_ = told.splitlines()
+def test_a_mistake_is_told_at_its_place(write: Write, text: str, caret: str, message: str) -> None:
+    path = write(f"{BASE}uncertainty: {text}\n")
+    out, stderr = type_("check", path, code=2)
+    first, source, pointer, *_ = stderr.splitlines()
     assert out == ""
     assert first.startswith(f"{path}:6:")
     assert f": {message}" in first
@@ -100,8 +100,8 @@ def test_a_mistake_is_told_at_its_place(write: Write, said: str, caret: str, mes
 
 
 def test_every_mistake_is_told_at_once(write: Write) -> None:
-    _, told = type_("check", write(f"{BASE}uncertainty: {{damping: [1 us, x], bracket: [0, 1]}}\n"), code=2)
-    assert told.count("^") == 2
+    _, stderr = type_("check", write(f"{BASE}uncertainty: {{damping: [1 us, x], bracket: [0, 1]}}\n"), code=2)
+    assert stderr.count("^") == 2
 
 
 def test_the_schema_knows_it() -> None:
@@ -121,40 +121,42 @@ BOTH = "uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 8 um]}\n"
 
 def test_each_job_is_computed_for_each_value_one_at_a_time(write: Write) -> None:
     study = load_study(write(SWEPT + BOTH))
-    cases, found = study.cases(), study.variations()
-    assert len(found) == 2 * (3 + 3)
-    for one in found:
-        (original,) = [case for case in cases if case_id(case) == one.of]
-        varied = one.job.case
-        if one.what == "damping":
-            assert varied.contact.damping.model_dump() == {"law": "kraemer", "beta": one.value}
+    cases, variations = study.cases(), study.variations()
+    assert len(variations) == 2 * (3 + 3)
+    for variation in variations:
+        (original,) = [case for case in cases if case_id(case) == variation.of]
+        varied = variation.job.case
+        if variation.what == "damping":
+            assert varied.contact.damping.model_dump() == {"law": "kraemer", "beta": variation.value}
             assert varied.clearance == original.clearance
         else:
-            assert varied.clearance == one.value
+            assert varied.clearance == variation.value
             assert varied.contact == original.contact
-        assert one.job.id == case_id(varied)
-        assert one.job.healthy is None
+        assert variation.job.id == case_id(varied)
+        assert variation.job.healthy is None
     # 4 um is what the study has: that variation is the job itself
-    assert [one.job.id == one.of for one in found if one.value == pytest.approx(4.0 * US)] == [True, True]
+    assert [
+        variation.job.id == variation.of for variation in variations if variation.value == pytest.approx(4.0 * US)
+    ] == [True, True]
     jobs = study.jobs()
     assert [job.is_variation for job in jobs] == [False] * 4 + [True] * 10
     assert len({job.id for job in jobs}) == len(jobs)
 
 
 def test_the_bracket_is_varied_by_a_factor(write: Write) -> None:
-    found = load_study(write(SWEPT + "uncertainty: {bracket: [0.5, 2]}\n")).variations()
-    assert [one.job.case.rig.bracket_stiffness for one in found] == [5e6, 1e7, 2e7] * 2
+    variations = load_study(write(SWEPT + "uncertainty: {bracket: [0.5, 2]}\n")).variations()
+    assert [variation.job.case.rig.bracket_stiffness for variation in variations] == [5e6, 1e7, 2e7] * 2
 
 
 def test_a_case_is_not_varied_by_what_it_cannot_depend_on(write: Write) -> None:
     text = SWEPT.replace("model: ring", "model: static") + BOTH
-    assert {one.what for one in load_study(write(text)).variations()} == {"clearance"}
+    assert {variation.what for variation in load_study(write(text)).variations()} == {"clearance"}
 
 
 def test_a_variation_is_named_as_the_same_case_that_is_written(write: Write) -> None:
     study = load_study(write(SWEPT + "uncertainty: {damping: [0.5 us, 10 us]}\n"))
     written = load_study(write(SWEPT + "contact: {damping: {beta: 10 us}}\n"))
-    assert {one.job.id for one in study.variations() if one.value == 1e-5} == {
+    assert {variation.job.id for variation in study.variations() if variation.value == 1e-5} == {
         case_id(case) for case in written.cases()
     }
 
@@ -162,32 +164,34 @@ def test_a_variation_is_named_as_the_same_case_that_is_written(write: Write) -> 
 # What is tried unasked
 
 
-def many(write: Write, loads: int, said: str = "", model: str = "ring") -> Any:
+def large_study(write: Write, loads: int, text: str = "", model: str = "ring") -> Any:
     """A study of so many cases and as many twins."""
     sweep = f"sweep: {{load: {{linspace: [100 N, 400 N, {loads}]}}}}\nmodel: {model}\n"
-    return load_study(write(BASE.replace("load: 150 N\n", sweep) + said))
+    return load_study(write(BASE.replace("load: 150 N\n", sweep) + text))
 
 
 def test_a_large_study_tries_the_usual_damping_on_three_of_its_cases(write: Write) -> None:
     """45 cases and 45 twins: nine jobs more are a tenth."""
-    study = many(write, 45)
-    found = study.variations()
+    study = large_study(write, 45)
+    variations = study.variations()
     assert len(study.planned()) == 90
-    assert len({one.of for one in found}) == SAMPLED_JOBS == 3
-    assert [one.value for one in found] == list(DEFAULT_DAMPING.values) * 3
-    assert len(found) <= MAX_ADDED_SHARE * 90
-    assert [one.job.id for one in many(write, 45).variations()] == [one.job.id for one in found]
+    assert len({variation.of for variation in variations}) == SAMPLED_JOBS == 3
+    assert [variation.value for variation in variations] == list(DEFAULT_DAMPING.values) * 3
+    assert len(variations) <= MAX_ADDED_SHARE * 90
+    assert [variation.job.id for variation in large_study(write, 45).variations()] == [
+        variation.job.id for variation in variations
+    ]
     seeded = sample_cases([case.model_copy(update={"seed": 1}) for case in study.cases()], 90)
     assert {case.load for case in seeded} != {case.load for case in sample_cases(study.cases(), 90)}
 
 
 @pytest.mark.parametrize(
-    ("loads", "said", "model"), [(44, "", "ring"), (45, "uncertainty: none\n", "ring"), (60, "", "static")]
+    ("loads", "text", "model"), [(44, "", "ring"), (45, "uncertainty: none\n", "ring"), (60, "", "static")]
 )
 def test_nothing_is_tried_unasked_in_a_small_study_or_if_that_is_forbidden(
-    write: Write, loads: int, said: str, model: str
+    write: Write, loads: int, text: str, model: str
 ) -> None:
-    assert many(write, loads, said, model).variations() == []
+    assert large_study(write, loads, text, model).variations() == []
 
 
 # Results
@@ -208,36 +212,36 @@ uncertainty: {damping: [0.5 us, 10 us]}
 
 
 @pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """The folder of a small study that was run, and what the run said."""
     folder = tmp_path_factory.mktemp("unsure")
     (folder / "unsure.yaml").write_text(RUN)
-    said, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
-    return folder, said
+    output, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
+    return folder, output
 
 
-def test_the_plan_names_the_variations(ran: tuple[Path, str]) -> None:
-    plan = json.loads((ran[0] / "out" / "plan.json").read_text())
+def test_the_plan_names_the_variations(finished_run: tuple[Path, str]) -> None:
+    plan = json.loads((finished_run[0] / "out" / "plan.json").read_text())
     assert [job["variation"] for job in plan["jobs"]] == [False] * 4 + [True] * 6
     cases = [job["job"] for job in plan["jobs"][:2]]
-    assert [one["of"] for one in plan["variations"]] == [cases[0]] * 3 + [cases[1]] * 3
-    assert [one["what"] for one in plan["variations"]] == ["damping"] * 6
+    assert [variation["of"] for variation in plan["variations"]] == [cases[0]] * 3 + [cases[1]] * 3
+    assert [variation["what"] for variation in plan["variations"]] == ["damping"] * 6
     tried = [0.5 * US, math.sqrt(5.0) * US, 10.0 * US]
-    assert [one["value"] for one in plan["variations"]] == pytest.approx(tried * 2)
+    assert [variation["value"] for variation in plan["variations"]] == pytest.approx(tried * 2)
 
 
-def test_the_error_is_the_range_over_the_value(ran: tuple[Path, str]) -> None:
+def test_the_error_is_the_range_over_the_value(finished_run: tuple[Path, str]) -> None:
     """By hand: of a job and its three variations the largest less the least, over the job's own."""
-    results = store.open_results(ran[0] / "out")
+    results = store.open_results(finished_run[0] / "out")
     table, plan = results.table().set_index("job"), results.plan
-    features = job_frame(ran[0] / "out").filter(regex="^features/")
+    features = job_frame(finished_run[0] / "out").filter(regex="^features/")
     columns = {
         "error.damping": "velocity@BPFO",
         "error.damping.rms": "velocity.rms",
         "error.damping.force": "outer_force.max",
     }
-    for job in {one["of"] for one in plan["variations"]}:
-        jobs = [job, *(one["job"] for one in plan["variations"] if one["of"] == job)]
+    for job in {variation["of"] for variation in plan["variations"]}:
+        jobs = [job, *(variation["job"] for variation in plan["variations"] if variation["of"] == job)]
         assert len(jobs) == 4
         for column, feature in columns.items():
             values = features[f"features/{feature}"][jobs]
@@ -247,78 +251,78 @@ def test_the_error_is_the_range_over_the_value(ran: tuple[Path, str]) -> None:
     assert table["error.damping"].notna().sum() == 2  # of the cases, not of their twins
 
 
-def test_variations_have_no_row_of_their_own(ran: tuple[Path, str]) -> None:
-    assert len(store.open_results(ran[0] / "out").table()) == 4
-    assert len(pd.read_csv(ran[0] / "out" / "results.csv")) == 4
+def test_variations_have_no_row_of_their_own(finished_run: tuple[Path, str]) -> None:
+    assert len(store.open_results(finished_run[0] / "out").table()) == 4
+    assert len(pd.read_csv(finished_run[0] / "out" / "results.csv")) == 4
 
 
-def test_a_run_says_how_far_the_unknown_moves_the_results(ran: tuple[Path, str]) -> None:
-    folder, said = ran
-    assert "10 of 10 jobs done" in said
+def test_a_run_says_how_far_the_unknown_moves_the_results(finished_run: tuple[Path, str]) -> None:
+    folder, output = finished_run
+    assert "10 of 10 jobs done" in output
     table = store.open_results(folder / "out").table()
     line, rms, force = (
         f"{100.0 * table[name].max():.2g} %"
         for name in ("error.damping", "error.damping.rms", "error.damping.force")
     )
     ranges = f"line amplitude by up to {line}, RMS by {rms}, largest force by {force}"
-    assert f"damping 0.5 to 10 us changes {ranges}" in " ".join(said.split())
-    assert "damping not varied" not in said
+    assert f"damping 0.5 to 10 us changes {ranges}" in " ".join(output.split())
+    assert "damping not varied" not in output
 
 
-def test_what_is_said_of_damping_is_of_the_studys_own_jobs(ran: tuple[Path, str]) -> None:
+def test_what_is_said_of_damping_is_of_the_studys_own_jobs(finished_run: tuple[Path, str]) -> None:
     """Not of what was tried beside them."""
-    shown, _ = type_("show", ran[0] / "out")
-    checked, _ = type_("-v", "check", ran[0] / "unsure.yaml")
-    again, _ = type_("-v", "run", ran[0] / "unsure.yaml", "--jobs", "1", "--out", ran[0] / "out")
-    for said in (again, shown, checked):
-        assert "damping: c/k 2.5 us (plausible: 0.3 to 25)" in " ".join(said.split())
+    output, _ = type_("show", finished_run[0] / "out")
+    checked, _ = type_("-v", "check", finished_run[0] / "unsure.yaml")
+    again, _ = type_("-v", "run", finished_run[0] / "unsure.yaml", "--jobs", "1", "--out", finished_run[0] / "out")
+    for text in (again, output, checked):
+        assert "damping: c/k 2.5 us (plausible: 0.3 to 25)" in " ".join(text.split())
 
 
 def test_a_run_without_it_says_what_it_would_take(here: Path) -> None:
-    said, _ = type_("-v", "run", "small.yaml", "--jobs", "1")
-    told = " ".join(said.split())
-    assert "damping not varied: `uncertainty: {damping: [0.5 us, 10 us]}` adds 6 jobs, " in told
+    output, _ = type_("-v", "run", "small.yaml", "--jobs", "1")
+    unwrapped = " ".join(output.split())
+    assert "damping not varied: `uncertainty: {damping: [0.5 us, 10 us]}` adds 6 jobs, " in unwrapped
     with Path("small.yaml").open("a") as file:
         file.write("uncertainty: none\n")
     for command in (("check", "small.yaml"), ("-v", "run", "small.yaml", "--jobs", "1")):
         assert "damping not varied" not in type_(*command)[0]
 
 
-def test_nothing_is_computed_twice(ran: tuple[Path, str]) -> None:
-    folder, _ = ran
+def test_nothing_is_computed_twice(finished_run: tuple[Path, str]) -> None:
+    folder, _ = finished_run
     again, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
     assert "10 of 10 jobs done" in again
 
 
-def test_figures_have_bands(ran: tuple[Path, str]) -> None:
+def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:
     """Their edges are the least and the largest of each point's four results."""
-    results = store.open_results(ran[0] / "out")
+    results = store.open_results(finished_run[0] / "out")
     [(_, canvas)] = drawn(results)
     for ax, feature in zip(canvas.axes, ("velocity@BPFO", "velocity.rms"), strict=True):
-        (band,) = [one for one in ax.collections if isinstance(one, PolyCollection)]
+        (band,) = [collection for collection in ax.collections if isinstance(collection, PolyCollection)]
         heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
         ends = results.spread(feature)
         assert heights.min() == pytest.approx(1e6 * ends["least"].min(), rel=1e-9)
         assert heights.max() == pytest.approx(1e6 * ends["largest"].max(), rel=1e-9)
-    (said,) = [text.get_text() for text in canvas.texts if "bars:" in text.get_text()]
-    assert "damping\u00a00.5\u00a0to\u00a010\u00a0us" in said
+    (note,) = [text.get_text() for text in canvas.texts if "bars:" in text.get_text()]
+    assert "damping\u00a00.5\u00a0to\u00a010\u00a0us" in note
 
 
-def test_where_only_some_points_were_tried_they_have_bars(ran: tuple[Path, str], tmp_path: Path) -> None:
-    results = store.open_results(ran[0] / "out")
-    one = results.plan["variations"][0]["of"]
-    results.plan["variations"][:] = [each for each in results.plan["variations"] if each["of"] == one]
+def test_where_only_some_points_were_tried_they_have_bars(finished_run: tuple[Path, str], tmp_path: Path) -> None:
+    results = store.open_results(finished_run[0] / "out")
+    job = results.plan["variations"][0]["of"]
+    results.plan["variations"][:] = [each for each in results.plan["variations"] if each["of"] == job]
     [(_, canvas)] = drawn(results)
-    found = canvas.axes[0].collections
-    assert not any(isinstance(each, PolyCollection) for each in found)
-    (bars,) = [each for each in found if isinstance(each, LineCollection)]
+    collections = canvas.axes[0].collections
+    assert not any(isinstance(each, PolyCollection) for each in collections)
+    (bars,) = [each for each in collections if isinstance(each, LineCollection)]
     assert len(bars.get_segments()) == 1
 
 
 # Chaos
 
 
-def made_up(**columns: Any) -> tuple[dict[str, Any], pd.DataFrame]:
+def synthetic_plan(**columns: Any) -> tuple[dict[str, Any], pd.DataFrame]:
     """A plan of job `a` with the variations `b` and `c` of damping, and a frame of their features."""
     plan = {
         "variations": [{"of": "a", "what": "damping", "value": v, "job": j} for v, j in ((1e-6, "b"), (1e-5, "c"))]
@@ -338,7 +342,7 @@ CHAOTIC = {
 
 def test_a_chaotic_value_counts_with_its_standard_error() -> None:
     """Of `b` alone: 12 +- 0.7, and 90 +- 9, since the scatter stands for 2.5 standard deviations."""
-    plan, frame = made_up(**CHAOTIC)
+    plan, frame = synthetic_plan(**CHAOTIC)
     assert list(standard_error(frame, "velocity@BPFO")) == [0.0, 0.7, 0.0]
     assert list(standard_error(frame, "velocity.rms")) == pytest.approx([0.0, 9.0, 0.0])
     assert spread(plan, frame, "velocity@BPFO").loc["a"].to_dict() == {
@@ -346,61 +350,61 @@ def test_a_chaotic_value_counts_with_its_standard_error() -> None:
         "largest": 12.7,
         "chaotic": True,
     }
-    found = errors(plan, frame).loc["a"]
-    assert found["error.damping"] == pytest.approx((12.7 - 9.0) / 10.0)
-    assert found["error.damping.rms"] == pytest.approx((105.0 - 81.0) / 100.0)
-    assert found["error.damping.force"] == pytest.approx(20.0 / 200.0)
+    row = errors(plan, frame).loc["a"]
+    assert row["error.damping"] == pytest.approx((12.7 - 9.0) / 10.0)
+    assert row["error.damping.rms"] == pytest.approx((105.0 - 81.0) / 100.0)
+    assert row["error.damping.force"] == pytest.approx(20.0 / 200.0)
 
 
 def test_what_chaos_is_worth_may_be_unknown() -> None:
     """An RMS that was not seen for long enough has no range; the line has one."""
-    plan, frame = made_up(**CHAOTIC | {"rms_scatter": [0.0, math.inf, 0.0]})
-    found = errors(plan, frame)
-    assert "error.damping.rms" not in found
-    assert found["error.damping"].loc["a"] > 0.0
+    plan, frame = synthetic_plan(**CHAOTIC | {"rms_scatter": [0.0, math.inf, 0.0]})
+    result = errors(plan, frame)
+    assert "error.damping.rms" not in result
+    assert result["error.damping"].loc["a"] > 0.0
 
 
 def test_a_range_of_what_cannot_be_negative_ends_at_zero() -> None:
-    plan, frame = made_up(**CHAOTIC | {"velocity@BPFO-scatter": [0.0, 20.0, 0.0]})
+    plan, frame = synthetic_plan(**CHAOTIC | {"velocity@BPFO-scatter": [0.0, 20.0, 0.0]})
     assert spread(plan, frame, "velocity@BPFO").loc["a", "least"] == 0.0
 
 
 def test_a_job_with_a_variation_that_failed_has_no_range() -> None:
     """What is left of it would look like all of it."""
-    plan, frame = made_up(**CHAOTIC)
+    plan, frame = synthetic_plan(**CHAOTIC)
     frame.loc["b"] = np.nan
     assert spread(plan, frame, "velocity@BPFO").empty
     assert "error.damping" not in errors(plan, frame)
 
 
 def test_a_phase_has_no_range() -> None:
-    plan, frame = made_up(**{"velocity@BPFO.phase": [3.1, -3.1, 3.0]})
+    plan, frame = synthetic_plan(**{"velocity@BPFO.phase": [3.1, -3.1, 3.0]})
     assert spread(plan, frame, "velocity@BPFO.phase").empty
 
 
 def test_a_job_that_failed_itself_has_no_error() -> None:
-    plan, frame = made_up(**CHAOTIC)
+    plan, frame = synthetic_plan(**CHAOTIC)
     frame.loc["a"] = np.nan
-    found = spread(plan, frame, "velocity@BPFO").loc["a"]
-    assert (found["least"], found["largest"]) == (9.0, 12.7)
+    result = spread(plan, frame, "velocity@BPFO").loc["a"]
+    assert (result["least"], result["largest"]) == (9.0, 12.7)
     assert "error.damping" not in errors(plan, frame)
 
 
 def test_the_line_is_that_of_what_carries_the_defect() -> None:
     columns = CHAOTIC | {"velocity@BPFI": [1.0, 2.0, 3.0], "chaotic": [0.0] * 3}
-    plan, frame = made_up(**columns)
+    plan, frame = synthetic_plan(**columns)
     frame["parameters/defects.1.race"] = "inner"
     assert errors(plan, frame).loc["a", "error.damping"] == pytest.approx(2.0)
 
 
 def test_one_job_is_told_without_at_most() -> None:
-    plan, frame = made_up(**CHAOTIC)
+    plan, frame = synthetic_plan(**CHAOTIC)
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
-    said = "damping 1 to 10 us changes line amplitude by 37 %, RMS by 24 %, largest force by 10 %"
+    text = "damping 1 to 10 us changes line amplitude by 37 %, RMS by 24 %, largest force by 10 %"
     chaotic = "1 of 2 damping variations are chaotic; the change includes their standard error"
-    assert list(variation_effects(plan, frame)) == [said, chaotic]
+    assert list(variation_effects(plan, frame)) == [text, chaotic]
     frame["features/chaotic"] = 0.0
-    assert list(variation_effects(plan, frame)) == [said.replace("37", "30").replace("24", "15")]
+    assert list(variation_effects(plan, frame)) == [text.replace("37", "30").replace("24", "15")]
 
 
 def test_a_value_with_which_no_case_could_be_is_refused(write: Write) -> None:

@@ -26,7 +26,7 @@ LOADS = (
 NAMES = "support (point load, two pads at 45 deg, housing of 1e10 N/m/m, housing of 1e11 N/m/m)"
 
 
-def told(command: str, path: Path, code: int = 0) -> str:
+def command_output(command: str, path: Path, code: int = 0) -> str:
     return " ".join(" ".join(type_(command, path, code=code)).split())
 
 
@@ -36,22 +36,25 @@ def told(command: str, path: Path, code: int = 0) -> str:
 def test_four_supports_are_tried(write: Write) -> None:
     study = load_study(write(BASE + UNKNOWN))
     assert study.uncertainty == (UncertainParameter("support", (1.0, 2.0, 3.0, 4.0)),)
-    assert [one.value for one in study.variations()] == [1.0, 2.0, 3.0, 4.0]
+    assert [variation.value for variation in study.variations()] == [1.0, 2.0, 3.0, 4.0]
     assert len({job.id for job in study.jobs()}) == 1 + 1 + 4  # the case, its twin, the supports
 
 
 def test_a_support_is_named_as_the_same_rig_that_is_written(write: Write) -> None:
-    tried = [one.job.id for one in load_study(write(BASE + UNKNOWN)).variations()]
+    tried = [variation.job.id for variation in load_study(write(BASE + UNKNOWN)).variations()]
     rigs = [f"rig: {{ring: {{bends: true}}, load: {load}}}\n" for load in LOADS]
     assert tried == [case_id(load_study(write(BASE + rig)).cases()[0]) for rig in rigs]
     assert len(SUPPORTS) == len(LOADS)
 
 
 def test_all_else_is_that_of_the_job(write: Write) -> None:
-    (case,), found = (load_study(write(BASE + UNKNOWN)).cases(), load_study(write(BASE + UNKNOWN)).variations())
-    for one in found:
-        rig = one.job.case.rig.model_copy(update={"ring": None, "load": None})
-        assert one.job.case.model_copy(update={"rig": rig}) == case
+    (case,), variations = (
+        load_study(write(BASE + UNKNOWN)).cases(),
+        load_study(write(BASE + UNKNOWN)).variations(),
+    )
+    for variation in variations:
+        rig = variation.job.case.rig.model_copy(update={"ring": None, "load": None})
+        assert variation.job.case.model_copy(update={"rig": rig}) == case
 
 
 def test_supports_are_shown_by_their_names() -> None:
@@ -62,7 +65,7 @@ def test_supports_are_shown_by_their_names() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "message"),
+    ("fields", "message"),
     [
         *(
             (
@@ -81,8 +84,8 @@ def test_supports_are_shown_by_their_names() -> None:
         ("method: rodas", "`rodas` solves with derivatives, which a ring that bends does not have"),
     ],
 )
-def test_what_cannot_be_held_so_is_refused(write: Write, said: str, message: str) -> None:
-    path = write(f"{BASE}{UNKNOWN}{said}\n")
+def test_what_cannot_be_held_so_is_refused(write: Write, fields: str, message: str) -> None:
+    path = write(f"{BASE}{UNKNOWN}{fields}\n")
     _, text = type_("check", path, code=2)
     first, source, pointer = text.splitlines()
     assert first.startswith(f"{path}:6:24: uncertainty.support: {message}")
@@ -111,49 +114,49 @@ uncertainty: {support: unknown}
 
 
 @pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """The folder of results of a small study, and what its run said."""
     folder = tmp_path_factory.mktemp("unheld")
     (folder / "unheld.yaml").write_text(RUN)
-    said, _ = type_("run", folder / "unheld.yaml", "--jobs", "1", "--out", folder / "out")
-    return folder, " ".join(said.split())
+    output, _ = type_("run", folder / "unheld.yaml", "--jobs", "1", "--out", folder / "out")
+    return folder, " ".join(output.split())
 
 
-def test_a_run_says_how_far_the_support_moves_the_results(ran: tuple[Path, str]) -> None:
-    folder, said = ran
+def test_a_run_says_how_far_the_support_moves_the_results(finished_run: tuple[Path, str]) -> None:
+    folder, output = finished_run
     table = store.open_results(folder / "out").table()
     rms = table["error.support.rms"].dropna()
     assert len(rms) == 2
     assert (rms > 0.0).all()
-    assert "support changes line amplitude by up to" in said
-    assert f"`uncertainty`: {NAMES}, in each case" in told("check", folder / "unheld.yaml")
+    assert "support changes line amplitude by up to" in output
+    assert f"`uncertainty`: {NAMES}, in each case" in command_output("check", folder / "unheld.yaml")
 
 
-def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, str]) -> None:
-    results = store.open_results(ran[0] / "out")
-    plan = json.loads((ran[0] / "out" / "plan.json").read_text())
-    assert [(one["what"], one["value"]) for one in plan["variations"]] == [
+def test_its_figure_has_a_band_from_the_least_to_the_largest(finished_run: tuple[Path, str]) -> None:
+    results = store.open_results(finished_run[0] / "out")
+    plan = json.loads((finished_run[0] / "out" / "plan.json").read_text())
+    assert [(variation["what"], variation["value"]) for variation in plan["variations"]] == [
         ("support", n + 1.0) for n in range(4)
     ] * 2
     [(_, canvas)] = drawn(results)
-    (band,) = [one for one in canvas.axes[0].collections if isinstance(one, PolyCollection)]
+    (band,) = [each for each in canvas.axes[0].collections if isinstance(each, PolyCollection)]
     heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
-    features = job_frame(ran[0] / "out")["features/velocity.rms"]
+    features = job_frame(finished_run[0] / "out")["features/velocity.rms"]
     assert heights.max() / heights.min() == pytest.approx(
         results.spread("velocity.rms")["largest"].max() / results.spread("velocity.rms")["least"].min(), rel=1e-9
     )
-    jobs = [plan["variations"][0]["of"], *(one["job"] for one in plan["variations"][:4])]
+    jobs = [plan["variations"][0]["of"], *(variation["job"] for variation in plan["variations"][:4])]
     first = results.spread("velocity.rms").loc[jobs[0]]
     assert (first["least"], first["largest"]) == (features[jobs].min(), features[jobs].max())
-    (said,) = [text.get_text() for text in canvas.texts if "bars:" in text.get_text()]
-    assert NAMES in " ".join(said.replace("\u00a0", " ").split())
+    (note,) = [text.get_text() for text in canvas.texts if "bars:" in text.get_text()]
+    assert NAMES in " ".join(note.replace("\u00a0", " ").split())
 
 
 # A study that says nothing of its ring
 
 
 @pytest.mark.parametrize(
-    ("said", "is_assumed"),
+    ("fields", "is_assumed"),
     [
         ("", True),
         ("rig: {bracket_stiffness: 1e6 N/m}", True),
@@ -170,14 +173,17 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, st
         ("record: []\nsweep: {load: [1 N, 2 N]}\nfigures: [{y: acceleration.rms, x: load}]", True),
     ],
 )
-def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, said: str, is_assumed: bool) -> None:
-    text = BASE if not said.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
-    assert load_study(write(f"{text}{said}\n")).assumptions.count(RIGID_RING) == is_assumed
+def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, fields: str, is_assumed: bool) -> None:
+    text = BASE if not fields.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
+    assert load_study(write(f"{text}{fields}\n")).assumptions.count(RIGID_RING) == is_assumed
 
 
 def test_check_says_it_once(write: Write) -> None:
-    assert told("check", write(f"{BASE}sweep: {{clearance: [0 um, 5 um]}}\n")).count("rigid ring assumed") == 1
-    assert "rigid ring" not in told("check", write(f"{BASE}rig: {{ring: {{bends: false}}}}\n"))
+    assert (
+        command_output("check", write(f"{BASE}sweep: {{clearance: [0 um, 5 um]}}\n")).count("rigid ring assumed")
+        == 1
+    )
+    assert "rigid ring" not in command_output("check", write(f"{BASE}rig: {{ring: {{bends: false}}}}\n"))
 
 
 def test_a_run_and_its_provenance_say_it(write: Write) -> None:
@@ -186,10 +192,10 @@ def test_a_run_and_its_provenance_say_it(write: Write) -> None:
     assert "assumptions" not in store.provenance(load_study(write(f"{BASE}rig: {{ring: {{bends: false}}}}\n")))
 
 
-def test_old_results_assume_nothing(ran: tuple[Path, str]) -> None:
+def test_old_results_assume_nothing(finished_run: tuple[Path, str]) -> None:
     """Their plan does not speak of it."""
-    plan = json.loads((ran[0] / "out" / "plan.json").read_text())
-    frame = job_frame(ran[0] / "out")
+    plan = json.loads((finished_run[0] / "out" / "plan.json").read_text())
+    frame = job_frame(finished_run[0] / "out")
     assert RIGID_RING in list(assumption_notes(plan | {"assumptions": [RIGID_RING]}, frame))
     del plan["assumptions"]
     assert RIGID_RING not in list(assumption_notes(plan, frame))

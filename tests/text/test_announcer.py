@@ -16,9 +16,9 @@ def test_what_takes_long_is_said_once(capsys: pytest.CaptureFixture[str]) -> Non
     assert capsys.readouterr().err.split() == ["second", "third"]
 
 
-@pytest.mark.parametrize("shown", [None, False])
-def test_what_is_short_or_not_wanted_is_not_said(shown: bool | None, capsys: pytest.CaptureFixture[str]) -> None:
-    with announcer(shown, seconds=10.0 if shown is None else 0.0) as patience:
+@pytest.mark.parametrize("enabled", [None, False])
+def test_what_is_short_or_not_wanted_is_not_said(enabled: bool | None, capsys: pytest.CaptureFixture[str]) -> None:
+    with announcer(enabled, seconds=10.0 if enabled is None else 0.0) as patience:
         patience.begin("short")
     time.sleep(0.01)
     assert capsys.readouterr().err == ""

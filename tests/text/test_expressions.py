@@ -38,18 +38,18 @@ def node(text: str, before: str = "  - ") -> Node:
 def kind(path: str) -> Kind:
     if path not in VALUES:
         raise ValueError(f"no such path `{path}`")
-    known = dimension(path)
-    return kind_of(known) if known else DIMENSIONLESS
+    si_dimension = dimension(path)
+    return kind_of(si_dimension) if si_dimension else DIMENSIONLESS
 
 
 def value(text: str, values: dict[str, float] = VALUES) -> tuple[float, str]:
     """What a formula comes to, and what it is."""
-    found = read(node(text))
-    what = kind_text(found.kind(kind))
-    return found.value(values.__getitem__), what
+    result = read(node(text))
+    what = kind_text(result.kind(kind))
+    return result.value(values.__getitem__), what
 
 
-def refused(text: str) -> tuple[str, str]:
+def refusal(text: str) -> tuple[str, str]:
     """The message, and the text at the caret."""
     with pytest.raises(ExpressionError) as caught:
         value(text)
@@ -94,8 +94,8 @@ def refused(text: str) -> tuple[str, str]:
     ],
 )  # fmt: skip
 def test_what_a_formula_comes_to(text: str, expected: float, what: str) -> None:
-    found, found_kind = value(text)
-    assert found == pytest.approx(expected, rel=1e-14)
+    result, found_kind = value(text)
+    assert result == pytest.approx(expected, rel=1e-14)
     assert found_kind == what
 
 
@@ -115,10 +115,10 @@ def test_a_power_of_a_quantity_stands_behind_brackets(text: str, remedy: str) ->
     with pytest.raises(ExpressionError) as caught:
         value(text)
     assert caught.value.hint == remedy
-    found, rest = refused(text)
-    assert found.startswith("a power of `")
-    assert found.endswith("` without brackets")
-    assert rest.startswith("**")
+    first_line, pointed = refusal(text)
+    assert first_line.startswith("a power of `")
+    assert first_line.endswith("` without brackets")
+    assert pointed.startswith("**")
 
 
 @pytest.mark.parametrize(
@@ -156,9 +156,9 @@ def test_of_less_equal_and_more_one_holds(pair: tuple[float, float]) -> None:
     names = dict(zip(("a.x", "b"), pair, strict=True))
     holds = {}
     for sign in ("<", "<=", ">", ">=", "==", "!="):
-        found = read(Node(f"a.x {sign} b", Mark("f")))
-        found.kind(lambda _: DIMENSIONLESS)
-        holds[sign] = bool(found.value(names.__getitem__))
+        result = read(Node(f"a.x {sign} b", Mark("f")))
+        result.kind(lambda _: DIMENSIONLESS)
+        holds[sign] = bool(result.value(names.__getitem__))
     assert holds["<"] + holds["=="] + holds[">"] == 1
     assert [holds["<="], holds[">="], holds["!="]] == [not holds[">"], not holds["<"], not holds["=="]]
 
@@ -210,9 +210,9 @@ def test_a_temperature_below_zero_is_told_from_one_above() -> None:
     ],
 )
 def test_degrees_celsius_do_not_count_from_zero(text: str, message: str, caret: str) -> None:
-    found, rest = refused(text)
-    assert found == message
-    assert rest.startswith(caret)
+    first_line, pointed = refusal(text)
+    assert first_line == message
+    assert pointed.startswith(caret)
 
 
 @pytest.mark.parametrize(("degrees", "kelvins"), [("20", "293.15"), ("-20", "253.15"), ("0.5", "273.65")])
@@ -276,9 +276,9 @@ def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
     ],
 )  # fmt: skip
 def test_what_is_refused_and_where(text: str, message: str, caret: str) -> None:
-    found, rest = refused(text)
-    assert found == message
-    assert rest.startswith(caret)
+    first_line, pointed = refusal(text)
+    assert first_line == message
+    assert pointed.startswith(caret)
 
 
 HOSTILE = [
@@ -296,12 +296,12 @@ HOSTILE = [
 @pytest.mark.parametrize("text", HOSTILE)
 def test_nothing_of_python_gets_through(text: str) -> None:
     before = set(sys.modules)
-    refused(text)
+    refusal(text)
     assert "os.system" not in set(sys.modules) - before
 
 
 def test_a_formula_opens_no_file(tmp_path: Path) -> None:
-    refused(f"open('{tmp_path}/x', 'w')")
+    refusal(f"open('{tmp_path}/x', 'w')")
     assert not list(tmp_path.iterdir())
 
 
@@ -329,9 +329,9 @@ def larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         pairs.map(lambda p: f"({p[0]}) {p[1]} ({p[2]})"),
         pairs.map("".join),
         calls.map(lambda c: f"{c[0]}({c[1]}, {c[2]})"),
-        inner.map(lambda one: f"-({one})"),
-        inner.map(lambda one: f"abs({one})"),
-        inner.map(lambda one: f"sqrt({one})"),
+        inner.map(lambda operand: f"-({operand})"),
+        inner.map(lambda operand: f"abs({operand})"),
+        inner.map(lambda operand: f"sqrt({operand})"),
     )
 
 
@@ -387,10 +387,10 @@ def checked(operation: str) -> Callable[[Finite, float], Finite]:
     """An operation of floats whose result is finite; ArithmeticError if it is not."""
 
     def call(a: Finite, b: float) -> Finite:
-        found = getattr(float, operation)(float(a), float(b))
-        if isinstance(found, complex) or not math.isfinite(found):
+        result = getattr(float, operation)(float(a), float(b))
+        if isinstance(result, complex) or not math.isfinite(result):
             raise ArithmeticError
-        return Finite(found)
+        return Finite(result)
 
     return call
 
@@ -402,26 +402,26 @@ for name in ("__add__", "__sub__", "__mul__", "__truediv__", "__pow__"):
 def by_python(text: str) -> float | bool | None:
     """What Python itself makes of a formula; None where it comes to no number."""
     floats = re.sub(r"\d+\.\d+", r"F(\g<0>)", text.replace("a.x", "a_x"))
-    known: dict[str, Any] = {"F": Finite, "a_x": Finite(2.5), "b": Finite(-3.0), "pi": Finite(math.pi)}
-    known |= {"sqrt": lambda one: Finite(math.sqrt(one))}
-    known |= {
+    namespace: dict[str, Any] = {"F": Finite, "a_x": Finite(2.5), "b": Finite(-3.0), "pi": Finite(math.pi)}
+    namespace |= {"sqrt": lambda x: Finite(math.sqrt(x))}
+    namespace |= {
         "min": lambda a, b: Finite(min(float(a), float(b))),
         "max": lambda a, b: Finite(max(float(a), float(b))),
     }
-    known["abs"] = abs
+    namespace["abs"] = abs
     try:
-        found: float | bool = eval(floats, {"__builtins__": {}}, known)
+        result: float | bool = eval(floats, {"__builtins__": {}}, namespace)
     except (ArithmeticError, ValueError):
         return None
-    return found if isinstance(found, bool) else float(found)
+    return result if isinstance(result, bool) else float(result)
 
 
 @given(st.one_of(ARITHMETIC, CONDITIONS).filter(lambda text: len(text) <= MAX_CHARACTERS))
 def test_values_are_those_of_python(text: str) -> None:
-    found = read(Node(text, Mark("f")))
-    found.kind(lambda _: DIMENSIONLESS)
+    result = read(Node(text, Mark("f")))
+    result.kind(lambda _: DIMENSIONLESS)
     try:
-        ours: float | bool | None = found.value(NAMES.__getitem__)
+        ours: float | bool | None = result.value(NAMES.__getitem__)
     except ExpressionError:
         ours = None
     theirs = by_python(text)
@@ -431,18 +431,18 @@ def test_values_are_those_of_python(text: str) -> None:
 # Units
 
 
-@pytest.mark.parametrize("known", list(UNITS))
-def test_a_quantity_of_each_unit_is_what_the_table_says(known: Dimension) -> None:
-    for word in UNITS[known]:
-        if word == "Hz" and known == "rotation":  # a frequency in formulas
+@pytest.mark.parametrize("dimension", list(UNITS))
+def test_a_quantity_of_each_unit_is_what_the_table_says(dimension: Dimension) -> None:
+    for word in UNITS[dimension]:
+        if word == "Hz" and dimension == "rotation":  # a frequency in formulas
             continue
-        found, _ = value(f"max({f'2 {word}'.strip()}, {f'1 {word}'.strip()})")
-        assert found == parse(f"2 {word}".strip(), known)
-        assert read(node(f"2 {word}".strip())).kind(kind) == kind_of(known)
+        result, _ = value(f"max({f'2 {word}'.strip()}, {f'1 {word}'.strip()})")
+        assert result == parse(f"2 {word}".strip(), dimension)
+        assert read(node(f"2 {word}".strip())).kind(kind) == kind_of(dimension)
 
 
 @pytest.mark.parametrize(
-    ("known", "made_of"),
+    ("dimension", "made_of"),
     [
         ("stiffness", "1 N / 1 m"),
         ("stiffness per length", "1 N / 1 m / 1 m"),
@@ -461,15 +461,15 @@ def test_a_quantity_of_each_unit_is_what_the_table_says(known: Dimension) -> Non
         ("frequency", "1 / 1 s"),
     ],
 )
-def test_units_are_made_of_others(known: Dimension, made_of: str) -> None:
-    assert read(node(made_of)).kind(kind) == kind_of(known) != TRUTH
+def test_units_are_made_of_others(dimension: Dimension, made_of: str) -> None:
+    assert read(node(made_of)).kind(kind) == kind_of(dimension) != TRUTH
 
 
 def test_every_path_can_be_named() -> None:
     """None is a word of the formulas, or a unit that follows a number."""
     for path in known_paths():
-        found = read(node(f"2 * {path} + 1"))
-        assert [name for name, _ in found.names()] == [path]
+        result = read(node(f"2 * {path} + 1"))
+        assert [name for name, _ in result.names()] == [path]
 
 
 # Places

@@ -28,10 +28,10 @@ def test_control_characters_are_left_out(text: str, capsys: pytest.CaptureFixtur
     say(f"{text}\n\tmore")
     say(text, err=True)
     print_table([text, "b"], [[text, "1"]])
-    shown = capsys.readouterr()
-    assert shown.out.startswith(f"{ATTACKS[text]}\n\tmore\n")
-    assert shown.err == f"{ATTACKS[text]}\n"
-    assert shown.out.replace("\n", "").replace("\t", "").isprintable()
+    printed = capsys.readouterr()
+    assert printed.out.startswith(f"{ATTACKS[text]}\n\tmore\n")
+    assert printed.err == f"{ATTACKS[text]}\n"
+    assert printed.out.replace("\n", "").replace("\t", "").isprintable()
 
 
 def test_other_text_stays_as_it_is() -> None:
@@ -44,5 +44,5 @@ def test_other_text_stays_as_it_is() -> None:
 def test_nothing_is_printed_past_it() -> None:
     printing = re.compile(r"(?<![.\w])print\(|typer\.echo\(|std(out|err)\.write\(")
     sources = {path.relative_to(PACKAGE).as_posix(): path for path in PACKAGE.rglob("*.py")}
-    found = {name for name, path in sources.items() if printing.search(path.read_text(encoding="utf-8"))}
-    assert found == EXCEPT
+    modules = {name for name, path in sources.items() if printing.search(path.read_text(encoding="utf-8"))}
+    assert modules == EXCEPT
