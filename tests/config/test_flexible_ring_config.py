@@ -289,7 +289,7 @@ LINES: list[tuple[str, str, str]] = [
 
 
 @pytest.mark.parametrize(("lines", "caret", "message"), LINES)
-def test_a_mistake_is_one_message_at_its_place(write: Write, lines: str, caret: str, message: str) -> None:
+def test_mistake_gives_one_message_at_its_position(write: Write, lines: str, caret: str, message: str) -> None:
     path = write(HEALTHY + lines + "\n")
     text = error_output(path)
     first, source, mark = text.splitlines()

@@ -36,7 +36,7 @@ def stored_steps(study: Path) -> list[tuple[str, str, str]]:
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=lambda path: path.stem)
-def test_every_job_of_a_study_is_given_the_method_and_step_it_was_given(study: Path) -> None:
+def test_method_and_step_of_each_job_are_unchanged(study: Path) -> None:
     result, before = chosen_steps(study), stored_steps(study)
     assert [variant[:2] for variant in result] == [variant[:2] for variant in before]
     steps = [float(variant[2]) for variant in result]

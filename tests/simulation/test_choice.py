@@ -87,7 +87,7 @@ def test_step_limit_is_where_the_method_diverges(method: str, least: float, zeta
     assert least * true <= limiting.step_limit(method, K, C) <= 1.0002 * true
 
 
-def test_nothing_to_hold_or_damp_has_no_limit() -> None:
+def test_zero_stiffness_and_damping_have_no_step_limit() -> None:
     assert limiting.step_limit("verlet", 0.0, 0.0) == inf
     assert limiting.step_limit(None, 1e9, 1e4) == inf
 
@@ -95,7 +95,7 @@ def test_nothing_to_hold_or_damp_has_no_limit() -> None:
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 @pytest.mark.parametrize(("method", "rise"), [("verlet", 1.0), ("rk4", 1.07)])
 @pytest.mark.parametrize("defects", SLOTS)
-def test_limits_fall_with_the_load_where_damping_grows_with_it(
+def test_limits_decrease_with_load_for_load_dependent_damping(
     model: str, method: str, rise: float, defects: tuple
 ) -> None:
     """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
@@ -113,7 +113,7 @@ def test_limits_fall_with_the_load_where_damping_grows_with_it(
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
-def test_default_damping_goes_with_the_stiffness_at_every_load(model: str) -> None:
+def test_default_damping_is_proportional_to_stiffness_at_every_load(model: str) -> None:
     """c/k is 2.5 us; 100 times the load makes a contact 1.58 times as stiff, and the damping ratio 1.26 times."""
     light, heavy = (limits(case(model=model, method="verlet", load=load)) for load in (50, 5000))
     assert light.damping_time == pytest.approx(2.5e-6, rel=1e-9)
@@ -122,7 +122,7 @@ def test_default_damping_goes_with_the_stiffness_at_every_load(model: str) -> No
     assert 0.7 * light.at_rest < heavy.at_rest < 0.8 * light.at_rest
 
 
-def test_limits_do_not_depend_on_what_is_recorded_or_for_how_long() -> None:
+def test_limits_do_not_depend_on_record_or_duration() -> None:
     base = case(defect=SLOT)
     other = case(defect=SLOT, record=[], duration="3 s", settle="0 s", step="0.1 us")
     assert limits(base) == limits(other)
@@ -151,14 +151,14 @@ def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defe
 
 
 @pytest.mark.parametrize("race", ["inner", "roller"])
-def test_defects_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_race(race: str) -> None:
+def test_crossing_and_closing_speed_on_inner_race_and_roller(race: str) -> None:
     """Rolling: 2.959 m/s everywhere. On the inner race 1/R is 1/6 + 1/26.5 per mm: the edge is steeper there."""
     result, speed = limits(case(defect=SLOT | {"race": race})), 0.0385 * 2 * pi * 30 * (1 - 12 / 65) / 2
     assert result.crossing == pytest.approx(0.8e-3 / speed, rel=1e-12)
     assert result.closing_speed == pytest.approx(0.4e-3 * (1 / 6e-3 + 1 / 26.5e-3) * speed, rel=1e-12)
 
 
-def test_only_a_defect_that_stands_is_put_in_step() -> None:
+def test_only_outer_race_defects_are_aligned_with_steps() -> None:
     models = [assemble.model(case(defect=SLOT | {"race": race})) for race in ("outer", "inner", "roller")]
     moved = [
         assemble.align_with_cusp(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models
@@ -166,7 +166,7 @@ def test_only_a_defect_that_stands_is_put_in_step() -> None:
     assert moved == [True, False, False]
 
 
-def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
+def test_undamped_impact_stores_all_energy_in_the_contact() -> None:
     model = assemble.model(case(contact={"damping": {"chi": "0 s/m"}}))
     speed, m, k = 0.05, model.bearing.m_r, model.outer.stiffness.k
     deepest = (19.0 / 9.0 * 0.5 * m * speed**2 / k) ** (9.0 / 19.0)
@@ -176,7 +176,7 @@ def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
     assert C == 0.0
 
 
-def test_a_dashpot_that_jumps_stops_a_roller_by_its_own_force() -> None:
+def test_impact_on_constant_damping_has_its_peak_at_contact() -> None:
     damping = {"law": "general", "coefficient": 1e6, "indentation_exponent": 0.0}
     model = assemble.model(case(contact={"damping": damping}))
     peak, _, C = limiting.impact(model.bearing.m_r, model.outer, 0.05)
@@ -184,7 +184,7 @@ def test_a_dashpot_that_jumps_stops_a_roller_by_its_own_force() -> None:
     assert C * model.bearing.m_r == pytest.approx(1e9)
 
 
-def test_a_faster_impact_is_harder() -> None:
+def test_impact_force_increases_with_speed() -> None:
     model = assemble.model(case())
     result = [limiting.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
     assert (np.diff(result, axis=0) > 0.0).all()
@@ -192,7 +192,7 @@ def test_a_faster_impact_is_harder() -> None:
     assert limiting.impact(0.0, model.outer, 0.1) == (0.0, 0.0, 0.0)
 
 
-def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
+def test_laws_with_equal_coefficients_are_distinguished() -> None:
     laws = (
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
@@ -226,7 +226,7 @@ def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) 
         requested_step(case(**settings, step=0.901 * result.at_impact))
 
 
-def test_a_defect_must_not_be_passed_in_too_few_steps() -> None:
+def test_step_is_limited_by_the_crossing_time_of_the_defect() -> None:
     crossing = limits(case(model="static", defect=NARROW)).crossing
     with pytest.raises(Refused, match="too few steps"):
         requested_step(case(model="static", defect=NARROW, step=crossing / 7))
@@ -252,7 +252,7 @@ def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, de
 
 @pytest.mark.parametrize("sampling", [200e3, 1024.0, 10240.0, 12345.678, 37.0])
 @pytest.mark.parametrize("model", ["static", "ring"])
-def test_the_grid_fits(sampling: float, model: str) -> None:
+def test_grid_divides_ball_passes_and_covers_the_record(sampling: float, model: str) -> None:
     test_case = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
     cut = grid(test_case)
     assert cut.step <= requested_step(test_case) * (1 + 1e-12)
@@ -262,7 +262,7 @@ def test_the_grid_fits(sampling: float, model: str) -> None:
     assert cut.passes / 159.0 >= 0.311 + 13.0 / sampling
 
 
-def test_no_step_is_wasted_on_rounding() -> None:
+def test_step_that_divides_the_fine_sample_is_kept() -> None:
     """A step that divides the fine sample exactly is taken as it is, not one shorter."""
     cut = grid(case(model="ring"))
     again = grid(case(model="ring", step=cut.step))
@@ -283,7 +283,7 @@ def test_estimate_counts_steps_and_bytes() -> None:
     assert time_grid.estimate(case(record=[])).bytes == 0
 
 
-def test_static_computes_one_pass_unless_a_defect_turns() -> None:
+def test_static_computes_one_pass_for_outer_race_defects() -> None:
     outer, inner = (case(model="static", defect=SLOT | {"race": race}) for race in ("outer", "inner"))
     assert time_grid.estimate(outer).steps == grid(outer).steps_per_pass
     assert time_grid.estimate(inner).steps == grid(inner).passes * grid(inner).steps_per_pass
@@ -296,7 +296,7 @@ def test_a_step_error_survives_pickling() -> None:
     assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
 
 
-def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_asked_for() -> None:
+def test_contact_too_damped_for_explicit_steps_is_refused_before_allocation() -> None:
     """1e6 N s/mm as printed by the paper, with indentation exponent 0: steps of some picoseconds."""
     printed = {"law": "general", "coefficient": "1e6", "indentation_exponent": "0"}
     with pytest.raises(Refused, match=r"a ball pass would take .* steps") as caught:
@@ -304,13 +304,13 @@ def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_ask
     assert "contact.damping" in caught.value.advice
 
 
-def test_methods_that_keep_a_tolerance_are_told_all_of_it() -> None:
+def test_adaptive_methods_receive_all_tolerance_parameters() -> None:
     for name, method in METHODS.items():
         parameters: Any = assemble.kind_of_method(name).parameters
         assert parameters._fields == (Tolerances._fields if method.adaptive else ("h",))
 
 
-def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
+def test_tolerance_leads_to_an_adaptive_method() -> None:
     """Verlet, which is cheapest here, would do nothing with it."""
     test_case = case(defect=SLOT, duration="0.1 s")
     assert choice.choice(test_case).method == "verlet"
@@ -320,7 +320,7 @@ def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
     assert "tolerance" in result.reason
 
 
-def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> None:
+def test_implicit_method_is_chosen_for_stiff_contacts() -> None:
     stiff = case(model="rollers", defect=SLOT, duration="0.1 s", contact={"damping": {"chi": "2000 s/m"}})
     result, longest = choice.choice(stiff), limits(choice.with_method(stiff, "verlet")).at_impact
     assert result.method == "rodas"
@@ -330,12 +330,12 @@ def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> No
 
 
 @pytest.mark.parametrize("model", ["static", "impulse"])
-def test_a_model_without_a_method_has_no_other(model: str) -> None:
+def test_models_without_a_method_have_no_alternatives(model: str) -> None:
     assert choice.alternatives(case(model=model, defect=SLOT)) == []
 
 
 @pytest.mark.parametrize(("coefficient", "step_s"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
-def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, step_s):
+def test_discontinuous_damping_shortens_adaptive_steps(coefficient, step_s):
     """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
     test_case = case(method="rodas", defect=SLOT, contact={"damping": damping})
@@ -344,7 +344,7 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, step
 
 
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
-def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> None:
+def test_cost_of_general_exponents_is_estimated(m1: float, m3: float, ns: float) -> None:
     """A Verlet step of `rollers`, timed by benchmarks/step_cost.py: to a third; unpriced 4 to 6 times off."""
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
@@ -352,7 +352,7 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
     assert pricing.cpu_per_second(test_case, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
 
 
-def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
+def test_static_costs_one_pass_unless_periodic_is_false() -> None:
     test_case = case(model="static", defect=SLOT, duration="1 s")
     watched = test_case.model_copy(update={"periodic": False})
     least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(test_case).cpu_seconds)
@@ -363,7 +363,7 @@ def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
         grid(test_case)
 
 
-def test_the_price_of_a_job_holds_its_proof() -> None:
+def test_cost_of_a_job_includes_the_step_check() -> None:
     checks_step, plain = (
         time_grid.estimate(case(defect=SLOT | {"race": "inner"}, duration="2 s", prove=prove))
         for prove in (True, False)
@@ -373,7 +373,7 @@ def test_the_price_of_a_job_holds_its_proof() -> None:
     assert checks_step.cpu_seconds == pytest.approx(plain.cpu_seconds + checks_step.check_seconds)
 
 
-def test_what_may_repeat_is_priced_by_the_passes_that_are_expected() -> None:
+def test_cost_of_a_periodic_job_counts_the_expected_passes() -> None:
     test_case = case(defect=SLOT, method="verlet")
     long, short = (time_grid.estimate(test_case.model_copy(update={"duration": s})) for s in (20.0, 1.0))
     full = time_grid.estimate(test_case.model_copy(update={"duration": 20.0, "periodic": False}))

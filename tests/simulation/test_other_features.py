@@ -73,7 +73,7 @@ def compute_features() -> tuple[dict[str, float], dict[str, str]]:
     return extension_features(case(), TIME, SERIES)
 
 
-def test_a_number_is_a_value(monkeypatch) -> None:
+def test_finite_number_is_the_value(monkeypatch) -> None:
     register_feature(monkeypatch, "mean")
     assert compute_features() == ({"mine": 2.0}, {})
 
@@ -86,7 +86,7 @@ VALUELESS = {
 
 
 @pytest.mark.parametrize("function", VALUELESS)
-def test_what_has_no_finite_value_is_nan_with_a_reason(function, monkeypatch) -> None:
+def test_non_finite_value_becomes_nan_with_a_reason(function, monkeypatch) -> None:
     register_feature(monkeypatch, function)
     values, facts = compute_features()
     assert np.isnan(values["mine"])
@@ -102,14 +102,14 @@ FAILING = {
 
 
 @pytest.mark.parametrize("function", FAILING)
-def test_what_fails_is_named(function, monkeypatch) -> None:
+def test_failing_function_is_named(function, monkeypatch) -> None:
     """A KeyError of its own is no series that is missing."""
     register_feature(monkeypatch, function)
     with pytest.raises(BrokenExtension, match=f"^feature `mine`: `{__name__}:{FAILING[function]}"):
         compute_features()
 
 
-def test_why_jobs_have_no_value_is_said_once_for_each_reason() -> None:
+def test_missing_values_are_reported_once_per_reason() -> None:
     facts = pd.DataFrame(
         {"method": ["verlet"] * 4, "no_value.mine": ["", "computed as inf", "computed as inf", "computed as nan"]},
         index=["a", "b", "c", "d"],
@@ -122,7 +122,7 @@ def test_why_jobs_have_no_value_is_said_once_for_each_reason() -> None:
 
 
 @pytest.mark.parametrize("function", ["NO_FUNCTION", "not_there", "mean"])
-def test_a_feature_that_cannot_be_computed_is_refused_first(function, monkeypatch) -> None:
+def test_unusable_feature_is_refused_before_the_run(function, monkeypatch) -> None:
     """Before anything runs: what is no function, what does not load, and what was registered too late."""
     register_feature(monkeypatch, function)
     messages = {
@@ -141,7 +141,7 @@ def test_a_declared_feature_is_accepted(monkeypatch) -> None:
     refuse_undeclared(["mine", "velocity.rms"])
 
 
-def test_a_computed_feature_that_nobody_declared_is_refused(monkeypatch) -> None:
+def test_undeclared_computed_feature_is_refused(monkeypatch) -> None:
     """The failure of its job says so, without the name of a class before it."""
     simulating = import_module("bearingsim.simulation.simulate")  # its name is also a function's
     original = simulating.features
@@ -152,7 +152,7 @@ def test_a_computed_feature_that_nobody_declared_is_refused(monkeypatch) -> None
     assert _failure("abc", caught.value).reason == message
 
 
-def test_a_foreign_feature_is_part_of_every_id(monkeypatch) -> None:
+def test_feature_of_an_extension_is_part_of_every_id(monkeypatch) -> None:
     """The sources of its package are; without one a case of the program's own has none."""
     assert extensions(case()) == {}
     register_feature(monkeypatch, "mean")

@@ -63,7 +63,7 @@ SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize("share", [0.03, 0.37])
-def test_a_tone_in_the_pass_band_is_recorded_where_it_was(sampling: float, share: float) -> None:
+def test_tone_in_the_passband_keeps_amplitude_and_phase(sampling: float, share: float) -> None:
     omega = 2 * np.pi * share * sampling
     result = record_of_signal(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
     t = 0.03 + result.time
@@ -79,7 +79,7 @@ def test_a_tone_that_would_alias_is_rejected(sampling: float, share: float) -> N
     assert np.abs(result.series["ring.velocity.x"]).max() < 10 ** (-70 / 20)
 
 
-def test_a_constant_stays_a_constant() -> None:
+def test_constant_signal_is_recorded_unchanged() -> None:
     result = record_of_signal(case(), lambda t: np.full_like(t, 0.3))
     assert result.series["ring.velocity.x"] == pytest.approx(0.3, rel=1e-13)
     assert math.isnan(result.features["velocity.crest"])
@@ -112,7 +112,7 @@ def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
     assert line(result, "acceleration@BPFO") == pytest.approx(expected, rel=1e-9)
 
 
-def test_nothing_before_settling_gets_into_the_features() -> None:
+def test_features_exclude_the_settling_time() -> None:
     """Loud until 35 ms, with 2 ms for the filters to forget: settled after 37 ms, in the middle of a ball pass."""
     result = record_of_signal(
         case(settle=0.037, periodic=False), lambda t: np.where(t < 0.035, np.cos(2 * np.pi * RATE * t), 0.0)
@@ -154,7 +154,7 @@ ROW = {name: row for row, name in enumerate(name for channel in RING + FORCES fo
 
 
 @pytest.mark.parametrize("settle", [0.0, 0.0123])
-def test_without_antialias_samples_lie_on_lines_between_steps(settle: float) -> None:
+def test_samples_without_antialias_are_interpolated_between_steps(settle: float) -> None:
     times = {"settle": settle, "duration": 0.021, "sampling": 8765.4}
     test_case = case(defect=SLOT, antialias=False, record=RING + FORCES, step_check=False, **times)
     raw, h = integrate_steps(test_case, 6)
@@ -205,7 +205,7 @@ def test_velocity_lines_are_omega_times_displacement_lines(model: str) -> None:
 
 
 @pytest.mark.parametrize("model", ["static", "ring"])
-def test_phase_tells_where_the_defect_is(model: str) -> None:
+def test_phase_depends_on_the_angle_of_the_defect(model: str) -> None:
     """Less the healthy line, a defect at +a leads one at -a by -2 k Z a."""
     healthy = simulate(case(model=model)).features
     left, right = (simulate(case(model=model, defect=SLOT | {"angle": f"{a} deg"})).features for a in (2.0, -2.0))
@@ -220,7 +220,7 @@ def test_phase_tells_where_the_defect_is(model: str) -> None:
     "change", [{"start_angle": 0.4}, {"settle": 0.0413}, {"duration": 0.2}, {"sampling": 3000.0}]
 )
 @pytest.mark.parametrize("model", ["static", "ring"])
-def test_lines_do_not_depend_on_when_one_looks(model: str, change: dict) -> None:
+def test_lines_do_not_depend_on_start_and_length_of_the_record(model: str, change: dict) -> None:
     """Phases are told from a roller passing the load line, so neither the start nor the length matters."""
     base, other = (simulate(case(model=model, defect=SLOT, **fields)).features for fields in ({}, change))
     for name in ("displacement@BPFO", "velocity@BPFO", "velocity@3BPFO"):
@@ -249,7 +249,7 @@ def test_static_is_periodic_from_its_first_sample() -> None:
             assert np.abs(passes - passes[-1]).max() < 1e-6 * np.ptp(series), name
 
 
-def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
+def test_roller_orbits_the_bearing_in_static() -> None:
     """With rollers so light that nothing presses them outwards: `ring` has none of that."""
     settings = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
     static, ring = (
@@ -262,7 +262,7 @@ def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
 # What is recorded and computed
 
 
-def test_the_sensor_sees_the_direction_it_looks_in() -> None:
+def test_features_are_those_in_the_direction_of_the_sensor() -> None:
     def features(angle: str) -> dict[str, float]:
         rig = {"name": "r", "sensor_angle": angle}
         return simulate(case(defect=SLOT | {"angle": "20 deg"}, rig=rig, record=RING, antialias=False)).features
@@ -280,7 +280,7 @@ def test_the_sensor_sees_the_direction_it_looks_in() -> None:
     assert across["velocity.rms"] != pytest.approx(along["velocity.rms"], rel=0.01)
 
 
-def test_statistics_are_those_of_the_motion_between_samples_too() -> None:
+def test_statistics_include_the_motion_between_samples() -> None:
     """Nearly those of the samples; but a peak between two of them counts."""
     result = simulate(case(defect=SLOT, record=RING))
     count = round(math.floor(80e-3 * RATE) / RATE * 10240)
@@ -291,7 +291,7 @@ def test_statistics_are_those_of_the_motion_between_samples_too() -> None:
 
 
 @pytest.mark.parametrize("antialias", [True, False])
-def test_what_is_recorded_does_not_change_the_features(antialias: bool) -> None:
+def test_features_do_not_depend_on_the_recorded_channels(antialias: bool) -> None:
     """All of it is compared as the motion is looked at for a repetition: a run may stop a pass later for it."""
     result = {
         len(record): simulate(case(defect=SLOT, record=record, antialias=antialias, periodic=False))
@@ -306,7 +306,7 @@ def test_what_is_recorded_does_not_change_the_features(antialias: bool) -> None:
         result[0].velocity  # noqa: B018
 
 
-def test_features_are_those_announced() -> None:
+def test_features_are_those_declared() -> None:
     result = simulate(case(defect=SLOT, record=[])).features
     by_table = ("error.damping", "error.clearance", "error.bracket", "error.support")
     of_tables = [name for name in FEATURES if name.endswith("-healthy") or name.startswith(by_table)]
@@ -348,7 +348,7 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
 
 
 @pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
-def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts: bool) -> None:
+def test_peak_forces_are_those_within_the_record(settle: str, counts: bool) -> None:
     def knocked(method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any) -> tuple:
         result = advance_and_sample(method, model, monitor, start, y, *rest)
         if start == 0:
@@ -360,7 +360,7 @@ def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts
     assert largest == 1e6 if counts else 40.0 < largest < 60.0
 
 
-def test_info_says_how_it_was_computed() -> None:
+def test_info_describes_the_computation() -> None:
     test_case = case(defect=SLOT)
     info = simulate(test_case).info
     cut = time_grid.grid(test_case, float(info["step_part"]))
@@ -374,7 +374,7 @@ def test_info_says_how_it_was_computed() -> None:
     assert 0.0 < float(info["integrator_cpu_s"]) <= float(info["cpu_s"])
 
 
-def test_warming_computes_each_kind_of_case_once() -> None:
+def test_warm_up_computes_each_kind_of_case_once() -> None:
     with (
         mock.patch.object(WARM_UP, "_COMPILED", set()),
         mock.patch.object(WARM_UP, "simulate", wraps=simulate) as mock_simulate,
@@ -395,7 +395,7 @@ def test_warming_computes_each_kind_of_case_once() -> None:
     assert all(variant.duration <= 0.01 for variant in warmed)
 
 
-def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
+def test_specialised_exponents_are_compiled_separately() -> None:
     def general(m3: float, m1: float) -> Case:
         stiffness = {"law": "constant", "coefficient": 7e5, "exponent": m1}
         damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
@@ -418,7 +418,7 @@ NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % 
 
 @pytest.mark.parametrize(("method", "fields"), NARROW)
 @pytest.mark.parametrize("angle", ["0 deg", "3.3 deg"])
-def test_the_cusp_of_a_narrow_defect_costs_no_first_order_error(method: str, fields: dict, angle: str) -> None:
+def test_cusp_of_a_narrow_defect_causes_no_first_order_error(method: str, fields: dict, angle: str) -> None:
     """Half the step changes the line by less than 0.5 %, wherever the defect lies, at 50 steps a crossing."""
     test_case = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
     test_case = test_case.model_copy(
@@ -437,7 +437,7 @@ def radians(angle: str) -> float:
 
 
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
-def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
+def test_cusp_is_aligned_with_the_fraction_of_a_step_of_the_method(method: str) -> None:
     test_case = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
     cusp, steps = assemble.kind_of_method(method).cusp, 12345
     aligned = assemble.align_with_cusp(assemble.model(test_case), steps, cusp).bearing

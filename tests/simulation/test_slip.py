@@ -55,7 +55,7 @@ def test_without_drag_the_cage_is_kinematic(rpm, load, friction):
     assert abs(result["cage.slip.mean"]) < 1e-4
 
 
-def test_drag_by_hand():
+def test_drag_torque_equals_the_closed_form():
     """At 6000 rpm the cage turns at 256.17 rad/s and a roller orbits at 8.3256 m/s.
 
     Orbit: 1/2 * 86 kg/m^3 * 1 * (12 mm)^2 * (8.3256 m/s)^2 = 0.42920 N on each of 13 rollers, at 32.5 mm.
@@ -66,7 +66,7 @@ def test_drag_by_hand():
     )
 
 
-def test_friction_by_hand():
+def test_friction_torque_equals_the_closed_form():
     """Far into slip each roller slides at 0.15 and both races push it: 2 * 0.15 * sum Q_i * 32.5 mm."""
     model = assemble.model(oil_case(1800, 20))
     result = loads(model, 0.5)
@@ -74,7 +74,7 @@ def test_friction_by_hand():
     assert 20.0 < result.inner.sum() < 1.28 * 20.0  # 1.2733 for linear contacts, half the circle loaded
 
 
-def test_the_floor_is_the_pockets_clearance_over_the_load_zone():
+def test_least_slip_is_pocket_clearance_over_load_zone_length():
     """A roller enters at the rear of its pocket and rolls across it before it pushes, over 102 mm of load zone."""
     narrow, wide = (slip(1800, 150, cage=Pocket(clearance)) for clearance in (0.1, 0.4))
     assert wide - narrow == pytest.approx(0.3 / 102.1, rel=0.15)
@@ -92,7 +92,7 @@ def test_slip_grows_as_load_falls_and_speed_rises():
 
 
 @pytest.mark.parametrize(("rpm", "load", "friction"), [(3000, 10, "static-dynamic"), (6000, 40, "traction")])
-def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
+def test_gross_slip_equals_the_balance_of_forces(rpm, load, friction):
     """By the mean of three seeds: the motion is chaotic, and one seed's slip is its own by 1 %.
 
     After 1 s: the slip at 3000 rpm still grows, from 5 % under the balance after 0.5 s to 1 % after 1 s.

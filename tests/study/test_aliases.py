@@ -16,14 +16,14 @@ DAMPED = "contact: {damping: {chi: 50 s/m}}\nmethod: verlet\nsettle: 50 ms\n"  #
 ID = "ce2149882a252c52"  # of BASE with `prove: strict` in model version 4, before the word was replaced
 
 
-def test_the_old_word_is_read_and_the_new_one_told(write: Write) -> None:
+def test_deprecated_key_is_read_with_a_note(write: Write) -> None:
     study = load_study(write(BASE + "prove: strict\n"))
     assert study.cases()[0].step_check == "strict"
     assert study.notes == ("`prove` is now `step_check`; the old word is still read",)
     assert load_study(write(BASE + "step_check: strict\n")).notes == ()
 
 
-def test_both_words_name_the_same_result(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_deprecated_and_current_key_give_the_same_id(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 4)
     old, new = (
         load_study(write(BASE + DAMPED + f"{word}: strict\n")).cases()[0] for word in ("prove", "step_check")
@@ -32,7 +32,7 @@ def test_both_words_name_the_same_result(write: Write, monkeypatch: pytest.Monke
     assert case_id(load_study(write(BASE + DAMPED)).cases()[0]) != ID
 
 
-def test_a_sweep_and_a_figure_may_use_the_old_word(write: Write) -> None:
+def test_sweep_and_figure_accept_the_deprecated_key(write: Write) -> None:
     more = (
         "sweep: {prove: [true, false], load: [100 N, 200 N]}\nfigures: [{y: velocity.rms, x: load, by: prove}]\n"
     )
@@ -41,31 +41,31 @@ def test_a_sweep_and_a_figure_may_use_the_old_word(write: Write) -> None:
     assert study.figures[0].by == ("step_check",)
 
 
-def test_an_override_may_use_the_old_word(write: Write) -> None:
+def test_override_accepts_the_deprecated_key(write: Write) -> None:
     assert load_study(write(BASE), {"prove": "false"}).cases()[0].step_check is False
 
 
-def test_python_may_use_the_old_word() -> None:
+def test_python_accepts_the_deprecated_key() -> None:
     fields = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
     assert Case.model_validate(fields | {"prove": False}).step_check is False
 
 
-def test_results_that_swept_the_old_word_know_its_dimension() -> None:
+def test_stored_deprecated_key_has_a_dimension() -> None:
     assert dimension("prove") == dimension("step_check")
 
 
-def test_both_words_at_once_are_refused(write: Write) -> None:
+def test_deprecated_and_current_key_together_are_refused(write: Write) -> None:
     with pytest.raises(ValidationError, match="`prove` is now called `step_check`"):
         Case.model_validate(
             {"bearing": "nf308", "speed": "1 Hz", "load": "1 N", "prove": True, "step_check": False}
         )
 
 
-def test_check_says_so(write: Write) -> None:
+def test_check_notes_the_deprecated_key(write: Write) -> None:
     plan, _ = type_("check", write(BASE + "prove: false\n"), "--json")
     assert json.loads(plan)["notes"][-1] == "`prove` is now `step_check`; the old word is still read"
 
 
 @pytest.mark.parametrize("old", DEPRECATED_KEYS)
-def test_an_old_word_is_no_field(old: str) -> None:
+def test_deprecated_key_is_no_field(old: str) -> None:
     assert old not in Case.model_fields

@@ -40,11 +40,11 @@ def features(write: Write, text: str) -> set[str]:
         ),
     ],
 )
-def test_what_figures_draw_is_computed(write: Write, text: str, named: set[str]) -> None:
+def test_features_of_figures_are_computed(write: Write, text: str, named: set[str]) -> None:
     assert features(write, text) == named
 
 
-def test_what_figures_draw_is_computed_whatever_else_is_said_instead(write: Write) -> None:
+def test_features_of_figures_are_computed_with_overrides(write: Write) -> None:
     path = write(f"{BASE}figures: [{{y: {RMS}, x: load}}]\nquick: {{features: [{HIGH}]}}\n")
     (plain,) = {case.features for case in load_study(path, {"features": f"[{ENVELOPE}]"}).cases()}
     (quick,) = {case.features for case in load_study(path, quick=True).cases()}
@@ -52,7 +52,7 @@ def test_what_figures_draw_is_computed_whatever_else_is_said_instead(write: Writ
     assert set(quick) == {RMS, HIGH}
 
 
-def test_so_is_what_an_accuracy_is_asked_of(write: Write) -> None:
+def test_features_of_an_accuracy_are_computed(write: Write) -> None:
     text = BASE.replace("model: static\n", "") + f"accuracy: {{within: 5 %, of: [{RMS}-healthy, {ENVELOPE}]}}\n"
     study = load_study(write(text))
     assert {case.features for case in study.cases()} == {(RMS, ENVELOPE)}
@@ -68,26 +68,24 @@ def test_so_is_what_an_accuracy_is_asked_of(write: Write) -> None:
         ("velocity.rms@0-5Hz", "does not resolve 5 Hz"),
     ],
 )
-def test_a_band_that_the_run_does_not_resolve_is_refused_where_it_stands(
-    write: Write, name: str, reason: str
-) -> None:
+def test_unresolved_band_is_refused_at_its_position(write: Write, name: str, reason: str) -> None:
     with pytest.raises(StudyError, match=reason) as caught:
         load_study(write(f"{BASE}figures: [{{y: {name}, x: load}}]\n"))
     line, caret = str(caught.value).splitlines()[1:3]
     assert line[caret.index("^") :].startswith(name)
 
 
-def test_a_word_that_is_almost_one_is_answered_with_examples(write: Write) -> None:
+def test_misspelled_band_is_answered_with_examples(write: Write) -> None:
     with pytest.raises(StudyError, match=r"bands are named as in velocity\.rms@10-1000Hz"):
         load_study(write(f"{BASE}figures: [{{y: velocity.rms@1-5kHz, x: load}}]\n"))
 
 
-def test_what_is_computed_anyway_needs_no_naming(write: Write) -> None:
+def test_default_features_need_no_request(write: Write) -> None:
     with pytest.raises(StudyError, match="is computed of every case"):
         load_study(write(f"{BASE}features: [velocity.rms]\n"))
 
 
-def test_the_order_of_names_makes_no_other_case() -> None:
+def test_order_of_features_does_not_change_the_id() -> None:
     forward, reverse, none = (
         Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "features": names})
         for names in ([RMS, ENVELOPE], [ENVELOPE, RMS], [])
@@ -105,7 +103,7 @@ def test_a_high_band_raises_the_rate_of_fine_samples() -> None:
     assert time_grid.grid(plain).fine_rate < 20e3 / 0.15 < time_grid.grid(high).fine_rate
 
 
-def test_they_are_stored_drawn_and_beside_their_healthy_twin(tmp_path: Path) -> None:
+def test_bands_are_stored_and_drawn_with_the_healthy_value(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text(f"{BASE}figures: [{{y: [{RMS}, {RMS}-healthy], x: load}}]\nfeatures: [{ENVELOPE}]\n")
     type_("run", path, "--jobs", "1", "--out", tmp_path / "out")

@@ -54,7 +54,7 @@ def first_problem(path: Path, overrides: dict[str, str] | None = None, quick: bo
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_design_moves_its_paths_as_the_points_of_the_cube(write: Write, kind: Kind) -> None:
+def test_design_maps_points_of_the_unit_cube_to_its_paths(write: Write, kind: Kind) -> None:
     study = load_study(write(sweep(kind, 8)))
     cube = designs.cube(kind, 8, 2, seed=1)
     assert values(study, "defect.width") == pytest.approx(0.2e-3 + 1.8e-3 * cube[:, 0], rel=1e-11)
@@ -65,7 +65,7 @@ def test_a_design_moves_its_paths_as_the_points_of_the_cube(write: Write, kind: 
     assert study.units == {"defect.width": "mm", "load": "N"}
 
 
-def test_the_seed_is_zero_unless_it_is_said(write: Write) -> None:
+def test_seed_is_zero_by_default(write: Write) -> None:
     text = f"{BASE}sweep: {{lhs: {{n: 4, over: {{load: [1 N, 2 N]}}}}}}\n"
     assert design_of(load_study(write(text))).seed == 0
 
@@ -76,7 +76,7 @@ def test_ranges_are_kept_in_si(write: Write) -> None:
     assert design_of(study).ranges == ((150.0, 300.0), (0.0002, 0.002))
 
 
-def test_two_rows_may_be_one_case(write: Write) -> None:
+def test_equal_rows_are_one_case(write: Write) -> None:
     """A trajectory of Morris in two parameters meets itself and others: each row has the id of its case."""
     study = load_study(write(sweep("morris", 40)))
     design = design_of(study)
@@ -84,7 +84,7 @@ def test_two_rows_may_be_one_case(write: Write) -> None:
     assert set(design.ids) == {case_id(case) for case in study.cases()}
 
 
-def test_the_ids_are_those_that_results_were_named_by(write: Write) -> None:
+def test_ids_are_unchanged(write: Write) -> None:
     """Another machine, or another version of a library, must come to the same digits."""
     over = "{defect.width: [0.2 mm, 2 mm], load: {log: [50 N, 500 N]}, speed: {normal: [1800 rpm, 90 rpm], within: [1500 rpm, 2000 rpm]}}"
     study = load_study(write(sweep("saltelli", 2, over)))
@@ -97,13 +97,13 @@ def test_the_ids_are_those_that_results_were_named_by(write: Write) -> None:
 
 
 @pytest.mark.parametrize(("kind", "kept_count"), [("sobol", 64), ("saltelli", 256), ("morris", 192), ("lhs", 0)])
-def test_a_larger_design_keeps_the_ids_or_says_that_it_does_not(write: Write, kind: str, kept_count: int) -> None:
+def test_larger_design_keeps_the_ids_or_notes_that_it_does_not(write: Write, kind: str, kept_count: int) -> None:
     few, many = (load_study(write(sweep(kind, n))) for n in (64, 256))
     assert sum(a == b for a, b in zip(design_of(few).ids, design_of(many).ids, strict=False)) == kept_count
     assert any("cannot be extended" in note for note in many.notes) == (kept_count == 0)
 
 
-def test_points_out_of_balance_are_told_of(write: Write) -> None:
+def test_unbalanced_number_of_points_is_noted(write: Write) -> None:
     assert load_study(write(sweep("sobol", 64))).notes == ()
     assert load_study(write(sweep("sobol", 100))).notes == (
         "sobol: points are evenly spread only if `n` is a power of two, unlike 100",
@@ -183,7 +183,7 @@ def test_values_lie_within_their_ranges(low: float, width: float, form: str, sha
     assert by_share == sorted(by_share)
 
 
-def test_a_design_of_many_points_is_distributed_as_it_says(write: Write) -> None:
+def test_large_design_has_the_requested_distribution(write: Write) -> None:
     text = sweep("lhs", 400, "{load: {normal: [150 N, 20 N], within: [130 N, 200 N]}}")
     scores = (np.array(values(load_study(write(text)), "load")) - 150.0) / 20.0
     assert stats.kstest(scores, stats.truncnorm(-1.0, 2.5).cdf).statistic < 1.0 / 400
@@ -247,7 +247,7 @@ def test_quick_draws_a_path_that_was_listed(write: Write) -> None:
         ({"load": "200 N", "defect.width": "1 mm"}, None, 1),
     ],
 )
-def test_the_command_line_has_the_last_word(
+def test_command_line_overrides_the_design(
     write: Write, overrides: dict[str, str], paths: tuple[str, ...] | None, count: int
 ) -> None:
     study = load_study(write(sweep()), overrides)
@@ -267,7 +267,7 @@ def test_a_figure_draws_paths_of_a_design(write: Write) -> None:
     assert load_study(write(sweep(more=more) + figures)).figures[0].x == "defect.depth"
 
 
-def test_a_figure_of_a_design_that_is_wrong_is_no_second_mistake(write: Write) -> None:
+def test_figure_of_an_invalid_design_is_not_reported_as_well(write: Write) -> None:
     path = write(sweep("sobol", 0) + "figures: [{y: velocity@BPFO, x: load}]\n")
     with pytest.raises(StudyError) as caught:
         load_study(path)
@@ -288,7 +288,7 @@ def test_repeat_tries_seeds(write: Write) -> None:
 
 
 @pytest.mark.parametrize("text", ["model: rollers", "model: planar\ncage: {motion: kinematic}"])
-def test_what_is_not_random_is_not_repeated(write: Write, text: str) -> None:
+def test_repeat_of_a_deterministic_study_is_refused(write: Write, text: str) -> None:
     message, caret = first_problem(write(f"{BASE}{text}\nsweep: {{repeat: 3}}\n"))
     assert message.startswith("repeat: nothing in this study depends on `seed`")
     assert caret == "repeat: 3}"
@@ -302,7 +302,7 @@ def test_random_impulses_are_repeated(write: Write) -> None:
 # What is stored
 
 
-def test_the_plan_holds_the_design(write: Write, tmp_path: Path) -> None:
+def test_plan_contains_the_design(write: Write, tmp_path: Path) -> None:
     study = load_study(write(sweep("saltelli", 4)))
     store.write_plan(tmp_path, study, study.jobs())
     design = store.read_plan(tmp_path)["design"]
@@ -379,13 +379,15 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("seed: [1, 2], repeat: 3", "`seed` is swept twice", "repeat"),
     ],
 )  # fmt: skip
-def test_what_is_refused_and_where(write: Write, text: str, message: str | None, caret: str) -> None:
+def test_invalid_entry_is_refused_at_its_position(
+    write: Write, text: str, message: str | None, caret: str
+) -> None:
     first_line, pointed = first_problem(write(f"{BASE}model: rollers\nsweep: {{{text}}}\n"))
     assert first_line == message or message is None
     assert pointed.startswith(caret)
 
 
-def test_a_figure_says_how_many_points_are_left() -> None:
+def test_description_counts_the_remaining_points() -> None:
     from bearingsim.plots.design import description
 
     design = {"kind": "sobol", "n": 32, "seed": 0, "ids": ("a",) * 24}
@@ -393,17 +395,17 @@ def test_a_figure_says_how_many_points_are_left() -> None:
     assert description(design | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
 
 
-def test_a_single_value_beside_blocks_is_let_be(write: Write) -> None:
+def test_single_value_beside_a_block_design_is_accepted(write: Write) -> None:
     assert len(load_study(write(sweep("saltelli", 4, more=", model: [ring]"))).cases()) == 16
 
 
-def test_a_word_of_no_design_is_refused_on_the_command_line(write: Write) -> None:
+def test_override_of_a_missing_design_is_refused(write: Write) -> None:
     message, caret = first_problem(write(BASE), {"sobol.n": "4"})
     assert message == "the study has no `sobol` (name it in `sweep`)"
     assert caret == "sobol.n=4"
 
 
-def test_many_paths_leave_room_for_fewer_rows(write: Write) -> None:
+def test_number_of_rows_decreases_with_the_number_of_paths(write: Write) -> None:
     paths = [path for path, dimension in known_paths().items() if dimension][:21]
     over = ", ".join(f"{path}: [1 N, 2 N]" for path in paths)
     message, caret = first_problem(write(sweep("sobol", 500_000, f"{{{over}}}")))
@@ -413,6 +415,6 @@ def test_many_paths_leave_room_for_fewer_rows(write: Write) -> None:
     assert caret.startswith("500000")
 
 
-def test_a_product_that_is_too_large_is_refused_before_it_is_made(write: Write) -> None:
+def test_too_large_product_is_refused_before_it_is_built(write: Write) -> None:
     text = sweep("sobol", 2048, more=", speed: {linspace: [10 Hz, 20 Hz, 1000]}")
     assert re.match("sweep: 2048000 cases; at most 1000000 are possible", first_problem(write(text))[0])

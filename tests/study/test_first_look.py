@@ -56,7 +56,7 @@ def built_cases(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         ("sweep: {repeat: 90000}", "nothing in this study depends on `seed`"),
     ],
 )
-def test_what_costs_nothing_is_refused_first(
+def test_errors_in_text_are_reported_before_cases_are_built(
     write: Write, built_cases: list[Any], lines: str, message: str
 ) -> None:
     with pytest.raises(StudyError, match=message.replace("[", r"\[")):
@@ -71,7 +71,7 @@ def test_a_figure_without_its_path_is_refused_before_36000_cases(built_cases: li
     assert len(built_cases) < FEW
 
 
-def test_what_only_one_combination_shows_is_refused_all_the_same(write: Write, built_cases: list[Any]) -> None:
+def test_error_of_a_single_combination_is_reported(write: Write, built_cases: list[Any]) -> None:
     """Each value is right with the first of the other."""
     with pytest.raises(StudyError, match="10 ms is shorter than one ball pass"):
         load_study(write(BASE + "sweep: {duration: [1 s, 10 ms, 2 s], speed: [1800 rpm, 300 rpm, 900 rpm]}"))
@@ -82,7 +82,7 @@ def test_a_model_that_only_the_quick_study_has_gives_its_features(write: Write) 
     assert load_study(write(BASE + "sweep: {load: [150 N, 300 N]}\n" + figure)).figures
 
 
-def test_the_number_of_cases_is_said_before_they_are_read(write: Write, built_cases: list[Any]) -> None:
+def test_number_of_cases_is_checked_before_they_are_built(write: Write, built_cases: list[Any]) -> None:
     counts: list[tuple[int, int]] = []
     load_study(
         write(BASE + "sweep: {load: {linspace: [1 N, 2 N, 200]}}"),

@@ -43,18 +43,16 @@ def text_at_caret(problem: Problem) -> str:
          ("acceleration@BPFI-healthy", "displacement.rms")),
     ],
 )  # fmt: skip
-def test_an_accuracy_says_how_close_and_of_what(
-    write: Write, text: str, within: float, of: tuple[str, ...]
-) -> None:
+def test_accuracy_has_a_bound_and_features(write: Write, text: str, within: float, of: tuple[str, ...]) -> None:
     assert goal(write, f"accuracy: {text}\n{SWEEP}{FIGURE}") == Goal(within, of)
 
 
-def test_a_study_without_asks_for_none(write: Write) -> None:
+def test_study_without_accuracy_has_no_goal(write: Write) -> None:
     study = load_study(write(BASE))
     assert (study.goal, study.otherwise) == (None, None)
 
 
-def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
+def test_cases_have_the_reference_model(write: Write) -> None:
     study = load_study(write(BASE + MODELS))
     assert [case.model for case in study.cases()] == ["planar", "planar"]
     assert study.otherwise is not None
@@ -86,7 +84,9 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
         ("0.5", "0.5", "accuracy: expected a share such as `1 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_told_at_its_place(write: Write, text: str, caret: str, message: str | None) -> None:
+def test_invalid_accuracy_is_reported_at_its_position(
+    write: Write, text: str, caret: str, message: str | None
+) -> None:
     all_problems = problems(write(f"{BASE}accuracy: {text}\n{SWEEP}{FIGURE}"))
     assert len(all_problems) == 1, all_problems
     assert text_at_caret(all_problems[0]).startswith(caret)
@@ -94,7 +94,7 @@ def test_what_is_wrong_is_told_at_its_place(write: Write, text: str, caret: str,
         assert str(all_problems[0]).splitlines()[0].partition(": ")[2] == message
 
 
-def test_of_nothing_drawn_no_accuracy_can_be_held(write: Write) -> None:
+def test_accuracy_needs_a_figure_of_a_suitable_feature(write: Write) -> None:
     (problem,) = problems(write(f"{BASE}accuracy: 2 %\n{SWEEP}figures: [{{y: seconds, x: load}}]\n"))
     assert "no figure shows a spectral line" in problem.message
     assert text_at_caret(problem).startswith("accuracy: 2 %")
@@ -114,7 +114,7 @@ BESIDE = "`{}` cannot be combined with `accuracy`, which chooses it (leave `{}` 
         ("quick: {sweep: {zip: {model: [ring, static], load: [1 N, 2 N]}}}\n", "model", "model: [ring"),
     ],
 )
-def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, key: str, caret: str) -> None:
+def test_model_and_method_are_refused_with_accuracy(write: Write, text: str, key: str, caret: str) -> None:
     (problem,) = [p for p in problems(write(f"{BASE}{MODELS}{text}")) if "cannot be combined" in str(p)]
     assert str(problem).splitlines()[0].endswith(BESIDE.format(key, key))
     assert text_at_caret(problem).startswith(caret)
@@ -129,7 +129,7 @@ def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, k
         ("sweep: {load: [150 N, 300 N], method: [rodas, verlet]}\n", "method: [rodas"),
     ],
 )
-def test_nor_can_it_be_swept(write: Write, sweep: str, caret: str) -> None:
+def test_swept_model_and_method_are_refused_with_accuracy(write: Write, sweep: str, caret: str) -> None:
     (problem,) = [
         p for p in problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}")) if "cannot be combined" in str(p)
     ]
@@ -137,7 +137,7 @@ def test_nor_can_it_be_swept(write: Write, sweep: str, caret: str) -> None:
 
 
 @pytest.mark.parametrize("key", ["model", "method"])
-def test_nor_can_it_be_set(write: Write, key: str) -> None:
+def test_overridden_model_and_method_are_refused_with_accuracy(write: Write, key: str) -> None:
     value = {"model": "ring", "method": "verlet"}[key]
     (problem,) = [p for p in problems(write(BASE + MODELS), {key: value}) if "cannot be combined" in str(p)]
     assert f"leave out --set {key}" in str(problem)
@@ -159,7 +159,9 @@ BENDS = "rig: {ring: {bends: true}}\n"
         (BENDS + "quick: {sweep: {rig.ring.harmonics: [8, 10]}}\n", "rig.ring.harmonics", "rig.ring.harm", SWEPT),
     ],
 )
-def test_nor_what_the_choice_is_about(write: Write, text: str, path: str, caret: str, message: str) -> None:
+def test_step_and_refined_parameters_are_refused_with_accuracy(
+    write: Write, text: str, path: str, caret: str, message: str
+) -> None:
     (problem,) = problems(write(f"{BASE}{MODELS}{text}"))
     assert str(problem).splitlines()[0].endswith(message.format(path, path))
     assert text_at_caret(problem).startswith(caret)
@@ -176,7 +178,7 @@ def test_nor_what_the_choice_is_about(write: Write, text: str, path: str, caret:
         ("sweep: {load: [150 N, 300 N], step_check: [true, false]}\n", "step_check: [true"),
     ],
 )
-def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
+def test_swept_step_and_refined_parameters_are_refused_with_accuracy(write: Write, sweep: str, caret: str) -> None:
     (problem,) = problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}"))
     assert "`accuracy`" in problem.message
     assert text_at_caret(problem).startswith(caret)
@@ -192,14 +194,16 @@ def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
         ("step_check", "false", "accuracy: 2 %"),
     ],
 )
-def test_nor_can_that_be_set(write: Write, path: str, value: str, caret: str) -> None:
+def test_overridden_step_and_refined_parameters_are_refused_with_accuracy(
+    write: Write, path: str, value: str, caret: str
+) -> None:
     (problem,) = problems(write(BASE + MODELS), {path: value})
     assert "`accuracy`" in problem.message
     assert text_at_caret(problem).startswith(caret)
 
 
 @pytest.mark.parametrize("text", ["step_check: false", "quick: {step_check: false}"])
-def test_the_error_of_the_step_must_be_known(write: Write, text: str) -> None:
+def test_accuracy_needs_the_step_check(write: Write, text: str) -> None:
     (problem,) = problems(write(f"{BASE}{MODELS}{text}\n"))
     assert "`accuracy` needs `step_check`, which bounds the error of the step (leave it out)" in str(problem)
     assert text_at_caret(problem).startswith("step_check: false")
@@ -216,14 +220,14 @@ def test_the_error_of_the_step_must_be_known(write: Write, text: str) -> None:
         "rig: {ring: {bends: true, harmonics: 10}}\n",
     ],
 )
-def test_what_does_no_harm_may_be_said(write: Write, text: str) -> None:
+def test_compatible_settings_are_accepted_with_accuracy(write: Write, text: str) -> None:
     study = load_study(write(f"{BASE}{MODELS}{text}"))
     assert study.otherwise is not None
     assert all(study.otherwise({"model": "static"}))
 
 
 @pytest.mark.parametrize("rig", ["", BENDS, "rig: {ring: {bends: false}}\n"])
-def test_supports_cannot_be_tried_by_models_that_know_none(write: Write, rig: str) -> None:
+def test_unknown_support_is_refused_with_accuracy(write: Write, rig: str) -> None:
     """The advice must not lead to what is refused in its turn."""
     (problem,) = problems(write(f"{BASE}{MODELS}{rig}uncertainty: {{support: unknown}}\n"))
     assert problem.message.startswith("uncertainty.support: not possible with `accuracy`")
@@ -231,7 +235,7 @@ def test_supports_cannot_be_tried_by_models_that_know_none(write: Write, rig: st
     assert text_at_caret(problem).startswith("unknown}")
 
 
-def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
+def test_case_beyond_every_model_has_no_reference(write: Write) -> None:
     """A defect off the roller's middle tilts rollers, a ring that bends is known to others."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
     (problem,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
@@ -251,7 +255,9 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
         ("model: rollers\n", ()),
     ],
 )
-def test_what_a_reference_leaves_out_is_told(write: Write, fields: str, assumed: tuple[str, ...]) -> None:
+def test_effects_omitted_by_the_reference_are_assumptions(
+    write: Write, fields: str, assumed: tuple[str, ...]
+) -> None:
     text = "study: a\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\nrig: {ring: {bends: false}}\n"
     assert load_study(write(text + fields)).assumptions == assumed
 
@@ -275,14 +281,14 @@ DRAWN = "accuracy: 2 %\n{more}sweep: {{load: [100 N, 200 N]}}\nfigures: [{{y: [{
         ("until: 0.1 %\n", "velocity@BPFO", 0.001),
     ],
 )
-def test_records_end_early_where_means_alone_are_drawn(
+def test_records_end_early_if_figures_draw_means_only(
     write: Write, more: str, y: str, until: float | None
 ) -> None:
     cases = load_study(write(BASE + DRAWN.format(more=more, y=y))).cases()
     assert {case.until for case in cases} == {until}
 
 
-def test_what_is_drawn_besides_line_and_rms_is_watched(write: Write) -> None:
+def test_other_features_of_figures_are_monitored(write: Write) -> None:
     band = "velocity.rms@10-1000Hz"
     study = load_study(write(BASE + DRAWN.format(more="", y=f"velocity@BPFO, velocity@2BPFO, {band}")))
     assert {case.features for case in study.cases()} == {(band, "velocity@2BPFO")}

@@ -38,7 +38,7 @@ def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
     assert valid == VALID
 
 
-def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> None:
+def test_oversized_file_and_device_are_refused_in_a_separate_process(tmp_path: Path) -> None:
     """Under limits of the system, which would end a process that reads on."""
     files = dict(malformed.malformed(tmp_path))
     for name in ("bomb in load", "a device", "a pipe"):
@@ -59,7 +59,7 @@ def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
     assert 40 < refused < 80
 
 
-def test_mutants_are_those_of_their_seed(tmp_path: Path) -> None:
+def test_mutants_are_reproducible_by_seed(tmp_path: Path) -> None:
     def texts(seed: int) -> list[bytes]:
         return [path.read_bytes() for _, path in altered_studies.mutants(tmp_path, 20, seed)]
 
@@ -92,7 +92,7 @@ def test_studies_with_crossed_blocks_load_or_are_refused_soon(
     assert max(map(built.count, refused)) < MOST_MADE
 
 
-def test_limits_are_those_of_what_was_checked() -> None:
+def test_limits_depend_on_the_outcome_of_check() -> None:
     def exceeded(code: int, text: str, cpu: float, memory: float = 1e8) -> str:
         result = hostile.CommandResult(code, text, cpu, memory)
         return check_limits.row_of(1, "", Path("a.yaml"), result).wrong
@@ -107,7 +107,7 @@ def test_limits_are_those_of_what_was_checked() -> None:
 # What messages look like
 
 
-def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
+def test_long_echo_is_clipped_with_the_caret_in_place(write: Write) -> None:
     first, line, caret = error_lines(write(malformed.study_with(f"load: [{'150 N, ' * 100}&a &b]")))
     assert line[caret.index("^")] == "&"
     assert len(line) <= MAX_LINE + 4
@@ -115,13 +115,13 @@ def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
     assert f"`{'x' * MAX_ECHO}...`" in first
 
 
-def test_a_message_has_no_letters_of_control(write: Write) -> None:
+def test_messages_have_no_control_characters(write: Write) -> None:
     output = "\n".join(error_lines(write(malformed.study_with('"load\u202e\u00a0": "a\\nb"'))))
     assert r"unknown key `load\u202e\xa0`" in output
     assert all(letter.isprintable() or letter == "\n" for letter in output)
 
 
-def test_no_more_problems_are_told_than_one_mends(write: Write) -> None:
+def test_number_of_reported_problems_is_limited(write: Write) -> None:
     lines = error_lines(
         write(malformed.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200)
     )
@@ -129,7 +129,7 @@ def test_no_more_problems_are_told_than_one_mends(write: Write) -> None:
     assert sum(line.strip() == "^" for line in lines) == MAX_PROBLEMS
 
 
-def test_a_file_that_is_no_text_says_where(tmp_path: Path) -> None:
+def test_binary_file_is_refused_with_a_position(tmp_path: Path) -> None:
     path = tmp_path / "study.yaml"
     path.write_bytes(b"study: a\nload: \xff N\n")
     assert error_lines(path) == [
@@ -139,7 +139,7 @@ def test_a_file_that_is_no_text_says_where(tmp_path: Path) -> None:
     ]
 
 
-def test_letters_are_counted_with_their_aliases() -> None:
+def test_size_limit_includes_expanded_aliases() -> None:
     text = "a" * (MAX_CHARACTERS // 10)
     assert yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 7)}]", "f").root.items[7].value == text
     with pytest.raises(StudyError, match="f:1:2: more than 100000 letters"):
@@ -201,6 +201,6 @@ def test_a_base_completed_by_the_sweep_is_valid(
     assert case == load_study(write(malformed.study_with(base)), {path: value}).cases()[0]
 
 
-def test_both_words_of_a_key_are_refused(write: Write) -> None:
+def test_key_and_its_deprecated_name_are_refused(write: Write) -> None:
     """The old one would be taken for the new one, and one value lost."""
     assert "is now called" in error_lines(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]

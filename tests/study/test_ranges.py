@@ -34,19 +34,19 @@ def warnings_of(write: Write, text: str) -> list[str]:
     ("bearing", "printed"),  # kN: C0 of NU 210 ECP, 6205 and 6309 in SKF's catalogue
     [("nu210", 69.5), ("6205", 7.8), ("6309", 31.5)],
 )
-def test_the_static_rating_is_that_of_catalogues(bearing: str, printed: float) -> None:
+def test_static_rating_equals_the_catalogue(bearing: str, printed: float) -> None:
     assert static_rating(case(bearing)) == pytest.approx(1e3 * printed, rel=0.04)
 
 
 @pytest.mark.parametrize("name", ["nf308", "nu210", "nu204"])
-def test_a_rated_roller_is_pressed_to_4_gpa(name: str) -> None:
+def test_contact_pressure_at_the_static_rating_is_4_gpa(name: str) -> None:
     """Rollers are rated by a formula, pressures are Hertz's: ISO 76 ties them by Q = 5 F/Z."""
     rated, bearing = case(name), case(name).bearing
     force = 5.0 * static_rating(rated) / bearing.rollers
     assert contact_pressure(bearing, force) == pytest.approx(4e9, rel=0.01)
 
 
-def test_lines_stand_where_freq_says() -> None:
+def test_lines_are_at_the_frequencies_of_freq() -> None:
     """`bearingsim freq nf308`: orders 5.3 and 7.7 of BPFO and BPFI, 0.4077 of the cage."""
     test_case = case("nf308")
     orders = {"2BPFO": 10.6, "BPFI-fr": 6.7, "2BSF+FTF": 2.0 * 2.616 + 0.4077, "fr": 1.0}
@@ -54,7 +54,7 @@ def test_lines_stand_where_freq_says() -> None:
         assert frequency(test_case, name) == pytest.approx(30.0 * order, rel=1e-3)
 
 
-def test_what_is_in_range_is_not_spoken_of(write: Write) -> None:
+def test_values_in_range_cause_no_warning(write: Write) -> None:
     assert warnings_of(write, "load: 10 kN\nsweep: {speed: [1000 rpm, 14000 rpm]}\n") == []
 
 
@@ -83,7 +83,7 @@ def test_what_is_in_range_is_not_spoken_of(write: Write) -> None:
         ),
     ],
 )
-def test_what_leaves_its_range_is_told_once(write: Write, text: str, parts: list[str]) -> None:
+def test_value_out_of_range_causes_one_warning(write: Write, text: str, parts: list[str]) -> None:
     lines = text.splitlines()
     base = "".join(
         f"{old}\n" for old in BASE.splitlines() if old.split(":")[0] not in {s.split(":")[0] for s in lines}
@@ -95,20 +95,20 @@ def test_what_leaves_its_range_is_told_once(write: Write, text: str, parts: list
     assert all(len(note) <= 100 for note in warnings)
 
 
-def test_how_many_cases_leave_a_range_is_told_unless_all_do(write: Write) -> None:
+def test_warning_counts_the_cases_unless_it_concerns_all(write: Write) -> None:
     some = warnings_of(write, "sweep: {load: [1 kN, 70 kN, 95 kN]}\n")
     assert [note[note.rindex("(") :] for note in some] == ["(1 of 3 cases)", "(2 of 3 cases)"]
     assert not any("cases" in note for note in warnings_of(write, "sweep: {load: [90 kN, 95 kN]}\n"))
 
 
-def test_the_highest_line_drawn_counts(write: Write) -> None:
+def test_highest_drawn_line_is_compared_with_the_passband(write: Write) -> None:
     drawn = "load: 1 N\nsampling: 400 Hz\nsweep: {clearance: [0 um, 5 um]}\nfigures: [{x: clearance, y: [Y]}]\n"
     assert warnings_of(write, drawn.replace("Y", "velocity@BPFO, velocity.rms")) == []
     (warning,) = warnings_of(write, drawn.replace("Y", "velocity@BPFO, velocity@2BPFO-healthy"))
     assert "2BPFO (318 Hz) is above half" in warning
 
 
-def test_check_says_it_and_results_keep_it(write: Write, tmp_path: Path) -> None:
+def test_warnings_are_printed_and_stored(write: Write, tmp_path: Path) -> None:
     path = write(BASE + "load: 1 N\nsampling: 200 Hz\nmodel: static\n")
     assert type_("check", path)[0].count("above half of `sampling: 200 Hz`") == 1
     assert any("above half of" in note for note in json.loads(type_("check", path, "--json")[0])["notes"])
@@ -126,7 +126,7 @@ def test_check_says_it_and_results_keep_it(write: Write, tmp_path: Path) -> None
         ("contact: {damping: {law: general, coefficient: 1, indentation_exponent: 1e9}}", "from 0 to 10"),
     ],
 )
-def test_what_no_physics_has_is_refused(write: Write, text: str, message: str) -> None:
+def test_unphysical_values_are_refused(write: Write, text: str, message: str) -> None:
     key = text.partition(":")[0]
     base = "".join(f"{line}\n" for line in f"{BASE}load: 1 N".splitlines() if not line.startswith(f"{key}:"))
     with pytest.raises(StudyError) as caught:
@@ -135,7 +135,7 @@ def test_what_no_physics_has_is_refused(write: Write, text: str, message: str) -
     assert message in str(problem)
 
 
-def test_the_fastest_ring_of_steel_does_not_burst(write: Write) -> None:
+def test_speed_limit_is_below_the_burst_speed_of_steel(write: Write) -> None:
     """NF308, 560 m/s of its inner race; n d_m is 200 times its limit then."""
     load_study(write(BASE.replace("1800 rpm", "200000 rpm") + "load: 1 N\n"))
     assert pytest.approx(104.72, rel=1e-4) == SPEED_FACTOR  # 1e6 mm/min in rad/s m
@@ -168,12 +168,12 @@ def needs_of_quality() -> list[tuple[str, str, bool]]:
     ]
 
 
-def test_every_need_of_quality_has_a_scene() -> None:
+def test_every_quality_requirement_has_a_scene() -> None:
     assert {need for need, _, _ in needs_of_quality()} == set(ITALICS)
 
 
 @pytest.mark.parametrize(("need", "model", "has_it"), needs_of_quality())
-def test_a_model_that_leaves_out_what_is_asked_for_is_named(need: str, model: str, has_it: bool) -> None:
+def test_omitted_effects_are_named_in_a_warning(need: str, model: str, has_it: bool) -> None:
     if model == "impulse" and need == "tilt":
         pytest.skip("impulses have no place along the roller, and refuse it")
     warnings = list(omission_warnings([of_model(model, ITALICS[need])]))
@@ -188,7 +188,7 @@ def of_model(model: str, fields: dict[str, Any]) -> Case:
     return Case.model_validate(base | {"defect": slot} | fields)
 
 
-def test_each_is_told_once_with_the_worst_and_how_many() -> None:
+def test_each_warning_gives_the_worst_value_and_the_count() -> None:
     cases = [of_model("ring", {"speed": f"{speed} rpm"}) for speed in (600, 6000, 9000)]
     (text,) = omission_warnings(cases)
     assert text.startswith("warning: `ring` (2 of 3) omits roller inertia: centrifugal force")

@@ -69,7 +69,7 @@ def test_a_section_that_is_swept_gives_its_values(write: Write) -> None:
     assert len({case.defects[0].length for case in study.cases()}) == 2
 
 
-def test_several_defects_are_told_apart(write: Write) -> None:
+def test_several_defects_are_distinguished(write: Write) -> None:
     defect = "{shape: circular, length: 3 mm, width: %s mm, depth: 50 um, angle: %s deg}"
     text = BASE.split("defect:")[0] + f"defects:\n  - {defect % ('0.8', 0)}\n  - {defect % ('0.6', 40)}\n"
     text += "sweep:\n  defects.1.width: [1 mm, 2 mm]\n  derived: {defects.2.width: defects.1.width / 2}\n"
@@ -81,7 +81,7 @@ def test_several_defects_are_told_apart(write: Write) -> None:
     assert refused[0].message == "derived.defects.2.width: there is no defect 3 (the study has 2, counted from 1)"
 
 
-def test_whole_numbers_follow_too(write: Write) -> None:
+def test_derived_integers(write: Write) -> None:
     cases = load_study(write(sweep("seed: [1, 2]\n  derived: {contact.length_nodes: 2 * seed + 3}"))).cases()
     assert [case.contact.length_nodes for case in cases] == [5, 7]
     text = sweep("contact.slices: [6, 8]\n  where: [contact.slices > 7]").replace("load:", "model: spatial\nload:")
@@ -117,7 +117,7 @@ def test_conditions_leave_combinations_out(write: Write, text: str, left: list[t
         ("contact.damping.temperature: [-10 C, -2 C]", "contact.damping.temperature < -5 C"),
     ],
 )
-def test_a_condition_holds_where_it_holds_on_paper(write: Write, swept: str, condition: str) -> None:
+def test_condition_on_decimal_values_is_exact(write: Write, swept: str, condition: str) -> None:
     """Of 0.1 mm * 3 and 0.3 mm the floats differ in their last bit; -5 C is no -278.15 K."""
     path, listed = swept.split(": ")
     oil = "contact: {damping: {oil: VG 68, temperature: 20 C}}\n"
@@ -131,7 +131,7 @@ def test_a_condition_reads_derived_values(write: Write) -> None:
     assert [case.defects[0].width for case in load_study(write(sweep(text))).cases()] == [0.0008]
 
 
-def test_what_is_left_out_need_not_be_possible(write: Write) -> None:
+def test_excluded_combinations_may_be_invalid(write: Write) -> None:
     """A defect longer than the roller is refused, unless no case has it."""
     text = "defect.length: [3 mm, 20 mm]"
     assert "longer than the roller" in problems(write(sweep(text)))[0].message
@@ -139,7 +139,7 @@ def test_what_is_left_out_need_not_be_possible(write: Write) -> None:
     assert [case.defects[0].length for case in cases] == [0.003]
 
 
-def test_quick_and_the_command_line_say_other_values(write: Write) -> None:
+def test_quick_and_the_command_line_change_derived_values(write: Write) -> None:
     text = sweep(WIDTHS + "derived: {defect.depth: defect.width / 40}\n  where: [defect.width < 0.5 mm]")
     path = write(
         text + "quick: {sweep: {where: [defect.width > 0.5 mm], derived: {clearance: defect.depth / 2}}}\n"
@@ -194,7 +194,9 @@ def test_quick_and_the_command_line_say_other_values(write: Write) -> None:
         (f"where: [{'9' * 401} > 1]", "where: more than 400 letters in a formula", "999"),
     ],
 )  # fmt: skip
-def test_what_is_refused_and_where(write: Write, text: str, message: str | None, caret: str | None) -> None:
+def test_invalid_entry_is_refused_at_its_position(
+    write: Write, text: str, message: str | None, caret: str | None
+) -> None:
     begun = time.process_time()
     problem = problems(write(sweep(WIDTHS + text)))[0]
     assert time.process_time() - begun < 2.0
@@ -209,11 +211,11 @@ def test_the_only_combination_is_left_out(write: Write) -> None:
     assert problem.message == "where: the only combination is left out"
 
 
-def test_one_problem_is_told_of_many_cases(write: Write) -> None:
+def test_equal_problems_are_reported_once(write: Write) -> None:
     text = "defect.width: {linspace: [0.1 mm, 0.2 mm, 2000]}\n  derived: {defect.depth: defect.width / 0}"
     assert len(problems(write(sweep(text)))) == 1
 
 
-def test_other_problems_are_told_beside(write: Write) -> None:
+def test_other_problems_are_reported_as_well(write: Write) -> None:
     text = sweep(WIDTHS + "derived: {defect.depth: lod}\n  where: [lad > 1]").replace("1800 rpm", "1800")
     assert [problem.line for problem in problems(write(text))] == [3, 8, 9]

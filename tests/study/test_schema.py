@@ -168,18 +168,18 @@ def with_(lines: str) -> str:
 
 
 @pytest.mark.parametrize("lines", ALLOWED)
-def test_what_a_study_may_say_passes(lines: str) -> None:
+def test_valid_studies_pass_the_schema(lines: str) -> None:
     assert schema_errors(with_(lines)) == []
 
 
 @pytest.mark.parametrize("line", WRONG)
-def test_what_is_wrong_is_marked_where_it_stands(line: str) -> None:
+def test_invalid_value_is_marked_at_its_position(line: str) -> None:
     lines, _, place = line.partition(" |")
     assert {entry.partition(": ")[0] for entry in schema_errors(with_(lines))} == {place.strip()}
 
 
 @pytest.mark.parametrize("missing", ["study", "bearing", "speed", "load"])
-def test_what_is_missing_is_marked_unless_the_sweep_gives_it(missing: str) -> None:
+def test_missing_key_is_marked_unless_it_is_swept(missing: str) -> None:
     text = "".join(line for line in BASE.splitlines(keepends=True) if not line.startswith(missing))
     assert schema_errors(text) == [f": '{missing}' is a required property"]
     if missing == "load":
@@ -195,7 +195,7 @@ EXPRESSIBLE = re.compile(r"unknown key|no such path|: expected an? .* such as")
 """Reasons of `check` that a schema can have too."""
 
 
-def test_crossed_studies_are_marked_as_check_refuses_them(tmp_path: Path) -> None:
+def test_schema_agrees_with_check_on_crossed_studies(tmp_path: Path) -> None:
     wrong, valid = [], 0
     for name, path in write_crossed(tmp_path, 45, seed=35):
         if "unswept_figure" in name:

@@ -43,14 +43,14 @@ def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> 
 
 
 @pytest.mark.parametrize("which", [0, 1])
-def test_what_the_template_zips_is_right(write: Write, which: int) -> None:
+def test_zip_lines_of_the_template_are_valid(write: Write, which: int) -> None:
     head, *ends = NEW_STUDY.split("\n  # zip:")
     parts = [head, *("\n  # zip:" + end for end in ends)]
     parts[1 + which] = parts[1 + which].replace("\n  # zip:", "\n  zip:")
     assert len(load_study(write("".join(parts))).cases()) == 12 * (2, 3)[which]
 
 
-def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> None:
+def test_planar_lines_of_the_template_are_valid(write: Write) -> None:
     text = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
     for key in ("friction", "cage", "drag", "ramp", "shaft", "unbalance"):
         text = text.replace(f"\n# {key}:", f"\n{key}:")
@@ -60,7 +60,7 @@ def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> Non
     assert None not in (test_case.ramp, test_case.shaft, test_case.unbalance)
 
 
-def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> None:
+def test_spatial_lines_of_the_template_are_valid(write: Write) -> None:
     text = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
     for key in ("misalignment", "  offset", "  edge"):
         text = text.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
@@ -167,7 +167,7 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
         {"defect": {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}},
     ],
 )
-def test_whatever_shapes_the_result_shapes_the_id(change: dict[str, Any]) -> None:
+def test_parameters_that_change_the_result_change_the_id(change: dict[str, Any]) -> None:
     assert case_id(single_case(**change)) != case_id(single_case())
 
 
@@ -188,11 +188,11 @@ def test_whatever_shapes_the_result_shapes_the_id(change: dict[str, Any]) -> Non
         {"rig": {"torsion_stiffness": "1e4 N m/rad"}},
     ],
 )
-def test_what_the_planar_model_takes_shapes_the_id(change: dict[str, Any]) -> None:
+def test_parameters_of_planar_change_the_id(change: dict[str, Any]) -> None:
     assert case_id(single_case(**PLANAR | change)) != case_id(single_case(**PLANAR))
 
 
-def test_what_carries_a_defect_and_how_it_is_felt_shape_the_id() -> None:
+def test_race_and_excitation_of_a_defect_change_the_id() -> None:
     defect = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
     roller: dict[str, Any] = {"race": "roller"}
     races = [{"race": "outer"}, {"race": "inner"}, roller, roller | {"roller": 2}]
@@ -208,7 +208,7 @@ def test_what_carries_a_defect_and_how_it_is_felt_shape_the_id() -> None:
     )
 
 
-def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
+def test_elastic_constants_change_the_id_if_they_are_used() -> None:
     def ids(**fields: Any) -> set[str]:
         materials = [{"density": 7850.0, "young_modulus": modulus} for modulus in (207e9, 100e9)]
         bearing = single_case().bearing.model_dump()
@@ -219,7 +219,7 @@ def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
     assert len(ids(contact={"damping": {"law": "film", "viscosity": "30 mPa s"}})) == 2
 
 
-def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_new_field_at_its_default_keeps_the_id(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ids as the first version of the model gave them, before these fields were, its method being Verlet's.
 
     Its damping was chi = 50 s/m by default, and beta = 10 us that of a bare `kraemer`; it settled for 50 ms.
@@ -235,7 +235,7 @@ def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) 
     assert case_id(single_case(method="verlet", contact=kraemer, settle="50 ms")) == "00aa2375f74ec272"
 
 
-def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_id_depends_on_the_model_version_not_on_names(monkeypatch: pytest.MonkeyPatch) -> None:
     test_case = single_case()
     renamed = test_case.bearing.model_copy(update={"name": "other", "source": "elsewhere"})
     assert case_id(test_case.model_copy(update={"bearing": renamed})) == case_id(test_case)
@@ -249,7 +249,7 @@ def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pyte
 # For editors and other modules
 
 
-def test_the_schema_knows_what_a_study_may_say() -> None:
+def test_schema_covers_all_keys_of_a_study() -> None:
     schema = json.loads(json.dumps(json_schema()))
     assert schema["required"] == ["study"]
     own = {"study", "sweep", "figures", "quick", "uncertainty", "accuracy", "defect", "prove"}
@@ -287,7 +287,7 @@ def test_dimensions_of_paths() -> None:
     assert dimension("model") is None
 
 
-def test_the_id_names_the_methods_that_auto_tries(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_id_depends_on_the_candidate_methods(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other prices that change them give other numbers; what a case names is tried alone."""
     case, named = single_case(), single_case(method="verlet")
     before = choice.candidate_methods(case)

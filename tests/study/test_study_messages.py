@@ -110,7 +110,7 @@ def text_at_caret(problem: Problem) -> str:
         ("quick: 3", "3", "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_message_at_its_place(
+def test_mistake_gives_one_message_at_its_position(
     write: Write, line: str, caret: str | None, message: str | None
 ) -> None:
     key = line.split(":")[0]
@@ -129,7 +129,7 @@ def test_a_mistake_is_one_message_at_its_place(
 @pytest.mark.parametrize(
     ("value", "echo"), [(0.003, "`0.003`"), (["1 mm"], "a list"), ({"a": 1}, "a mapping"), (None, "`None`")]
 )
-def test_an_override_from_python_that_is_no_text_is_refused(write: Write, value: object, echo: str) -> None:
+def test_override_that_is_no_string_is_refused(write: Write, value: object, echo: str) -> None:
     wrong: dict[str, Any] = {"defect.offset": value, "load": "1 N"}
     (problem,) = problems(write(BASE), wrong)
     assert f"defect.offset: an override is a text as it would stand in the file, got {echo}" in problem.message
@@ -168,7 +168,7 @@ def test_a_mistake_in_a_defect(write: Write, defect: str, caret: str, message: s
     assert text_at_caret(problem).startswith(caret)
 
 
-def test_everything_wrong_is_told_at_once(write: Write) -> None:
+def test_all_problems_are_reported_at_once(write: Write) -> None:
     path = write("""\
 study: two words
 bearing: nf308
@@ -226,11 +226,11 @@ excitation: soft-edge
         (BASE.replace("load: 150 N\n", "") + "sweep: {zip: {load: [1 N], settle: [1 s, 2 s]}}\n", 1),
     ],
 )
-def test_a_mistake_has_no_echo(write: Write, text: str, count: int) -> None:
+def test_mistake_causes_no_further_problems(write: Write, text: str, count: int) -> None:
     assert len(problems(write(text))) == count
 
 
-def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Path) -> None:
+def test_mistake_in_a_bearing_file_is_reported_in_that_file(write: Write, tmp_path: Path) -> None:
     bearing = Path(__file__).parents[2] / "configs" / "bearings" / "nf308.yaml"
     own = tmp_path / "own.yaml"
     text = bearing.read_text().replace("bore: 40 mm", "bore: 60 mm\nwdth: 1 mm")
@@ -256,7 +256,7 @@ def test_a_bearing_by_name() -> None:
         load_rolling_parts("nf38")
 
 
-def test_a_bearings_file_that_is_no_yaml(write: Write, tmp_path: Path) -> None:
+def test_bearing_file_that_is_no_yaml_is_refused(write: Write, tmp_path: Path) -> None:
     (tmp_path / "own.yaml").write_text("rollers: [13\n")
     all_problems = problems(write(BASE.replace("nf308", "own.yaml")))
     assert [p.file for p in all_problems] == [str(tmp_path / "own.yaml")]
@@ -271,7 +271,7 @@ def test_a_bearings_file_that_is_no_yaml(write: Write, tmp_path: Path) -> None:
         ({"load": "{a: 1, a: 2}"}, ["    --set load={a: 1, a: 2}", "                      ^"]),
     ],
 )
-def test_a_mistake_on_the_command_line_is_shown_there(
+def test_mistake_on_the_command_line_is_reported_there(
     write: Write, override: dict[str, str], message_lines: list[str]
 ) -> None:
     all_problems = problems(write(BASE), override)
@@ -302,13 +302,13 @@ def test_a_missing_file(tmp_path: Path) -> None:
     assert str(problem) == f"{tmp_path / 'none.yaml'}: no such file"
 
 
-def test_a_sweep_beyond_reason_is_refused(write: Write) -> None:
+def test_too_large_sweep_is_refused(write: Write) -> None:
     thousand = "{linspace: [1 N, 2 N, 1001]}"
     text = BASE + f"sweep: {{load: {thousand}, clearance: {thousand.replace('N', 'um')}}}\n"
     assert "1002001 cases; at most 1000000" in str(problems(write(text))[0])
 
 
-def test_a_figure_of_what_no_model_of_the_study_knows_is_refused(write: Write) -> None:
+def test_figure_of_a_feature_without_a_model_is_refused(write: Write) -> None:
     """It would be empty: the cage does not slip below planar."""
     path = write(
         BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n"

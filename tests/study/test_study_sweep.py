@@ -65,13 +65,13 @@ def test_what_an_entry_sweeps(write: Write, entry: str, values: list[float | str
     assert [row[0] for row in swept(load_study(write(BASE + f"sweep: {{{entry}}}\n")))] == values
 
 
-def test_linspace_takes_an_inner_value_as_if_it_were_written(write: Write) -> None:
+def test_inner_values_of_linspace_equal_written_ones(write: Write) -> None:
     spaced = load_study(write(BASE + "sweep: {defect.depth: {linspace: [0.1 um, 0.7 um, 7]}}\n"))
     listed = BASE + "sweep: {defect.depth: [0.1 um, 0.2 um, 0.3 um, 0.4 um, 0.5 um, 0.6 um, 0.7 um]}\n"
     assert spaced.cases() == load_study(write(listed)).cases()
 
 
-def test_a_whole_section_can_be_swept_and_its_parts_too(write: Write) -> None:
+def test_section_and_its_keys_can_be_swept(write: Write) -> None:
     text = BASE + (
         "sweep:\n  contact.damping.chi: [5 s/m, 50 s/m]\n  defect.length: [1 mm]\n"
         "  defect:\n    - {shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}\n"
@@ -103,7 +103,7 @@ def test_several_defects_are_counted_from_one(write: Write) -> None:
     ]
 
 
-def test_a_value_may_stand_in_the_sweep_alone(write: Write) -> None:
+def test_value_may_be_given_in_the_sweep_only(write: Write) -> None:
     text = BASE.replace("load: 150 N\n", "") + "sweep: {load: [1 N, 2 N]}\n"
     assert [case.load for case in load_study(write(text)).cases()] == [1.0, 2.0]
 
@@ -261,7 +261,7 @@ def test_one_study_runs_all_excitations(write: Write) -> None:
     assert cases[6].healthy == cases[8].healthy == twins[2].id
 
 
-def test_the_seed_is_the_healthy_twins_where_something_is_random(write: Write) -> None:
+def test_healthy_case_has_the_seed_if_something_is_random(write: Write) -> None:
     sweep = "sweep: {seed: [1, 2, 3]}\n"
     (ring, twin) = load_study(write(BASE + "model: ring\n" + sweep)).jobs()
     assert (ring.swept, twin.swept, twin.case.seed) == ({"seed": 1.0}, {}, 0)
@@ -308,7 +308,7 @@ def test_clearance_by_class_and_by_length(write: Write) -> None:
         ("", "zip: {model: [rollers, planar], friction: [none, static-dynamic]}", ["rollers", "planar"]),
     ],
 )
-def test_the_words_of_free_rollers_can_be_swept(
+def test_keys_of_planar_can_be_swept(
     write: Write, base: str, entry: str, values: list[float | str] | None
 ) -> None:
     rows = swept(load_study(write(BASE + f"{base}\nsweep: {{{entry}}}\n")))
@@ -334,7 +334,7 @@ def test_optional_sections_from_the_command_line(write: Write) -> None:
     assert case.drag is None
 
 
-def test_a_value_that_leaves_its_section_idle_is_swept_as_written(write: Write) -> None:
+def test_value_that_disables_its_section_is_swept_as_written(write: Write) -> None:
     text = BASE + "model: spatial\nsweep: {misalignment.inner: [0 mrad, 0.2 mrad]}\n"
     jobs = [job for job in load_study(write(text)).jobs() if not job.is_baseline]
     assert [job.swept["misalignment.inner"] for job in jobs] == pytest.approx([0.0, 2e-4])
@@ -417,7 +417,7 @@ def test_another_spelling_of_a_path_replaces_its_values(
             assert {case.defects[0].width for case in study.cases()} == {0.5e-3}, sweep
 
 
-def test_a_figure_finds_its_path_by_the_spelling_of_the_file(write: Write) -> None:
+def test_figure_may_use_the_spelling_of_the_file(write: Write) -> None:
     text = BASE + "sweep: {defect.width: [1 mm, 2 mm]}\nfigures: [{y: velocity@BPFO, x: defect.width}]\n"
     for value in ("[3 mm, 4 mm]", "3 mm"):
         assert list(load_study(write(text), {"defects.1.width": value}).units) == ["defect.width"]

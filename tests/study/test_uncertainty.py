@@ -39,7 +39,7 @@ def uncertain(write: Write, text: str) -> tuple[UncertainParameter, ...]:
 # What is written
 
 
-def test_two_values_stand_for_a_range_of_three(write: Write) -> None:
+def test_two_values_are_a_range_of_three(write: Write) -> None:
     """The one between is the geometric mean of what is positive, the mean of clearances."""
     damping, clearance, bracket = uncertain(
         write, "{damping: [10 us, 0.5 us], clearance: [-2 um, 10 um], bracket: [0.5, 2]}"
@@ -50,12 +50,12 @@ def test_two_values_stand_for_a_range_of_three(write: Write) -> None:
     assert bracket == UncertainParameter("bracket", (0.5, 1.0, 2.0))
 
 
-def test_more_values_are_taken_as_they_are_in_order(write: Write) -> None:
+def test_three_or_more_values_are_kept_in_order(write: Write) -> None:
     (damping,) = uncertain(write, "{damping: [4 us, 1 us, 2 us, 3 us]}")
     assert damping.values == pytest.approx((1.0 * US, 2.0 * US, 3.0 * US, 4.0 * US))
 
 
-def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
+def test_default_differs_from_none(write: Write) -> None:
     assert load_study(write(BASE)).uncertainty is None
     assert uncertain(write, "none") == ()
     assert uncertain(write, "{}") == ()
@@ -89,7 +89,7 @@ def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
         ("{bracket: [50 %, 200 %]}", "50 %", "uncertainty.bracket: expected a plain number"),
     ],
 )
-def test_a_mistake_is_told_at_its_place(write: Write, text: str, caret: str, message: str) -> None:
+def test_mistake_is_reported_at_its_position(write: Write, text: str, caret: str, message: str) -> None:
     path = write(f"{BASE}uncertainty: {text}\n")
     out, stderr = type_("check", path, code=2)
     first, source, pointer, *_ = stderr.splitlines()
@@ -99,12 +99,12 @@ def test_a_mistake_is_told_at_its_place(write: Write, text: str, caret: str, mes
     assert source[pointer.index("^") :].startswith(caret)
 
 
-def test_every_mistake_is_told_at_once(write: Write) -> None:
+def test_all_mistakes_are_reported_at_once(write: Write) -> None:
     _, stderr = type_("check", write(f"{BASE}uncertainty: {{damping: [1 us, x], bracket: [0, 1]}}\n"), code=2)
     assert stderr.count("^") == 2
 
 
-def test_the_schema_knows_it() -> None:
+def test_schema_covers_uncertainty() -> None:
     words, mapping = json_schema()["properties"]["uncertainty"]["anyOf"]
     assert words == {"const": "none"}
     assert mapping["properties"].keys() == {"damping", "clearance", "bracket", "support"}
@@ -148,12 +148,12 @@ def test_the_bracket_is_varied_by_a_factor(write: Write) -> None:
     assert [variation.job.case.rig.bracket_stiffness for variation in variations] == [5e6, 1e7, 2e7] * 2
 
 
-def test_a_case_is_not_varied_by_what_it_cannot_depend_on(write: Write) -> None:
+def test_case_is_varied_only_by_parameters_of_its_model(write: Write) -> None:
     text = SWEPT.replace("model: ring", "model: static") + BOTH
     assert {variation.what for variation in load_study(write(text)).variations()} == {"clearance"}
 
 
-def test_a_variation_is_named_as_the_same_case_that_is_written(write: Write) -> None:
+def test_variation_has_the_id_of_the_same_written_case(write: Write) -> None:
     study = load_study(write(SWEPT + "uncertainty: {damping: [0.5 us, 10 us]}\n"))
     written = load_study(write(SWEPT + "contact: {damping: {beta: 10 us}}\n"))
     assert {variation.job.id for variation in study.variations() if variation.value == 1e-5} == {
@@ -170,7 +170,7 @@ def large_study(write: Write, loads: int, text: str = "", model: str = "ring") -
     return load_study(write(BASE.replace("load: 150 N\n", sweep) + text))
 
 
-def test_a_large_study_tries_the_usual_damping_on_three_of_its_cases(write: Write) -> None:
+def test_large_study_varies_damping_in_three_cases(write: Write) -> None:
     """45 cases and 45 twins: nine jobs more are a tenth."""
     study = large_study(write, 45)
     variations = study.variations()
@@ -188,7 +188,7 @@ def test_a_large_study_tries_the_usual_damping_on_three_of_its_cases(write: Writ
 @pytest.mark.parametrize(
     ("loads", "text", "model"), [(44, "", "ring"), (45, "uncertainty: none\n", "ring"), (60, "", "static")]
 )
-def test_nothing_is_tried_unasked_in_a_small_study_or_if_that_is_forbidden(
+def test_no_default_variations_in_small_studies_or_with_none(
     write: Write, loads: int, text: str, model: str
 ) -> None:
     assert large_study(write, loads, text, model).variations() == []
@@ -256,7 +256,7 @@ def test_variations_have_no_row_of_their_own(finished_run: tuple[Path, str]) -> 
     assert len(pd.read_csv(finished_run[0] / "out" / "results.csv")) == 4
 
 
-def test_a_run_says_how_far_the_unknown_moves_the_results(finished_run: tuple[Path, str]) -> None:
+def test_run_reports_the_effect_of_the_variations(finished_run: tuple[Path, str]) -> None:
     folder, output = finished_run
     assert "10 of 10 jobs done" in output
     table = store.open_results(folder / "out").table()
@@ -269,7 +269,7 @@ def test_a_run_says_how_far_the_unknown_moves_the_results(finished_run: tuple[Pa
     assert "damping not varied" not in output
 
 
-def test_what_is_said_of_damping_is_of_the_studys_own_jobs(finished_run: tuple[Path, str]) -> None:
+def test_range_of_damping_excludes_the_variations(finished_run: tuple[Path, str]) -> None:
     """Not of what was tried beside them."""
     output, _ = type_("show", finished_run[0] / "out")
     checked, _ = type_("-v", "check", finished_run[0] / "unsure.yaml")
@@ -278,7 +278,7 @@ def test_what_is_said_of_damping_is_of_the_studys_own_jobs(finished_run: tuple[P
         assert "damping: c/k 2.5 us (plausible: 0.3 to 25)" in " ".join(text.split())
 
 
-def test_a_run_without_it_says_what_it_would_take(here: Path) -> None:
+def test_run_without_variations_reports_their_cost(here: Path) -> None:
     output, _ = type_("-v", "run", "small.yaml", "--jobs", "1")
     unwrapped = " ".join(output.split())
     assert "damping not varied: `uncertainty: {damping: [0.5 us, 10 us]}` adds 6 jobs, " in unwrapped
@@ -308,7 +308,9 @@ def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:
     assert "damping\u00a00.5\u00a0to\u00a010\u00a0us" in note
 
 
-def test_where_only_some_points_were_tried_they_have_bars(finished_run: tuple[Path, str], tmp_path: Path) -> None:
+def test_figures_have_bars_where_only_some_points_are_varied(
+    finished_run: tuple[Path, str], tmp_path: Path
+) -> None:
     results = store.open_results(finished_run[0] / "out")
     job = results.plan["variations"][0]["of"]
     results.plan["variations"][:] = [each for each in results.plan["variations"] if each["of"] == job]
@@ -356,7 +358,7 @@ def test_a_chaotic_value_counts_with_its_standard_error() -> None:
     assert row["error.damping.force"] == pytest.approx(20.0 / 200.0)
 
 
-def test_what_chaos_is_worth_may_be_unknown() -> None:
+def test_unknown_standard_error_gives_no_rms_error() -> None:
     """An RMS that was not seen for long enough has no range; the line has one."""
     plan, frame = synthetic_plan(**CHAOTIC | {"rms_scatter": [0.0, math.inf, 0.0]})
     result = errors(plan, frame)
@@ -364,7 +366,7 @@ def test_what_chaos_is_worth_may_be_unknown() -> None:
     assert result["error.damping"].loc["a"] > 0.0
 
 
-def test_a_range_of_what_cannot_be_negative_ends_at_zero() -> None:
+def test_range_of_a_non_negative_feature_ends_at_zero() -> None:
     plan, frame = synthetic_plan(**CHAOTIC | {"velocity@BPFO-scatter": [0.0, 20.0, 0.0]})
     assert spread(plan, frame, "velocity@BPFO").loc["a", "least"] == 0.0
 
@@ -390,14 +392,14 @@ def test_a_job_that_failed_itself_has_no_error() -> None:
     assert "error.damping" not in errors(plan, frame)
 
 
-def test_the_line_is_that_of_what_carries_the_defect() -> None:
+def test_line_is_that_of_the_defective_element() -> None:
     columns = CHAOTIC | {"velocity@BPFI": [1.0, 2.0, 3.0], "chaotic": [0.0] * 3}
     plan, frame = synthetic_plan(**columns)
     frame["parameters/defects.1.race"] = "inner"
     assert errors(plan, frame).loc["a", "error.damping"] == pytest.approx(2.0)
 
 
-def test_one_job_is_told_without_at_most() -> None:
+def test_effect_on_a_single_job_is_no_maximum() -> None:
     plan, frame = synthetic_plan(**CHAOTIC)
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
     text = "damping 1 to 10 us changes line amplitude by 37 %, RMS by 24 %, largest force by 10 %"
@@ -407,7 +409,7 @@ def test_one_job_is_told_without_at_most() -> None:
     assert list(variation_effects(plan, frame)) == [text.replace("37", "30").replace("24", "15")]
 
 
-def test_a_value_with_which_no_case_could_be_is_refused(write: Write) -> None:
+def test_value_without_a_valid_case_is_refused(write: Write) -> None:
     with pytest.raises(StudyError) as error:
         load_study(write(BASE + "uncertainty: {clearance: [0 um, 5 mm]}\n"))
     assert "uncertainty.clearance: a clearance of 2500 um is beyond" in str(error.value)

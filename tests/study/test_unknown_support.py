@@ -33,21 +33,21 @@ def command_output(command: str, path: Path, code: int = 0) -> str:
 # What is tried
 
 
-def test_four_supports_are_tried(write: Write) -> None:
+def test_unknown_support_is_varied_over_four_supports(write: Write) -> None:
     study = load_study(write(BASE + UNKNOWN))
     assert study.uncertainty == (UncertainParameter("support", (1.0, 2.0, 3.0, 4.0)),)
     assert [variation.value for variation in study.variations()] == [1.0, 2.0, 3.0, 4.0]
     assert len({job.id for job in study.jobs()}) == 1 + 1 + 4  # the case, its twin, the supports
 
 
-def test_a_support_is_named_as_the_same_rig_that_is_written(write: Write) -> None:
+def test_variation_of_support_has_the_id_of_the_same_written_rig(write: Write) -> None:
     tried = [variation.job.id for variation in load_study(write(BASE + UNKNOWN)).variations()]
     rigs = [f"rig: {{ring: {{bends: true}}, load: {load}}}\n" for load in LOADS]
     assert tried == [case_id(load_study(write(BASE + rig)).cases()[0]) for rig in rigs]
     assert len(SUPPORTS) == len(LOADS)
 
 
-def test_all_else_is_that_of_the_job(write: Write) -> None:
+def test_variations_differ_in_ring_and_load_only(write: Write) -> None:
     (case,), variations = (
         load_study(write(BASE + UNKNOWN)).cases(),
         load_study(write(BASE + UNKNOWN)).variations(),
@@ -84,7 +84,7 @@ def test_supports_are_shown_by_their_names() -> None:
         ("method: rodas", "`rodas` solves with derivatives, which a ring that bends does not have"),
     ],
 )
-def test_what_cannot_be_held_so_is_refused(write: Write, fields: str, message: str) -> None:
+def test_unsuitable_unknown_support_is_refused(write: Write, fields: str, message: str) -> None:
     path = write(f"{BASE}{UNKNOWN}{fields}\n")
     _, text = type_("check", path, code=2)
     first, source, pointer = text.splitlines()
@@ -92,7 +92,7 @@ def test_what_cannot_be_held_so_is_refused(write: Write, fields: str, message: s
     assert source[pointer.index("^") :] == "unknown}"
 
 
-def test_a_ring_that_is_called_rigid_may_be_tried(write: Write) -> None:
+def test_unknown_support_of_a_ring_stated_rigid_is_accepted(write: Write) -> None:
     study = load_study(write(f"{BASE}{UNKNOWN}rig: {{ring: {{bends: false}}}}\n"))
     assert len(study.variations()) == 4
 
@@ -122,7 +122,7 @@ def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, " ".join(output.split())
 
 
-def test_a_run_says_how_far_the_support_moves_the_results(finished_run: tuple[Path, str]) -> None:
+def test_run_reports_the_effect_of_the_support(finished_run: tuple[Path, str]) -> None:
     folder, output = finished_run
     table = store.open_results(folder / "out").table()
     rms = table["error.support.rms"].dropna()
@@ -132,7 +132,7 @@ def test_a_run_says_how_far_the_support_moves_the_results(finished_run: tuple[Pa
     assert f"`uncertainty`: {NAMES}, in each case" in command_output("check", folder / "unheld.yaml")
 
 
-def test_its_figure_has_a_band_from_the_least_to_the_largest(finished_run: tuple[Path, str]) -> None:
+def test_figure_has_a_band_from_least_to_largest(finished_run: tuple[Path, str]) -> None:
     results = store.open_results(finished_run[0] / "out")
     plan = json.loads((finished_run[0] / "out" / "plan.json").read_text())
     assert [(variation["what"], variation["value"]) for variation in plan["variations"]] == [
@@ -173,12 +173,14 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(finished_run: tuple
         ("record: []\nsweep: {load: [1 N, 2 N]}\nfigures: [{y: acceleration.rms, x: load}]", True),
     ],
 )
-def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, fields: str, is_assumed: bool) -> None:
+def test_rigid_ring_is_an_assumption_if_its_motion_is_evaluated(
+    write: Write, fields: str, is_assumed: bool
+) -> None:
     text = BASE if not fields.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
     assert load_study(write(f"{text}{fields}\n")).assumptions.count(RIGID_RING) == is_assumed
 
 
-def test_check_says_it_once(write: Write) -> None:
+def test_check_prints_the_assumption_once(write: Write) -> None:
     assert (
         command_output("check", write(f"{BASE}sweep: {{clearance: [0 um, 5 um]}}\n")).count("rigid ring assumed")
         == 1
@@ -186,7 +188,7 @@ def test_check_says_it_once(write: Write) -> None:
     assert "rigid ring" not in command_output("check", write(f"{BASE}rig: {{ring: {{bends: false}}}}\n"))
 
 
-def test_a_run_and_its_provenance_say_it(write: Write) -> None:
+def test_run_and_provenance_contain_the_assumption(write: Write) -> None:
     study = load_study(write(BASE))
     assert store.provenance(study)["assumptions"] == RIGID_RING
     assert "assumptions" not in store.provenance(load_study(write(f"{BASE}rig: {{ring: {{bends: false}}}}\n")))

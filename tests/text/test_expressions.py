@@ -275,7 +275,7 @@ def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
         ("1" + " " * MAX_CHARACTERS, f"more than {MAX_CHARACTERS} letters in a formula", "1"),
     ],
 )  # fmt: skip
-def test_what_is_refused_and_where(text: str, message: str, caret: str) -> None:
+def test_invalid_entry_is_refused_at_its_position(text: str, message: str, caret: str) -> None:
     first_line, pointed = refusal(text)
     assert first_line == message
     assert pointed.startswith(caret)
