@@ -114,7 +114,7 @@ def _counted_errors(row: Row, rows: Sequence[Row], model_errors: dict[str, float
 
 
 def _is_finer(other: Row, row: Row) -> bool:
-    """Check if a run in full differs from another only in a smaller step or tolerance."""
+    """Check if a full integration differs from another only in a smaller step or tolerance."""
     comparable = (other["variant"], other["method"]) == (row["variant"], row["method"]) and JOB not in (
         other["role"],
         row["role"],

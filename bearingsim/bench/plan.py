@@ -17,8 +17,8 @@ from bearingsim.config import Case
 from bearingsim.study.jobs import identity
 
 JOB, AUTOMATIC, POINT, PEER, REFERENCE = "job", "automatic", "point", "peer", "judge"
-"""Role of a row: automatic choice; its method and step in full; another method or setting; solver of another
-package; reference run for the errors."""
+"""Role of a row: automatic choice; its method and step, fully integrated; another method or setting; solver of
+another package; reference run for the errors."""
 
 
 class Setting(NamedTuple):

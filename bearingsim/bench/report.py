@@ -29,9 +29,9 @@ CHOICE_HEADS = (
     "automatic choice",
     "method",
     "step or tolerance",
-    "repeats",
+    "periodic",
     "as a job",
-    "in full",
+    "full integration",
     "line",
     "RMS",
     "force",
@@ -75,7 +75,8 @@ def _cell(best: Verdict) -> str:
     if best.job is not None:
         return f"{best.job['variant']}, {seconds(best.job['cpu_per_s'])}"
     if best.point is not None:
-        return f"{best.point['variant']} by {method_text(best.point)}, {seconds(best.point['cpu_per_s'])} in full"
+        cost = f"{seconds(best.point['cpu_per_s'])} (full integration)"
+        return f"{best.point['variant']} by {method_text(best.point)}, {cost}"
     return "unknown" if best.unknown else "none"
 
 
@@ -150,7 +151,7 @@ def _verdict_rows(section: Section) -> list[tuple[str, ...]]:
 
 
 def _method_texts(section: Section) -> Iterator[str]:
-    """Compare the automatic choice of the cheapest model within 1 % (or 5 %) with its other runs in full."""
+    """Compare the automatic choice of the cheapest model within 1 % (or 5 %) with its other full integrations."""
     models = [
         best.model for best in (verdict(section.rows, accuracy) for accuracy in reversed(ACCURACIES)) if best.model
     ]
@@ -158,7 +159,7 @@ def _method_texts(section: Section) -> Iterator[str]:
         if models and comparison.row["variant"] == models[0] and worst_error(comparison.row, NUMERICAL) < 1.0:
             choice = f"of `{models[0]}` the automatic choice, {comparison.row['method']}"
             error = f"{percent(worst_error(comparison.row, NUMERICAL))} numerical error of the worst of the three"
-            text = f"**Method, in full:** {choice} ({seconds(comparison.row['cpu_per_s'])}, {error})"
+            text = f"**Method, full integration:** {choice} ({seconds(comparison.row['cpu_per_s'])}, {error})"
             if comparison.cost_ratio < NOTABLE:
                 yield f"{text}, is near the front: no run as accurate is over {NOTABLE} times cheaper."
             else:
@@ -185,7 +186,7 @@ def _peer_texts(section: Section) -> Iterator[str]:
         text = (
             f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {method_text(best)}, {_cost(best)}"
         )
-        yield f"{text}; of our methods " + (
+        yield f"{text}; of the methods of bearingsim " + (
             f"{method_text(cheapest_own)}, {_cost(cheapest_own)}." if cheapest_own else "none."
         )
 

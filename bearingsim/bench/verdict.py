@@ -15,8 +15,8 @@ QUANTITY_NAMES = {"line": "line", "rms": "RMS", "force": "largest force"}
 class Verdict(NamedTuple):
     """Cheapest sufficient choice in a scene for an ``accuracy`` of some ``quantities``.
 
-    job: the cheapest sufficient automatic choice; point: the cheapest sufficient run in full, of any method and
-    setting; unknown: reason if there is no verdict.
+    job: the cheapest sufficient automatic choice; point: the cheapest sufficient full integration, of any method
+    and setting; unknown: reason if there is no verdict.
     """
 
     accuracy: float
@@ -157,8 +157,8 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
     if best.job is None:
         assert best.point is not None
         return (
-            f"`{best.point['variant']}` by {method_text(best.point)} ({seconds(best.point['cpu_per_s'])} in full);"
-            " no automatic choice is as accurate."
+            f"`{best.point['variant']}` by {method_text(best.point)} ({seconds(best.point['cpu_per_s'])},"
+            " full integration); no automatic choice is as accurate."
         )
     text = f"`{best.job['variant']}`, {seconds(best.job['cpu_per_s'])} as a job. It is off by {_errors(best.job)}."
     cheaper = [row for row in jobs if row["cpu_per_s"] < best.job["cpu_per_s"] and row is not best.job]
@@ -172,7 +172,7 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
         text += " No job costs less."
     if best.point is not None:
         text += (
-            f" Where every second is computed in full, the cheapest is `{best.point['variant']}` by"
+            f" Of the full integrations, the cheapest is `{best.point['variant']}` by"
             f" {method_text(best.point)}, {seconds(best.point['cpu_per_s'])}."
         )
     return text
@@ -191,7 +191,7 @@ class FrontComparison(NamedTuple):
 
 
 def compare_with_front(rows: Sequence[Row], kind: str) -> list[FrontComparison]:
-    """Compare each model's automatic choice in full with its cheapest run of no larger worst error."""
+    """Compare each model's fully integrated automatic choice with its cheapest run of no larger worst error."""
     pairs = []
     for row in rows:
         if row["role"] == AUTOMATIC and row["method"]:

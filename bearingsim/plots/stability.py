@@ -47,7 +47,7 @@ CLASS_STYLES: dict[str, ClassStyle] = {
 }
 MEANING = {
     "ok": "ok (within 1 %)",
-    "stalled": "stalled, gave up",
+    "stalled": "stalled (cannot continue)",
     "too slow": "too slow",
     "skipped": "skipped a defect",
     "within chaos": "within chaos (path not unique)",
