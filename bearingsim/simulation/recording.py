@@ -24,7 +24,7 @@ from bearingsim.core.sampling import (
     sampling_kernel,
 )
 from bearingsim.simulation import channels
-from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, partner_rows
+from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, rotated_rows
 from bearingsim.simulation.time_grid import Grid, samples
 
 
@@ -50,7 +50,7 @@ class RawRecord:
     y: np.ndarray
 
     @property
-    def repeats_from(self) -> int | None:
+    def periodic_from(self) -> int | None:
         """Number of the fine sample from which the motion is periodic; None if it is not."""
         if self.repetition.period == 0:
             return None
@@ -79,18 +79,18 @@ class RawRecord:
         sources = self.repetition.source(passes)
         starts, shifts = self.lead + sources * self.M, (passes - sources) % self.Z
         parts = [
-            self.fine[self._partners[m][rows], column : column + self.M]
+            self.fine[self._rotated_rows[m][rows], column : column + self.M]
             for m, column in zip(shifts, starts, strict=True)
         ]
         skipped = start - self.lead - first_pass * self.M
         return np.concatenate(parts, axis=1)[:, skipped : skipped + end - start]
 
     @cached_property
-    def _partners(self) -> np.ndarray:
-        """Rows (Z, C): element [m, c] is the row with the quantity of row c, m passes before."""
+    def _rotated_rows(self) -> np.ndarray:
+        """Rows (Z, C): element [m, c] is that of the roller that was in the position of row c m passes before."""
         if np.all(lay.lane_of(self.cells) < 0):  # no quantity of a roller is recorded
             return np.broadcast_to(np.arange(len(self.cells)), (self.Z, len(self.cells)))
-        return np.array([partner_rows(self.cells, self.Z, m) for m in range(self.Z)])
+        return np.array([rotated_rows(self.cells, self.Z, m) for m in range(self.Z)])
 
     def low_pass(self, taps: np.ndarray) -> "RawRecord | LowPassed":
         """Return the record filtered by the low-pass ``taps`` (odd number), with the same ``read``.
@@ -107,7 +107,7 @@ class RawRecord:
 
 
 MULTIPLICATIONS = 1 << 28
-"""Multiplications in the filter between two readings of the clock, about 0.1 s."""
+"""Multiplications of the filter between two checks of the CPU time, about 0.1 s."""
 
 
 @dataclass(frozen=True)
@@ -120,12 +120,12 @@ class LowPassed:
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Return filtered fine samples, as ``RawRecord.read``."""
         reach = len(self.taps) // 2
-        wide = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
-        out = np.empty((len(wide), count))
-        block = max(1, MULTIPLICATIONS // (len(self.taps) * max(1, len(wide))))
+        extended = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
+        out = np.empty((len(extended), count))
+        block = max(1, MULTIPLICATIONS // (len(self.taps) * max(1, len(extended))))
         for begin in range(0, count, block):
             cpu_time.check()
-            low_pass(wide, self.taps, out, begin, min(begin + block, count))
+            low_pass(extended, self.taps, out, begin, min(begin + block, count))
         return out
 
 
@@ -134,7 +134,7 @@ class Windows:
     """Adjacent windows of ``M`` fine samples, from the record's first fine sample ``start`` on.
 
     index: (K,) number of the distinct window equal to each window of the record. After the first ``distinct`` ones
-    each equals the one ``period`` before.
+    each equals the window ``period`` before.
     """
 
     start: int
@@ -153,76 +153,74 @@ class Windows:
         return np.bincount(self.index, minlength=self.distinct)
 
 
-def first_sample(case: Case, cut: Grid) -> int:
+def first_sample(case: Case, grid: Grid) -> int:
     """Return the number of the record's first fine sample, counted from t = 0."""
-    return ceil(case.settle_s * cut.fine_rate - 1e-6)
+    return ceil(case.settle_s * grid.fine_rate - 1e-6)
 
 
-def whole_passes(case: Case, cut: Grid) -> int:
-    """Return the number of ball passes that lie wholly in the record."""
-    return floor(case.duration * cut.rate + 1e-6)
+def whole_passes(case: Case, grid: Grid) -> int:
+    """Return the number of complete ball passes in the record."""
+    return floor(case.duration * grid.rate + 1e-6)
 
 
-def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
-    """Return the whole ball passes of the record.
+def windows(case: Case, grid: Grid, raw: RawRecord, reach: int) -> Windows:
+    """Return the complete ball passes of the record as windows.
 
     reach: fine samples beyond both ends of a window on which its filtered values depend.
     """
-    K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
+    K, M, start = whole_passes(case, grid), grid.fine_per_pass, first_sample(case, grid)
     if raw.end is not None:  # the computed samples may end first
         K = min(K, (raw.end - reach - start) // M)
     k = np.arange(K)
-    if raw.repeats_from is None:
+    if raw.periodic_from is None:
         return Windows(start, M, k, 0)
-    onset, period = max(0, ceil((raw.repeats_from + reach - start) / M)), raw.repetition.period
+    onset, period = max(0, ceil((raw.periodic_from + reach - start) / M)), raw.repetition.period
     return Windows(start, M, np.where(k < onset, k, onset + (k - onset) % period), period)
 
 
 class Recording:
-    """Fine samples, raw values and peaks of a run, ball pass by ball pass."""
+    """Fine samples, raw values and peaks of a run, recorded by ball passes."""
 
-    def __init__(self, case: Case, cut: Grid, Z: int, y: np.ndarray) -> None:
-        """Allocate the arrays. y: the buffer at t = 0, whose values also stand for all earlier times."""
-        self.case, self.cut, self.Z = case, cut, Z
+    def __init__(self, case: Case, grid: Grid, Z: int, y: np.ndarray) -> None:
+        """Allocate the arrays. y: the buffer at t = 0, whose values are also used for all earlier times."""
+        self.case, self.grid, self.Z = case, grid, Z
         self.cells = channels.recorded_cells(self.case)
-        self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
-        self.taps = decimation_kernel(self.cut.decimation)
-        self.fine = np.empty((len(self.cells), self.lead + self.cut.passes * self.cut.fine_per_pass))
+        self.lead = ceil(RESAMPLE_REACH * self.grid.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
+        self.taps = decimation_kernel(self.grid.decimation)
+        self.fine = np.empty((len(self.cells), self.lead + self.grid.passes * self.grid.fine_per_pass))
         self.fine[:, : self.lead] = y[self.cells][:, np.newaxis]
         self.stores_raw_values = channels.stores_raw_values(self.case)
         self.raw_values = np.empty((len(self.cells), samples(self.case) if self.stores_raw_values else 0))
         self.raw_values[:, :1] = y[self.cells][:, np.newaxis]  # t = 0, if the record begins there
-        self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
+        self.peaks = np.empty((self.grid.passes, len(EXTREMES)))
         self.samples = samples_between_steps(self.case, self.raw_values)
-        stores_passes = self.stores_raw_values and may_repeat(
-            self.case
-        )  # store the last passes, for raw values of repeated ones
+        stores_passes = self.stores_raw_values and may_repeat(self.case)  # for raw values of repeated passes
         self.last_passes: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if stores_passes else 0)
 
     def add_pass(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
         """Record pass ``p``; window: its recording, as yielded by ``_ball_passes``."""
-        M, D = self.cut.fine_per_pass, self.cut.decimation
+        M, D = self.grid.fine_per_pass, self.grid.decimation
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
         if self.stores_raw_values and type(self.samples) is NoSamples:
-            _sample_pass(self.case, self.cut, p, window, self.raw_values)
+            _sample_pass(self.case, self.grid, p, window, self.raw_values)
             if self.last_passes.maxlen:
                 self.last_passes.append(window.copy())
         self.peaks[p] = pop_peaks(y)
 
     def fill_repeated_passes(self, repetition: Repetition) -> None:
         """Sample raw values of the passes that were not computed."""
-        for p in range(repetition.computed, self.cut.passes):
+        for p in range(repetition.computed, self.grid.passes):
             cpu_time.check()
             source = int(repetition.source(p))
             raw_values = _sample_pass(
-                self.case, self.cut, p, self.last_passes[source - repetition.computed], self.raw_values
+                self.case, self.grid, p, self.last_passes[source - repetition.computed], self.raw_values
             )
-            raw_values[:] = raw_values[partner_rows(self.cells, self.Z, p - source)]
+            raw_values[:] = raw_values[rotated_rows(self.cells, self.Z, p - source)]
 
     def raw_record(self, repetition: Repetition, y: np.ndarray) -> RawRecord:
-        """Return the record as far as it has been computed."""
-        M, passes = self.cut.fine_per_pass, repetition.computed
+        """Return the record of the computed passes."""
+        M, passes = self.grid.fine_per_pass, repetition.computed
         return RawRecord(
             cells=self.cells,
             fine=self.fine[:, : self.lead + passes * M],
@@ -262,22 +260,22 @@ def extend_back(case: Case, raw: RawRecord) -> None:
     If the motion is not periodic, only the ring's motion and the other ``feature_cells`` rows are extended, by
     their first pass. Filters use these samples, but features do not.
     """
-    fine, zero, turn_samples = raw.fine, raw.zero, raw.Z * raw.M
+    fine, zero, revolution = raw.fine, raw.zero, raw.Z * raw.M
     if raw.repetition.period > 0:
-        fine[:, :zero] = raw.read(-zero % turn_samples, zero)
+        fine[:, :zero] = raw.read(-zero % revolution, zero)
     else:
         rows = len(channels.feature_cells(case))
         fine[:rows, :zero] = fine[:rows, zero + np.arange(-zero, 0) % raw.M]
 
 
-def _sample_pass(case: Case, cut: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
+def _sample_pass(case: Case, grid: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
     """Fill in and return the raw values at the instants within ball pass ``p``.
 
     Its end is included, its start only in pass 0.
     """
-    steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
-    ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
-    start = case.settle_s / cut.step
+    steps, tail = grid.steps_per_pass, window.shape[1] - grid.steps_per_pass
+    ratio = 1.0 / (case.sampling * grid.step)  # steps per sample
+    start = case.settle_s / grid.step
     begin, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
     begin = 0 if p == 0 else min(begin, raw_values.shape[1])
     end = min(end, raw_values.shape[1])
@@ -289,7 +287,7 @@ def _sample_pass(case: Case, cut: Grid, p: int, window: np.ndarray, raw_values: 
 BLOCK = 1 << 15  # fine samples resampled at a time
 
 
-def sample_rows(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+def sample_rows(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
     """Return the samples (R, n) of ``rows`` of the raw record.
 
     With ``antialias`` all rows except contact forces are low-passed.
@@ -300,19 +298,19 @@ def sample_rows(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.n
     values = np.empty((len(rows), samples(case)))
     if forces.any():
         values[forces] = raw.raw_values[rows[forces]]
-    values[~forces] = _low_passed(case, cut, raw, rows[~forces])
+    values[~forces] = _low_passed(case, grid, raw, rows[~forces])
     return values
 
 
-def _low_passed(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+def _low_passed(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
     """Return the low-passed samples (R, n) of ``rows``, computed block by block."""
     out = np.empty((len(rows), samples(case)))
     if len(rows) == 0:
         return out
-    ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
+    ratio, kernel = grid.fine_rate / case.sampling, interpolation_kernel()
     filtered, weights = raw.low_pass(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
     block = max(1, int(BLOCK / ratio))
-    start = case.settle_s * cut.fine_rate
+    start = case.settle_s * grid.fine_rate
     for n in range(0, out.shape[1], block):
         cpu_time.check()
         end = min(n + block, out.shape[1])

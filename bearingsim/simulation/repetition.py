@@ -146,7 +146,7 @@ class Search:
         self.end_states: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.peaks: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         compared_cells = cells[self.compared_rows]
-        self.partners = {period: partner_rows(compared_cells, self.Z, period) for period in self.periods}
+        self.rotated_rows = {period: rotated_rows(compared_cells, self.Z, period) for period in self.periods}
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
     def add_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
@@ -198,7 +198,7 @@ class Search:
             return end_difference
         current, previous = self.recordings[-1], self.recordings[-1 - period]
         row_differences = np.array(
-            [np.abs(a - previous[c]).max() for a, c in zip(current, self.partners[period], strict=True)]
+            [np.abs(a - previous[c]).max() for a, c in zip(current, self.rotated_rows[period], strict=True)]
         )
         min_peaks = self.min_peaks * ranges[:2].max()
         peak_differences = np.abs(self.peaks[-1] - self.peaks[-1 - period])
@@ -215,12 +215,15 @@ class Search:
         return _largest_ratio(np.abs(current - previous).max(axis=2), np.maximum(ring_ranges, roller_ranges))
 
 
-def partner_rows(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
-    """Return for each row of a recording of ``cells`` the row (C,) with its quantity ``m`` passes before."""
+def rotated_rows(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
+    """Return the rows (C,) of the rollers that were in the same positions ``m`` passes earlier.
+
+    cells: (C,) recorded cells; rows without a roller are unchanged.
+    """
     lane = lay.lane_of(cells)
-    partner = np.where(lane >= 0, cells - lane + (lane + m) % Z, cells)
+    rotated = np.where(lane >= 0, cells - lane + (lane + m) % Z, cells)
     row_of = {int(cell): row for row, cell in enumerate(cells)}
-    return np.array([row_of[int(cell)] for cell in partner])
+    return np.array([row_of[int(cell)] for cell in rotated])
 
 
 def rotate_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:

@@ -18,8 +18,8 @@ from bearingsim.simulation.repetition import (
     Repetition,
     Search,
     may_repeat,
-    partner_rows,
     remaining_sum,
+    rotated_rows,
 )
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
@@ -93,7 +93,7 @@ def test_later_passes_repeat_the_last_period() -> None:
 
 def test_roller_has_the_position_of_the_next_one_a_pass_before() -> None:
     rows = channels.recorded_cells(resolved(model="rollers", record=["roller.3.outer_force", "ring.velocity"]))
-    previous_rows = partner_rows(rows, 13, 1)
+    previous_rows = rotated_rows(rows, 13, 1)
     assert np.array_equal(previous_rows[: len(channels.FEATURE_CELLS)], np.arange(len(channels.FEATURE_CELLS)))
     assert [int(rows[previous_rows[list(rows).index(lay.Q_O + j)]]) - lay.Q_O for j in (2, 12)] == [3, 0]
 
