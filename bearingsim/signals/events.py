@@ -4,35 +4,35 @@ import numpy as np
 
 from bearingsim.signals.spectra import analytic
 
-SMOOTHING = 40  # the period over this is the shortest distance of two events
-WHITENING_HARMONICS = 20  # harmonics of the passes on either side for levelling the spectrum
-POWER_FLOOR = 1e-3  # of the mean power: weaker lines are not levelled
-MIN_ENTRY_HEIGHT = 0.08  # least height of an entry, relative to the exit
-MIN_VARIATION = 1e-6  # of the envelope: smaller changes are rounding errors
-MIN_SIGNIFICANCE = 7.0  # least height of an event, in standard errors of the mean over passes
+SMOOTHING = 40  # period over the smallest distance between two events
+WHITENING_HARMONICS = 20  # half width of the average for whitening, in harmonics of the pass frequency
+POWER_FLOOR = 1e-3  # relative to the mean power: weaker lines are not whitened
+MIN_ENTRY_HEIGHT = 0.08  # smallest prominence of an entry, relative to the exit
+MIN_VARIATION = 1e-6  # relative to the mean envelope: smaller variations are rounding errors
+MIN_SIGNIFICANCE = 7.0  # smallest prominence of an event, in standard errors of the mean over passes
 
 
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
     """Measure the time (s) from entry to exit of a defect from all passes of a series (n,) sampled at ``fs`` (Hz).
 
-    period: of the passes (s). The spectrum is levelled, so that the entry (weak, low frequency) and the exit
-    (ringing) have similar weight (pre-whitening: Sawalhi and Randall, Vibration response of spalled rolling
-    element bearings, Mech. Syst. Signal Process. 25, 2011, 846-870). The squared envelope is smoothed over
-    period/40, and its square root averaged over all passes, aligned at their highest value, the exit, so variation
-    of the period has no effect. The spacing is measured to the most prominent maximum in the half pass before the
-    exit.
+    period: of the passes (s). The spectrum is whitened, so that the entry (weak, low frequency) and the exit
+    (ringing) have similar weight (Sawalhi and Randall, Vibration response of spalled rolling element bearings,
+    Mech. Syst. Signal Process. 25, 2011, 846-870). The squared envelope is smoothed over period/40, and its square
+    root averaged over all passes, aligned at their highest value, the exit, so that variations of the period have
+    no effect. The spacing is measured to the most prominent maximum in the half pass before the exit.
 
     Returns nan if its prominence is less than 0.08 of the exit or less than seven standard errors of the mean
     there, which means at most one event per pass. Limits: spacings from 0.1 to 0.4 of the period, and the exit
-    must be the stronger event. An event is located at its energy: an entry that rises over 0.3 ms before a sudden
-    exit is measured 0.2 ms late. Raises ValueError if the record has fewer than two passes, or a pass fewer than
-    40 samples.
+    must be the stronger event. The position of an event is that of its energy: an entry that rises over 0.3 ms
+    before a sudden exit is measured 0.2 ms late. Raises ValueError if the record has fewer than two passes, or a
+    pass fewer than 40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHING:
         raise ValueError(
-            f"{len(series)} samples at {fs:g} Hz are not two passes of {period:g} s, {SMOOTHING} samples in each"
+            f"{len(series)} samples at {fs:g} Hz: expected at least two passes of {period:g} s"
+            f" and {SMOOTHING} samples per pass"
         )
-    envelope = smooth(levelled_envelope(series, fs, WHITENING_HARMONICS / period), period * fs / SMOOTHING)
+    envelope = smooth(whitened_envelope(series, fs, WHITENING_HARMONICS / period), period * fs / SMOOTHING)
     passes = passes_around_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
     if len(passes) < 2:
         return float("nan")
@@ -55,8 +55,8 @@ def passes_around_exits(envelope: np.ndarray, half: int) -> np.ndarray:
     return windows[envelope[peaks] >= windows.max(axis=1)]
 
 
-def levelled_envelope(series: np.ndarray, fs: float, half_band: float) -> np.ndarray:
-    """Compute the squared envelope (n,) of a series with its power levelled over +-``half_band`` (Hz)."""
+def whitened_envelope(series: np.ndarray, fs: float, half_band: float) -> np.ndarray:
+    """Compute the squared envelope (n,) of a series whitened over +-``half_band`` (Hz)."""
     transform = np.fft.rfft(series - series.mean())
     power = np.abs(transform) ** 2
     half_width = min(max(1, round(half_band * len(series) / fs)), len(power) - 1)
@@ -67,19 +67,19 @@ def levelled_envelope(series: np.ndarray, fs: float, half_band: float) -> np.nda
 
 
 def smooth(series: np.ndarray, width: float) -> np.ndarray:
-    """Smooth a series (n,) with a bell of ``width`` samples at half height."""
+    """Smooth a series (n,) with a Gaussian of ``width`` samples (full width at half maximum)."""
     frequencies = np.fft.rfftfreq(len(series))
-    bell = np.exp(-((np.pi * width * frequencies) ** 2) / (4.0 * np.log(2.0)))
-    return np.fft.irfft(np.fft.rfft(series) * bell, len(series))
+    response = np.exp(-((np.pi * width * frequencies) ** 2) / (4.0 * np.log(2.0)))
+    return np.fft.irfft(np.fft.rfft(series) * response, len(series))
 
 
 def maxima(values: np.ndarray) -> np.ndarray:
-    """Return the indices of the local maxima of values (n,), without the ends."""
+    """Return the indices of the local maxima of values (n,), except at the ends."""
     return 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
 
 
 def most_prominent(values: np.ndarray, min_prominence: np.ndarray) -> int:
-    """Return the index of the most prominent inner maximum; 0 if there is none.
+    """Return the index of the most prominent local maximum; 0 if there is none.
 
     values: (n,); min_prominence: (n,) or more. The prominence is the height above the higher of the two
     minima between the maximum and a higher value on either side.
