@@ -1,7 +1,8 @@
 """Figures of a study, from its results folder only.
 
-matplotlib is not imported here, so that tables can use ``labels`` without it. It keeps its font list in our cache
-if it cannot write into the home folder, where it would print warnings and read all fonts again in each process.
+matplotlib is not imported here, so that tables can use ``labels`` without it. If the home folder is read-only, the
+font list of matplotlib is stored in the cache folder of bearingsim: otherwise it prints warnings and reads all
+fonts again in each process.
 """
 
 import os
@@ -16,11 +17,11 @@ __all__ = ["PlotError", "PlotWarning", "plot"]
 
 def _is_writable(folder: Path) -> bool:
     """Check if a folder can be written, or created below the nearest existing one."""
-    return os.access(next(level for level in (folder, *folder.parents) if level.exists()), os.W_OK | os.X_OK)
+    return os.access(next(path for path in (folder, *folder.parents) if path.exists()), os.W_OK | os.X_OK)
 
 
 def _use_writable_folder() -> None:
-    """Name a folder for matplotlib unless one is named, or the folders of the user can be written."""
+    """Set ``MPLCONFIGDIR`` to a cache folder, unless it is set or the folders of the user are writable."""
     home = Path(os.path.expanduser("~"))
     bases = {"XDG_CONFIG_HOME": ".config", "XDG_CACHE_HOME": ".cache"}
     folders = [Path(os.environ.get(name) or home / hidden, "matplotlib") for name, hidden in bases.items()]

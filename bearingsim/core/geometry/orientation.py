@@ -6,11 +6,11 @@ smallest rotation from e_z to a. Then its angular velocity is
 
     Omega = a x a' + omega a,     omega = beta' + winding,     winding = (a_x' a_y - a_x a_y')/(1 + a_z)
 
-and, with I_a, I_t its moments of inertia about the axis and across it, M the moment about its centre,
+and, with I_a, I_t the axial and transverse moments of inertia and M the moment about the centre,
 
     omega' = M.a/I_a,     a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
-Both are exact, without small-angle approximation, and regular for tilts of the axis below a quarter turn.
+Both are exact, without small-angle approximation, and regular for tilts of the axis below 90 deg.
 """
 
 from math import sqrt
@@ -23,8 +23,8 @@ from bearingsim.core.jit import jit
 class Body(NamedTuple):
     """Current state of a ring or the cage, along e_0, e_90 and e_z.
 
-    x, y, z: its centre (m), v_x, v_y, v_z (m/s); a_x, a_y, a_z: its axis, w_x, w_y, w_z: the axis' rate (1/s);
-    omega: its speed about the axis (rad/s).
+    x, y, z: centre (m), v_x, v_y, v_z: velocity (m/s); a_x, a_y, a_z: axis, w_x, w_y, w_z: its rate (1/s);
+    omega: angular velocity about the axis (rad/s).
     """
 
     x: float
@@ -44,7 +44,7 @@ class Body(NamedTuple):
 
 @jit
 def axis_z(a_x, a_y):
-    """Return the third component of an axis."""
+    """Return the z component of an axis, a unit vector."""
     return sqrt(1.0 - a_x * a_x - a_y * a_y)
 
 
@@ -52,7 +52,7 @@ def axis_z(a_x, a_y):
 def axis_precession(a_x, a_y, a_z, w_x, w_y):
     """Compute the speed (rad/s) of a body about its axis at constant angle, due to the precession of the axis.
 
-    Equation (S1) of docs/spatial.md: winding.
+    The term ``winding`` of equation (S1) in docs/spatial.md.
     """
     return (w_x * a_y - a_x * w_y) / (1.0 + a_z)
 
@@ -62,29 +62,29 @@ def axis_precession_rate(body, l_x, l_y):
     """Compute the rate (rad/s^2) of ``axis_precession`` with accelerations ``l_x``, ``l_y`` (1/s^2) of the
     axis."""
     denominator = 1.0 + body.a_z
-    area = body.w_x * body.a_y - body.a_x * body.w_y
-    return (l_x * body.a_y - body.a_x * l_y) / denominator - area * body.w_z / (denominator * denominator)
+    numerator = body.w_x * body.a_y - body.a_x * body.w_y
+    return (l_x * body.a_y - body.a_x * l_y) / denominator - numerator * body.w_z / (denominator * denominator)
 
 
 @jit
 def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
-    """Return the acceleration of the axis' x and y (1/s^2) under a moment (N m); spin: angular momentum about the
-    axis.
+    """Return the acceleration (1/s^2) of the x and y components of the axis under a moment (N m).
 
-    All components are along the same directions, fixed or those of the current frame.
+    spin: angular momentum about the axis. All components are along the same directions, fixed or those of the
+    current frame.
 
-    Equation (S1) of docs/spatial.md: a''.
+    The term a'' of equation (S1) in docs/spatial.md.
     """
     t_x, t_y, t_z = m_x - spin * w_x, m_y - spin * w_y, m_z - spin * w_z
-    w_2 = w_x * w_x + w_y * w_y + w_z * w_z
-    return (t_y * a_z - t_z * a_y) / I_t - w_2 * a_x, (t_z * a_x - t_x * a_z) / I_t - w_2 * a_y
+    rate_squared = w_x * w_x + w_y * w_y + w_z * w_z
+    return (t_y * a_z - t_z * a_y) / I_t - rate_squared * a_x, (t_z * a_x - t_x * a_z) / I_t - rate_squared * a_y
 
 
 @jit
 def body_at(y, x, z, tilt_x, tilt_y, angle_rate):
-    """Return the body with its centre in cells ``x``, ``x`` + 1 and ``z`` and its axis in ``tilt_x``, ``tilt_y``.
+    """Return the body stored in cells ``x``, ``x`` + 1, ``z`` (centre), ``tilt_x`` and ``tilt_y`` (axis).
 
-    angle_rate: of its angle about the axis (rad/s).
+    angle_rate: rate (rad/s) of its angle about the axis.
     """
     p, v = lay.POSITION, lay.VELOCITY
     a_x, a_y, w_x, w_y = y[p + tilt_x], y[p + tilt_y], y[v + tilt_x], y[v + tilt_y]
