@@ -23,7 +23,7 @@ from benchmarks import start
 from benchmarks.campaign import table
 
 DURATION_S, RECORDS_S = 12.0, (0.5, 1.0)
-LEAST_COVERED = 0.95
+MIN_COVERED = 0.95
 
 
 class Coverage(NamedTuple):
@@ -62,13 +62,13 @@ def coverage(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, floa
 def compare_records(fields: dict[str, Any]) -> Coverage:
     """Compute a scene, and compare its records."""
     setup = set_up(choice.resolve(Case.model_validate(fields)))
-    case, cut = setup.case, setup.cut
-    forces = integrate(setup).peaks[int(case.settle_s * cut.rate) + 1 :, FORCE]
+    case, grid = setup.case, setup.cut
+    forces = integrate(setup).peaks[int(case.settle_s * grid.rate) + 1 :, FORCE]
     rollers = case.bearing.rollers
-    short, long = (coverage(forces, int(duration * cut.rate), rollers) for duration in RECORDS_S)
+    short, long = (coverage(forces, int(duration * grid.rate), rollers) for duration in RECORDS_S)
     rig = fields["rig"]
     name = f"{fields['bearing']} {rig['ring_mass']} {fields['speed']} {fields['load']} {fields['clearance']}"
-    return Coverage(name, cut.rate / rollers, *short, *long)
+    return Coverage(name, grid.rate / rollers, *short, *long)
 
 
 def main() -> None:
@@ -76,7 +76,7 @@ def main() -> None:
     frame = table(__doc__, 10, scene, compare_records)
     shares = frame[["covered_short", "covered_long"]].mean()
     print(f"covered: {shares.iloc[0]:.1%} of pairs of 0.5 s, {shares.iloc[1]:.1%} of 1 s")
-    sys.exit(int(shares.min() < LEAST_COVERED))
+    sys.exit(int(shares.min() < MIN_COVERED))
 
 
 if __name__ == "__main__":

@@ -1,15 +1,15 @@
-"""Test of periodicity detection: records completed periodically, compared with full runs.
+"""Test of periodicity detection: records completed from one period, compared with full integrations.
 
     python benchmarks/repetition.py [--seed 1] [--ring 40] [--rollers 40] [--planar 20] [--spatial 20] [--jobs 2]
 
-Random scenes that may be periodic (healthy or with outer-race defects, kinematic cage) are computed until they are
-periodic, and in full, for at least 60 ball passes. Printed for each model:
+Random scenes that may be periodic (healthy or with outer-race defects, kinematic cage) are integrated until they
+are periodic, and over the full record of at least 60 ball passes. Printed for each model:
 
-stopped   number stopped early, among scenes whose full run is periodic (to 1e-8 over its last ten passes)
-wrong     number stopped although the full run is not periodic, or with an error of a feature above 1e-6 of the
-          larger of the feature and 1/1000 of the RMS of its quantity (phases: in rad, of lines above that)
-passes    computed until the stop: median and largest; median of the full run
-worst     largest error of a feature, over all scenes that stopped
+stopped   number of runs stopped early, among scenes whose full run is periodic (to 1e-8 over its last ten passes)
+wrong     number of runs stopped early with an error of a feature above 1e-6, relative to the larger of the feature
+          and 1/1000 of the RMS of its quantity (phases: in rad, only of lines above 1/1000 of the RMS)
+passes    passes computed until the stop: median and maximum; median of the full run
+worst     largest error of a feature, over all runs stopped early
 """
 
 import argparse
@@ -34,27 +34,30 @@ def draw(model: str, number: int, seed: int) -> Case:
     """Draw a scene of the model with a record of 60 ball passes."""
     rng = np.random.default_rng([seed, number, len(model)])
 
-    def log(low: float, high: float) -> float:
+    def log_uniform(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
     ball = model in ("ring", "rollers") and rng.random() < 0.15
-    laws = [{"law": "kraemer", "beta": log(1e-6, 3e-5)}, {"law": "hunt-crossley", "chi": log(2.0, 80.0)}]
+    laws = [
+        {"law": "kraemer", "beta": log_uniform(1e-6, 3e-5)},
+        {"law": "hunt-crossley", "chi": log_uniform(2.0, 80.0)},
+    ]
 
     def defect(low: float, high: float) -> dict[str, Any]:
         is_long = rng.random() < 0.5
         length = (3e-3 if ball else 12e-3) if is_long else (2e-3 if ball else 4e-3)
-        fields_ = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
-        fields_ |= {"width": 1e-3 * log(0.1, 3.0), "depth": 1e-6 * log(0.5, 50.0)}
-        return fields_ | {"angle": float(rng.uniform(low, high)) * pi / 180.0}
+        shape = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
+        shape |= {"width": 1e-3 * log_uniform(0.1, 3.0), "depth": 1e-6 * log_uniform(0.5, 50.0)}
+        return shape | {"angle": float(rng.uniform(low, high)) * pi / 180.0}
 
-    drawn_share = rng.random()
-    defects = [defect(0.0, 60.0)] * (drawn_share > 0.1) + [defect(-60.0, 0.0)] * (drawn_share > 0.85)
+    share = rng.random()  # 10 % healthy, 15 % with two defects
+    defects = [defect(0.0, 60.0)] * (share > 0.1) + [defect(-60.0, 0.0)] * (share > 0.85)
     fields = {
         "bearing": "6205" if ball else "nf308",
         "model": model,
         "method": "verlet",
-        "speed": log(300.0, 6000.0) * pi / 30.0,
-        "load": log(10.0, 1000.0),
+        "speed": log_uniform(300.0, 6000.0) * pi / 30.0,
+        "load": log_uniform(10.0, 1000.0),
         "clearance": 1e-6 * float(rng.uniform(-5.0, 30.0)),
         "contact": {"damping": laws[int(rng.random() < 0.5)]},
         "defects": defects,
@@ -78,7 +81,7 @@ class RecordingSearch(Search):
 
 
 def full_record(case: Case) -> tuple[Any, float]:
-    """Return the full record, and the difference of its last passes at the best period."""
+    """Return the full record, and the difference between its last passes at the best period."""
     searches: list[RecordingSearch] = []
 
     def make_search(*arguments: Any) -> RecordingSearch:
@@ -123,8 +126,8 @@ def compare_scene(model: str, number: int, seed: int) -> dict[str, Any]:
         "period": period,
         "last": last_difference,
         "stopped": stopped,
-        "repeats": last_difference <= PERIODIC_DIFFERENCE,
-        "wrong": stopped and (worst > MAX_ERROR or (last_difference > PERIODIC_DIFFERENCE and worst > MAX_ERROR)),
+        "periodic": last_difference <= PERIODIC_DIFFERENCE,
+        "wrong": stopped and worst > MAX_ERROR,
         "worst": worst if stopped else 0.0,
         "name": name,
     }
@@ -135,7 +138,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--each", action="store_true", help="a line for each scene")
+    parser.add_argument("--each", action="store_true", help="print a line per scene")
     for model, count in (("ring", 40), ("rollers", 40), ("planar", 20), ("spatial", 20)):
         parser.add_argument(f"--{model}", type=int, default=count)
     options = parser.parse_args()
@@ -151,18 +154,18 @@ def main() -> None:
         rows = [row for row in all_rows if row["model"] == model and not row["failed"]]
         failed = sum(row["model"] == model for row in all_rows) - len(rows)
         stops = [row for row in rows if row["stopped"]]
-        periodic = [row for row in rows if row["repeats"]]
+        periodic = [row for row in rows if row["periodic"]]
         worst = max(stops, key=lambda row: row["worst"], default={"worst": 0.0, "name": "-", "scene": "-"})
         passes = sorted(row["computed"] for row in stops)
         print(
-            f"{model:8} {len(rows)} scenes ({failed} failed): {len(periodic)} repeat,"
+            f"{model:8} {len(rows)} scenes ({failed} failed): {len(periodic)} periodic,"
             f" {sum(row['stopped'] for row in periodic)} of them stopped; {len(stops)} stopped,"
             f" {sum(row['wrong'] for row in stops)} wrong; passes {np.median(passes or [0]):.0f}"
-            f" (most {max(passes, default=0)}) of {np.median([row['passes'] for row in rows] or [0]):.0f};"
+            f" (max {max(passes, default=0)}) of {np.median([row['passes'] for row in rows] or [0]):.0f};"
             f" worst {worst['worst']:.1e} ({worst['name']}, scene {worst['scene']})"
         )
     for row in all_rows:
-        if row["failed"] or row["wrong"] or (row["repeats"] and not row["stopped"]) or options.each:
+        if row["failed"] or row["wrong"] or (row["periodic"] and not row["stopped"]) or options.each:
             print(row)
 
 

@@ -3,10 +3,10 @@
     python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N] [--only WORD]
 
 NF308, 1800 rpm, 150 N. All variants are compiled first. Then they run in turn, N steps per round with the monitor
-of `simulate`, and the fastest round of each counts, so that disturbances of the machine affect all variants
-equally. A second block has `rollers` with other numbers of rollers, to show the cost of padding; a third block has
-other contact laws. ``--only``: only variants whose scene begins with that word. Columns: ns per step; step chosen
-by `auto` (us); resulting CPU time (s) per simulated second.
+of `simulate`, and the fastest round of each is reported, so that disturbances of the machine affect all variants
+equally. The second block is `rollers` with other numbers of rollers, which shows the cost of padding, the third
+block other contact laws. ``--only`` selects the variants whose scene begins with a word. Columns: ns per step;
+step chosen by `auto` (us); resulting CPU time (s) per simulated second.
 """
 
 import argparse
@@ -32,8 +32,8 @@ SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "
 BOWL = SLOT | {"shape": "circular", "length": "9 mm"}
 SCENES: dict[str, dict] = {"healthy": {}, "0.8 mm slot": {"defect": SLOT}, "9 mm bowl": {"defect": BOWL}}
 SCENES |= {f"0.8 mm slot, {race}": {"defect": SLOT | {"race": race}} for race in ("inner", "roller")}
-STEPPED = tuple((model, method) for model in ("ring", "rollers", "planar") for method in ("verlet", "rk4"))
-PAIRS = (("static", None), *STEPPED, ("spatial", "verlet"))
+INTEGRATED = tuple((model, method) for model in ("ring", "rollers", "planar") for method in ("verlet", "rk4"))
+PAIRS = (("static", None), *INTEGRATED, ("spatial", "verlet"))
 ROLLERS = (8, 13, 16, 24, 32)
 GENERAL = {"law": "general", "coefficient": 100.0}
 LAWS: dict[str, dict] = {"chi": {"damping": {"law": "hunt-crossley", "chi": 50.0}}}
@@ -41,17 +41,17 @@ LAWS |= {"kraemer": {"damping": {"law": "kraemer", "beta": 1e-5}}}
 LAWS |= {f"m3 = {m3:g}": {"damping": GENERAL | {"indentation_exponent": m3}} for m3 in (0.0, 1.0, 1.5, 2.0)}
 LAWS |= {"m1 = 1.2": {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.2}}}
 LAWS |= {"m1 = 1.2, m3 = 1.5": LAWS["m1 = 1.2"] | LAWS["m3 = 1.5"]}
-RELATIVE_COST = {"static": 50, "spatial": 20}  # cheap steps that cost as much as one of these, approximately
+RELATIVE_COST = {"static": 50, "spatial": 20}  # cost of a step relative to other models, approximately
 
 
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     """Prepare a variant for timing: labels for the table, method, model, static equilibrium."""
-    cut = time_grid.grid(case)
-    model = assemble.with_friction_lag(model, cut.step)
+    grid = time_grid.grid(case)
+    model = assemble.with_friction_lag(model, grid.step)
     y, _ = assemble.start(case, model)
-    row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
-    monitor, method = make_monitor(cut, choice.limits(case)), assemble.method(case, cut.step)
-    return {"row": row, "method": method, "model": model, "watch": monitor, "y": y, "at": 0}
+    row = labels | {"auto_step_us": round(1e6 * grid.step, 3)}
+    monitor, method = make_monitor(grid, choice.limits(case)), assemble.method(case, grid.step)
+    return {"row": row, "method": method, "model": model, "monitor": monitor, "y": y, "step": 0}
 
 
 def models_and_methods() -> Iterator[dict[str, Any]]:
@@ -63,7 +63,7 @@ def models_and_methods() -> Iterator[dict[str, Any]]:
             yield variant(labels, case, assemble.model(case))
 
 
-def numbers_of_rollers() -> Iterator[dict[str, Any]]:
+def roller_counts() -> Iterator[dict[str, Any]]:
     """Yield `rollers` with other numbers of rollers, not all of which would fit geometrically."""
     case = Case.model_validate(BASE | {"clearance": "-1 um", "method": "verlet"})
     for Z in ROLLERS:
@@ -72,7 +72,7 @@ def numbers_of_rollers() -> Iterator[dict[str, Any]]:
         yield variant({"scene": "lanes", "model": "rollers", "method": "verlet", "rollers": Z}, case, model)
 
 
-def laws_of_contact() -> Iterator[dict[str, Any]]:
+def contact_laws() -> Iterator[dict[str, Any]]:
     """Yield `rollers` and `planar` with each contact law, some of which prevent vectorisation."""
     for (name, law), model in product(LAWS.items(), ("rollers", "planar")):
         case = Case.model_validate(BASE | {"model": model, "method": "verlet", "contact": law})
@@ -85,12 +85,14 @@ def run(entry: dict[str, Any], steps: int) -> float:
     count = max(1, steps // RELATIVE_COST.get(entry["row"]["model"], 1))
     rows = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
     out = np.empty((len(rows), count))
-    began = time.thread_time_ns()
-    _, outcome, _ = advance(entry["method"], entry["model"], entry["watch"], entry["at"], entry["y"], rows, out)
-    elapsed = time.thread_time_ns() - began
+    start = time.thread_time_ns()
+    _, outcome, _ = advance(
+        entry["method"], entry["model"], entry["monitor"], entry["step"], entry["y"], rows, out
+    )
+    elapsed = time.thread_time_ns() - start
     if outcome != SUCCESS:
         raise RuntimeError(f"{entry['row']}: the run was stopped")
-    entry["at"] += count
+    entry["step"] += count
     return elapsed / count
 
 
@@ -102,7 +104,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    all_variants = chain(models_and_methods(), numbers_of_rollers(), laws_of_contact())
+    all_variants = chain(models_and_methods(), roller_counts(), contact_laws())
     variants = [entry for entry in all_variants if entry["row"]["scene"].startswith(options.only)]
     for entry in variants:
         run(entry, options.steps)
