@@ -1,4 +1,4 @@
-"""Every kind of figure with every option: drawn with its effect, or refused by the name of the option."""
+"""Effect of each option on each kind of figure; other options are refused by name."""
 
 import math
 import re
@@ -58,34 +58,34 @@ VALUES = {
     "healthy": "below",
     "orders": True,
 }
-"""A valid value of each option; those of y and range depend on the kind."""
+"""Valid value of each option; `value_of` gives those that depend on the kind."""
 Y_TEXTS = {
     "sweep": "RMS velocity",
     "phase": "change from healthy",
     "design": "RMS velocity",
     "roller": "Contact force of roller 1 on the outer race",
 }
-"""What y names in the figure; else the channel."""
+"""Label of y in a figure of each kind; others show the channel."""
 CHANNELS = {"roller": "roller.1.outer_force", "load": "roller.1.outer_line_load"}
 
 
 def record_of(case):
-    """Sines at BPFO, 4 kHz and, modulated, 8 kHz upon a mean; half as large in the healthy bearing."""
+    """Sines at BPFO, 4 kHz and 8 kHz (modulated) with a mean; half the amplitude in the healthy bearing."""
     time = np.arange(round(case.duration * case.sampling)) / case.sampling
-    size = 1.0 if case.defects else 0.5
+    amplitude = 1.0 if case.defects else 0.5
     passes, low, high = (2.0 * math.pi * hertz * time for hertz in (BPFO, 4000.0, 8000.0))
     sines = np.sin(passes) + 0.1 * np.sin(low) + 0.2 * (1.0 + np.cos(passes)) * np.sin(high)
-    wave = OFFSET + size * sines
+    signal = OFFSET + amplitude * sines
     names = [name for channel in case.record for name in dataset_names(channel)]
-    series = {name: wave if name.endswith((".x", "force")) else 0.0 * wave for name in names}
-    features = {"velocity@BPFO": 1e-6 * size, "velocity@BPFO.phase": 0.1, "velocity.rms": 1e-5 * size,
-                "acceleration.peak": size}  # fmt: skip
+    series = {name: signal if name.endswith((".x", "force")) else 0.0 * signal for name in names}
+    features = {"velocity@BPFO": 1e-6 * amplitude, "velocity@BPFO.phase": 0.1, "velocity.rms": 1e-5 * amplitude,
+                "acceleration.peak": amplitude}  # fmt: skip
     info = {"cpu_s": 0.1, "cage_angle_start_rad": START}
     return SimpleNamespace(time=time, series=series, features=features, info=info)
 
 
 @pytest.fixture
-def made(results, monkeypatch):
+def make_results(results, monkeypatch):
     monkeypatch.setattr("tests.plots.test_plots.record", record_of)
     return lambda text=STUDY, **options: results(text, **options)
 
@@ -104,7 +104,7 @@ def value_of(kind, option):
     return ["defect.length"] if kind == "waterfall" and option == "by" else VALUES[option]
 
 
-# What each option changes in the axes of the first row
+# Effect of each option on the axes of the first row
 
 
 def _curves(ax):
@@ -123,18 +123,18 @@ def _seconds(canvas):
 
 
 def check_effect(kind, option, before, canvas):
-    ax, plain = canvas.axes[0], before.axes[0]
+    ax, reference = canvas.axes[0], before.axes[0]
     if option in ("from", "to", "span", "around") and kind in ("series", "spectrogram"):
         around = (-PASS / 4.0, 3.0 * PASS / 4.0)
         expected = {"from": (0.02, None), "to": (0.0, 0.05), "span": (0.0, 0.03), "around": around}
         for value, end in zip(_seconds(canvas), expected[option], strict=True):
             assert end is None or value == pytest.approx(end, abs=1e-3)
     elif option in ("from", "to", "span", "around"):  # a shorter record: wider lines
-        assert len(_curves(ax)[0].get_xdata()) < len(_curves(plain)[0].get_xdata())
+        assert len(_curves(ax)[0].get_xdata()) < len(_curves(reference)[0].get_xdata())
     elif option == "y":
         text = Y_TEXTS.get(kind, "cceleration of the outer ring x")
         assert any(text in label for label in _texts(canvas))
-        assert (_texts(canvas) == _texts(before)) is (kind == "roller")  # it has recorded one channel
+        assert (_texts(canvas) == _texts(before)) is (kind == "roller")  # only one channel is recorded
     elif option == "range":
         low, high = ax.get_ylim() if kind == "spectrogram" else ax.get_xlim()
         limits_of = {"roller": (-20.0, 20.0), "spectrogram": (0.1, 1.0)}
@@ -150,13 +150,13 @@ def check_effect(kind, option, before, canvas):
         unit = {"sweep": "mm/s", "design": "mm/s", "roller": "kN", "envelope": "mm²/s⁴"}.get(kind, "mm/s²")
         assert any(unit in text for text in _texts(canvas))
     elif option == "mean":
-        means = [abs(np.nanmean(_curves(drawn_axes)[0].get_ydata())) for drawn_axes in (ax, plain)]
+        means = [abs(np.nanmean(_curves(drawn_axes)[0].get_ydata())) for drawn_axes in (ax, reference)]
         assert means[0] < 0.2 * means[1]
     elif option == "band" and kind == "series":
         assert np.ptp(_curves(ax)[0].get_ydata()[500:]) == pytest.approx(200.0, rel=0.05)  # mm/s2
     elif option == "band":  # without the modulated sine
         assert any("squared envelope of 3 to 5 kHz" in text for text in _texts(canvas))
-        largest = [max(_curves(drawn_axes)[0].get_ydata()) for drawn_axes in (ax, plain)]
+        largest = [max(_curves(drawn_axes)[0].get_ydata()) for drawn_axes in (ax, reference)]
         assert largest[0] < 0.01 * largest[1]
     elif option == "healthy" and KINDS[kind].of_jobs:
         assert canvas.axes[1].get_title(loc="left").startswith("healthy")
@@ -183,33 +183,33 @@ def check_effect(kind, option, before, canvas):
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("load", "ring")])
-def test_each_kind_draws_with_each_of_its_options_and_names_the_others(made, kind):
-    opened = made(DESIGN if kind == "design" else STUDY)
+def test_each_option_has_its_effect_or_is_refused_by_name(make_results, kind):
+    stored = make_results(DESIGN if kind == "design" else STUDY)
     before = {}
     for option in VALUES:
-        given = {option: value_of(kind, option)}
+        options = {option: value_of(kind, option)}
         if option not in KINDS[kind].options:
-            with pytest.raises(OptionError, match=f"a {kind} has no option `{option}`") as refused:
-                drawn(opened, kind=kind, **given)
-            assert refused.value.option == option
+            with pytest.raises(OptionError, match=f"a {kind} has no option `{option}`") as caught:
+                drawn(stored, kind=kind, **options)
+            assert caught.value.option == option
             continue
         x = "load" if kind in ("sweep", "phase") and option in ("x", "where") else "defect.length"
         others: dict[str, Any] = {"x": x} if kind in ("sweep", "phase") and option != "x" else {}
         if KINDS[kind].of_jobs and kind != "waterfall" and option != "where":
             others["where"] = {"defect.length": "3 mm"}
         if (x, *others) not in before:
-            [(_, before[(x, *others)]), *_] = drawn(opened, kind=kind, **others)
-        [(name, canvas), *_] = drawn(opened, kind=kind, **others, **given)
+            [(_, before[(x, *others)]), *_] = drawn(stored, kind=kind, **others)
+        [(name, canvas), *_] = drawn(stored, kind=kind, **others, **options)
         check_effect(kind, option, before[(x, *others)], canvas)
         assert {"y": "", "x": "vs-load"}.get(option, option) in name
 
 
 @pytest.mark.parametrize("kind", ["load", "ring"])
-def test_kinds_of_other_records_name_the_options_that_they_lack(made, kind):
-    opened = made()
+def test_load_and_ring_refuse_other_options_by_name(make_results, kind):
+    stored = make_results()
     for option in VALUES.keys() - set(KINDS[kind].options):
         with pytest.raises(OptionError, match=f"a {kind} has no option `{option}`"):
-            drawn(opened, kind=kind, **{option: value_of(kind, option)})
+            drawn(stored, kind=kind, **{option: value_of(kind, option)})
 
 
 def test_every_option_is_in_the_table():
@@ -240,10 +240,10 @@ def test_every_option_is_in_the_table():
         ("spectrum", {"db": True, "unit": "g"}, "unit", "omit `unit` or `db`"),
     ],
 )
-def test_an_invalid_option_is_named(made, kind, options, option, message):
-    with pytest.raises(OptionError, match=message) as refused:
-        drawn(made(), kind=kind, **options)
-    assert refused.value.option == option
+def test_an_invalid_option_is_named(make_results, kind, options, option, message):
+    with pytest.raises(OptionError, match=message) as caught:
+        drawn(make_results(), kind=kind, **options)
+    assert caught.value.option == option
 
 
 @pytest.mark.parametrize(
@@ -277,20 +277,20 @@ def test_an_invalid_option_is_named(made, kind, options, option, message):
         ("roller", {"range": "190 deg..200 deg"}, "no sample has an angle from 190 to 200"),
     ],
 )
-def test_what_the_records_do_not_contain_is_refused(made, kind, options, message):
+def test_option_beyond_the_records_is_refused(make_results, kind, options, message):
     with pytest.raises(PlotError, match=message):
-        drawn(made(), kind=kind, **options)
+        drawn(make_results(), kind=kind, **options)
 
 
-def test_a_healthy_bearing_has_no_impact(made):
+def test_a_healthy_bearing_has_no_impact(make_results):
     text = STUDY.replace("defect: {race", "# {race").replace("  defect.length: [3 mm, 6 mm, 9 mm]\n", "")
     with pytest.raises(PlotError, match="has no defect, so there is no impact"):
-        drawn(made(text), kind="series", around="impact")
+        drawn(make_results(text), kind="series", around="impact")
 
 
-def test_a_coarse_record_has_no_spectrogram(made):
+def test_a_coarse_record_has_no_spectrogram(make_results):
     with pytest.raises(PlotError, match=r"needs `sampling` of 40\d\d\d Hz or more"):
-        drawn(made(STUDY.replace("51200 Hz", "10240 Hz")), kind="spectrogram")
+        drawn(make_results(STUDY.replace("51200 Hz", "10240 Hz")), kind="spectrogram")
 
 
 # Numbers
@@ -302,16 +302,18 @@ def test_limits_share_a_unit():
     assert limits("-5..5 deg", "angle") == pytest.approx((-math.radians(5.0), math.radians(5.0)))
 
 
-def test_a_level_is_relative_to_the_value_of_the_standard(made):
+def test_level_is_relative_to_the_reference_value_of_iso_1683(make_results):
     """1 m/s2 is 120 dB over 1 um/s2 (ISO 1683)."""
-    _, canvas = only(drawn(made(), kind="spectrum", db=True, where={"load": "150 N", "defect.length": "3 mm"}))
+    _, canvas = only(
+        drawn(make_results(), kind="spectrum", db=True, where={"load": "150 N", "defect.length": "3 mm"})
+    )
     damaged, healthy = _curves(canvas.axes[0])
     assert max(damaged.get_ydata()) == pytest.approx(120.0, abs=0.1)
     assert max(healthy.get_ydata()) == pytest.approx(120.0 - 20.0 * math.log10(2.0), abs=0.1)
 
 
-def test_the_healthy_curve_lies_above_and_leaves_the_other_visible(made):
-    _, canvas = only(drawn(made(), kind="spectrum", where={"load": "150 N", "defect.length": "3 mm"}))
+def test_healthy_curve_is_thinner_and_drawn_on_top(make_results):
+    _, canvas = only(drawn(make_results(), kind="spectrum", where={"load": "150 N", "defect.length": "3 mm"}))
     damaged, healthy = _curves(canvas.axes[0])
     assert healthy.get_zorder() > damaged.get_zorder()
     assert healthy.get_linewidth() < damaged.get_linewidth()
@@ -320,17 +322,17 @@ def test_the_healthy_curve_lies_above_and_leaves_the_other_visible(made):
 @pytest.mark.parametrize(
     ("kind", "db"), [("series", False), ("spectrum", False), ("spectrum", True), ("envelope", True)]
 )
-def test_damaged_and_healthy_panels_have_equal_scales(made, monkeypatch, kind, db):
+def test_damaged_and_healthy_panels_have_equal_scales(make_results, monkeypatch, kind, db):
     def quiet(case):
         result = record_of(case)
         result.series = {name: values * (1.0 if case.defects else 1e-3) for name, values in result.series.items()}
         return result
 
-    opened = made()
+    stored = make_results()
     monkeypatch.setattr("tests.plots.test_plots.record", quiet)
-    opened.path.rename(opened.path.with_name("first"))
+    stored.path.rename(stored.path.with_name("first"))
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(made(), kind=kind, db=db, healthy="below", where=where))
+    _, canvas = only(drawn(make_results(), kind=kind, db=db, healthy="below", where=where))
     damaged, healthy = canvas.axes
     assert damaged.get_ylim() == healthy.get_ylim()
     low, high = damaged.get_ylim()
@@ -338,9 +340,14 @@ def test_damaged_and_healthy_panels_have_equal_scales(made, monkeypatch, kind, d
     assert not db or high - low <= 110.0
 
 
-def test_labels_of_rows_do_not_overlap(made):
+def test_labels_of_rows_do_not_overlap(make_results):
     _, canvas = only(
-        drawn(made(), kind="spectrum", y=["ring.acceleration", "ring.acceleration.y"], where={"load": "150 N"})
+        drawn(
+            make_results(),
+            kind="spectrum",
+            y=["ring.acceleration", "ring.acceleration.y"],
+            where={"load": "150 N"},
+        )
     )
     canvas.draw_without_rendering()
     boxes = [ax.yaxis.label.get_window_extent() for ax in canvas.axes]
@@ -348,51 +355,51 @@ def test_labels_of_rows_do_not_overlap(made):
     assert not [box for n, box in enumerate(boxes) if any(box.overlaps(other) for other in boxes[:n])]
 
 
-def test_marks_carry_their_frequency_and_keep_their_distance(made):
-    opened = made()
+def test_marks_show_their_frequency_and_do_not_overlap(make_results):
+    stored = make_results()
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, near = only(drawn(opened, kind="spectrum", where=where, range="0..500 Hz"))
+    _, near = only(drawn(stored, kind="spectrum", where=where, range="0..500 Hz"))
     names = [text.get_text() for text in near.axes[0].texts]
     assert names == ["BPFO 159.0 Hz", "2 BPFO 318.0 Hz", "3 BPFO 477.0 Hz"]
-    _, far = only(drawn(opened, kind="spectrum", where=where, range="0..20 kHz"))
+    _, far = only(drawn(stored, kind="spectrum", where=where, range="0..20 kHz"))
     assert 1 < len(far.axes[0].texts) < 15
     assert len(far.axes[0].lines) < 60
 
 
-def test_an_impact_is_the_passage_of_a_roller_over_the_defect(made):
+def test_impact_is_the_passage_of_a_roller_over_the_defect(make_results):
     """Roller 1 starts at -0.2 rad and passes the defect at 0 rad at the speed of the cage."""
     _, canvas = only(
-        drawn(made(), kind="roller", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
+        drawn(make_results(), kind="roller", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
     )
     low, high = canvas.axes[0].get_xlim()
     assert low < 0.0 < high
     assert high - low == pytest.approx(math.degrees(4.5 * 0.8 / 38.5), rel=0.01)
 
 
-def test_a_sweep_shows_the_level_of_the_healthy_bearing(made):
-    opened = made()
-    _, canvas = only(drawn(opened, x="defect.length", y=["velocity@BPFO"]))
+def test_a_sweep_shows_the_level_of_the_healthy_bearing(make_results):
+    stored = make_results()
+    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"]))
     [level] = [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
     assert list(level.get_ydata()) == [0.5] * 3
     assert text_of(canvas)[-1] == "healthy"
-    _, without = only(drawn(opened, x="defect.length", y=["velocity@BPFO"], healthy="off"))
+    _, without = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], healthy="off"))
     assert not [line for line in without.axes[0].lines if line.get_gid() == "healthy"]
-    _, change = only(drawn(opened, x="defect.length", y=["velocity@BPFO-healthy"]))
+    _, change = only(drawn(stored, x="defect.length", y=["velocity@BPFO-healthy"]))
     assert not [line for line in change.axes[0].lines if line.get_gid() == "healthy"]
 
 
-def test_rounding_errors_are_named(made, monkeypatch):
+def test_rounding_errors_are_labelled_as_zero(make_results, monkeypatch):
     def tiny(case):
         result = record_of(case)
         result.features["velocity@BPFO"] = 1e-14
         return result
 
-    opened = made()
-    _, canvas = only(drawn(opened, x="load", y=["velocity@BPFO"]))
+    stored = make_results()
+    _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"]))
     assert not canvas.axes[0].texts
     monkeypatch.setattr("tests.plots.test_plots.record", tiny)
-    opened.path.rename(opened.path.with_name("first"))
-    _, canvas = only(drawn(made(), x="load", y=["velocity@BPFO"]))
+    stored.path.rename(stored.path.with_name("first"))
+    _, canvas = only(drawn(make_results(), x="load", y=["velocity@BPFO"]))
     assert [text.get_text() for text in canvas.axes[0].texts] == ["zero within numerical errors"]
 
 
@@ -406,8 +413,8 @@ figures:
 """
 
 
-def test_a_study_names_figures_of_signals(made):
-    sheets = drawn(made(STUDY + SIGNALS))
+def test_a_study_names_figures_of_signals(make_results):
+    sheets = drawn(make_results(STUDY + SIGNALS))
     assert [name.split("-")[0] for name, _ in sheets] == ["fig1", "fig2", "fig3"]
     _, spectrum, series = (canvas for _, canvas in sheets)
     assert spectrum.axes[0].get_xlim() == (0.0, 2000.0)
@@ -416,11 +423,11 @@ def test_a_study_names_figures_of_signals(made):
     assert series.axes[-1].get_xlabel() == "Time from the middle of the defect (ms)"
 
 
-def test_options_of_the_command_replace_those_of_the_study(made):
-    opened = made(STUDY + "figures: [{y: velocity@BPFO, x: load, healthy: off}]\n")
-    _, canvas = only(drawn(opened, healthy="beside"))
+def test_options_of_the_command_replace_those_of_the_study(make_results):
+    stored = make_results(STUDY + "figures: [{y: velocity@BPFO, x: load, healthy: off}]\n")
+    _, canvas = only(drawn(stored, healthy="beside"))
     assert [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
-    assert not opened.plan["figures"][0]["view"]["db"]
+    assert not stored.plan["figures"][0]["view"]["db"]
 
 
 @pytest.mark.parametrize(
@@ -438,15 +445,15 @@ def test_options_of_the_command_replace_those_of_the_study(made):
         ("{y: velocity@BPFO, x: load, range: 0..1 kHz}", r"figures.range: a sweep has no option `range`"),
     ],
 )
-def test_a_wrong_figure_of_a_study_is_refused_at_its_place(made, figure, message):
-    with pytest.raises(StudyError) as refused:
-        made(f"{STUDY}figures:\n  - {figure}\n")
-    text = " ".join(str(refused.value).split())
+def test_invalid_figure_of_a_study_is_refused_at_its_position(make_results, figure, message):
+    with pytest.raises(StudyError) as caught:
+        make_results(f"{STUDY}figures:\n  - {figure}\n")
+    text = " ".join(str(caught.value).split())
     assert re.search(message, text), text
-    assert "^" in str(refused.value)
+    assert "^" in str(caught.value)
 
 
-def test_figures_of_earlier_plans_are_sweeps():
+def test_figures_of_plans_without_kind_are_sweeps():
     entry = {"y": ["velocity@BPFO"], "x": "load", "by": [], "panels": [], "where": {}, "title": None, "log": []}
     figure = stored_figure(entry)
     assert (figure.kind, figure.view) == ("sweep", View())
