@@ -22,7 +22,7 @@ from bearingsim.simulation.features import statistics
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import Record
-from bearingsim.simulation.spectral_lines import ball_pass_lines
+from bearingsim.simulation.spectral_lines import ball_pass_lines, lines_of_passes
 from bearingsim.store import NOTABLE_ERROR, is_uncertain
 from bearingsim.store.spread import BLOCK_ERRORS
 
@@ -96,7 +96,9 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
         for n in range(count)
     ]
     features = [
-        ball_pass_lines(part, setup.model, setup.cut, raw) | statistics(part, setup.cut, raw) for part in parts
+        ball_pass_lines(part, lines_of_passes(part, setup.model, setup.cut, raw))
+        | statistics(part, setup.cut, raw)
+        for part in parts
     ]
     table = pd.DataFrame(features)
     return {name: float(table[name].std() / table[name].mean()) for name in BLOCK_ERRORS}

@@ -49,18 +49,21 @@ def _interpolate_block(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     indices = np.minimum(np.floor(positions).astype(int), rows.shape[1] - TAPS // 2 - 1)
     fractions = positions - indices
     values, total = np.zeros((len(rows), len(positions))), np.zeros(len(positions))
+    fractions = np.maximum(fractions, 1e-12)  # against 0/0
+    sines = np.sin(pi * fractions)  # of all taps but for the sign
     for tap in range(1 - TAPS // 2, TAPS // 2 + 1):
-        weight = kernel(fractions - tap)
+        distances = fractions - tap
+        weight = (-1.0) ** tap * sines / distances * window(distances)
         values += rows[:, indices + tap] * weight
         total += weight
     return values / total  # preserves a constant, which may be a thousand times the rest
 
 
-def kernel(distance: np.ndarray) -> np.ndarray:
-    """Compute the windowed sinc at a distance in samples (P,), not normalised.
+def window(distance: np.ndarray) -> np.ndarray:
+    """Return the window of the sinc at a distance in samples (P,), not normalised.
 
-    The window is the exponential of a semicircle, as accurate as Kaiser's and faster (Barnett, Magland and af
+    It is the exponential of a semicircle, as accurate as Kaiser's and faster (Barnett, Magland and af
     Klinteberg, SIAM J. Sci. Comput. 41, 2019, C479-C504).
     """
     inside = np.maximum(1.0 - (distance / (TAPS // 2)) ** 2, 0.0)
-    return np.sinc(distance) * np.exp(SHARPNESS * np.sqrt(inside))
+    return np.exp(SHARPNESS * np.sqrt(inside))

@@ -1,5 +1,6 @@
 """Standard errors of the BPFO line and the RMS of a record, from its ball passes."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.recording import RawRecord, Windows, windows
-from bearingsim.simulation.spectral_lines import has_other_lines, lines_of_passes, sensor_samples
+from bearingsim.simulation.spectral_lines import has_other_lines, sensor_samples
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 16  # smallest number of ball passes for a standard error
@@ -29,8 +30,13 @@ class StandardErrors(NamedTuple):
         return max(self)
 
 
-def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> StandardErrors:
-    """Estimate the standard errors of the computed part of a record; infinite for too few passes."""
+def standard_errors(
+    case: Case, model: Any, cut: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
+) -> StandardErrors:
+    """Estimate the standard errors of the computed part of a record; infinite for too few passes.
+
+    pass_lines: its ``lines_of_passes``.
+    """
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
@@ -41,9 +47,10 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
     velocity = sensor_samples(case, raw.low_pass(taps), "velocity", record_windows.start, n * M)
     powers = np.mean(velocity.reshape(n, M) ** 2, axis=1, keepdims=True)
     min_amplitude = QUIET_LINE * np.sqrt(powers.mean())
-    line_error = _error_from_passes if has_other_lines(case) else _error_from_samples
     return StandardErrors(
-        line_error(case, model, cut, raw, record_windows, min_amplitude),
+        _error_from_passes(pass_lines, min_amplitude)
+        if has_other_lines(case)
+        else _error_from_samples(case, model, cut, raw, record_windows, min_amplitude),
         float(0.5 * standard_error(powers) / (powers.mean() or 1.0)),
     )
 
@@ -66,11 +73,9 @@ def _error_from_samples(
     return _relative(standard_error(velocity.reshape(n, M) * carrier), line, min_amplitude)
 
 
-def _error_from_passes(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, record_windows: Windows, min_amplitude: float
-) -> float:
+def _error_from_passes(pass_lines: Mapping[str, np.ndarray], min_amplitude: float) -> float:
     """Estimate the relative standard error of BPFO if there are other lines, from weighted passes."""
-    lines = lines_of_passes(case, model, cut, raw).get("velocity", np.empty((1, 0)))[0]
+    lines = pass_lines.get("velocity", np.empty((1, 0)))[0]
     if len(lines) < MIN_PASSES:
         return np.inf
     weights = signals.pass_weights(len(lines), neighbours=True)

@@ -4,7 +4,7 @@ Band features are computed from fine samples, which are not low-passed, so they 
 fine rate is high enough to leave the bands unattenuated (``time_grid.grid``).
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from math import ceil, floor, isfinite, nan, pi
 from typing import Any
 
@@ -37,10 +37,12 @@ from bearingsim.simulation.spectral_lines import (
 from bearingsim.simulation.time_grid import Grid
 
 
-def features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return every feature of a run."""
+def features(
+    case: Case, model: Any, cut: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
+) -> dict[str, float]:
+    """Return every feature of a run; pass_lines: its ``lines_of_passes``."""
     return {
-        **ball_pass_lines(case, model, cut, raw),
+        **ball_pass_lines(case, pass_lines),
         **other_lines(case, model, cut, raw),
         **statistics(case, cut, raw),
         **extremes(case, cut, raw),

@@ -1,8 +1,8 @@
 """Refinement of an automatic step by factors of 2.24, until two runs agree; the finer run is the result.
 
 The first step is twice the automatic one. For a periodic motion whole runs are refined, each started on the orbit
-of the previous one. Otherwise pilots are refined, and the run gets the step of the finer pilot that agrees, or the
-first step if the first two pilots hardly differ.
+of the previous one. Otherwise pilots are refined, and the run gets the longest step whose error bound holds: that
+of the coarser of two pilots if they hardly differ, else that of the finer one.
 """
 
 from dataclasses import replace
@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.simulation import choice
 from bearingsim.simulation.comparison import RunSignals, steady_time
 from bearingsim.simulation.integration import integrate
@@ -35,8 +34,6 @@ from bearingsim.simulation.time_grid import SAFETY, requested_step
 
 INITIAL_FACTOR = 2.0
 """First step of a refinement, in automatic steps; the second is 0.89 automatic steps."""
-NEGLIGIBLE_CHANGE = 0.1 * STEP_ACCURACY
-"""Largest change between the first two pilots at which the run uses the coarse step (docs/evidence/speed.md)."""
 
 
 class Refinement(NamedTuple):
@@ -111,8 +108,9 @@ def _refine_on_pilots(coarse: Setup, is_stable: bool) -> Refinement:
         if is_doubtful and factor < SECOND_PILOT and pilot(case, SECOND_PILOT) != pilot_run:
             factor, previous = SECOND_PILOT, None
             continue
-        if step_fraction == coarse.step_fraction and is_stable and check.error <= NEGLIGIBLE_CHANGE:
-            return Refinement(coarse, None, replace(check, bounds=COARSE_BOUNDS))
+        coarse_check = replace(check, bounds=COARSE_BOUNDS)
+        if coarse_check.holds and (is_stable or step_fraction < coarse.step_fraction):
+            return Refinement(set_up(coarse.case, step_fraction), None, coarse_check)
         check = replace(check, bounds=FINER_BOUNDS)
         if _is_last(finer[0], check):
             return Refinement(set_up(coarse.case, finer[0].step_fraction), None, check)

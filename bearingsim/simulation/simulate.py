@@ -39,6 +39,7 @@ from bearingsim.simulation.run_setup import (
     set_up,
 )
 from bearingsim.simulation.settling import has_free_cage
+from bearingsim.simulation.spectral_lines import lines_of_passes
 from bearingsim.simulation.start_error import StartErrors, start_errors
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.sufficiency import Inspections
@@ -273,11 +274,14 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
     samples = recording.sample_rows(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, samples, raw.cells[rows], case.settle_s + instants)
-    values = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
+    pass_lines = lines_of_passes(case, setup.model, setup.cut, raw)
+    values = features(case, setup.model, setup.cut, raw, pass_lines) | band_features(
+        case, setup.model, setup.cut, raw
+    )
     is_random = _is_random(setup, raw, check.chaotic)
     errors = no_errors = StandardErrors(nan, nan)
     if is_random or check.chaotic:
-        errors = accuracy.standard_errors(case, setup.model, setup.cut, raw)
+        errors = accuracy.standard_errors(case, setup.model, setup.cut, raw, pass_lines)
     values |= _check_features(
         check, _pass_ratio(inspections.earliest, setup), errors if check.chaotic else no_errors
     )

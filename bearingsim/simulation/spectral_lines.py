@@ -1,6 +1,6 @@
 """Spectral lines of a run at characteristic frequencies, and the motion along the sensor axis."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import ceil, floor, pi
 from typing import Any, NamedTuple
 
@@ -95,11 +95,11 @@ def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: i
     return sample_angles(model, cut, start, slip)
 
 
-def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return amplitude, phase and scatter of the lines at BPFO and its multiples."""
+def ball_pass_lines(case: Case, pass_lines: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """Return amplitude, phase and scatter of the lines at BPFO and its multiples, from ``lines_of_passes``."""
     columns = {}
     has_others = has_other_lines(case)
-    for quantity, lines in lines_of_passes(case, model, cut, raw).items():
+    for quantity, lines in pass_lines.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
             columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.line(values, has_others)

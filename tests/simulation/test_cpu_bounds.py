@@ -14,7 +14,7 @@ from bearingsim import catalogue, cpu_time
 from bearingsim.catalogue import FEATURES, Feature
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.simulation import choice, features, limits, simulate, step_check, time_grid, warm
+from bearingsim.simulation import choice, features, limits, simulate, spectral_lines, step_check, time_grid, warm
 from bearingsim.simulation.integration import Pace, integrate
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import SimulationError, Usage, _record
@@ -73,7 +73,8 @@ def test_evaluation_of_a_record_stops_at_the_cpu_limit(test_case: Case) -> None:
     setup = set_up(test_case)
     raw = integrate(setup)
     for compute in (
-        lambda: features.features(test_case, setup.model, setup.cut, raw),
+        lambda: spectral_lines.lines_of_passes(test_case, setup.model, setup.cut, raw),
+        lambda: features.features(test_case, setup.model, setup.cut, raw, {}),
         lambda: features.statistics(test_case, setup.cut, raw),
         lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
     ):

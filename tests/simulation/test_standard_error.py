@@ -106,22 +106,24 @@ def test_line_error_of_a_kinematic_cage_uses_samples_in_phase() -> None:
     setup = set_up(case(**fields, contact=damping, record=[], duration="0.3 s", method="verlet"), 1.0)
     raw = integrate(setup)
     start, M = first_sample(setup.case, setup.cut), setup.cut.fine_per_pass
-    passes = len(lines_of_passes(setup.case, setup.model, setup.cut, raw)["velocity"][0])
+    pass_lines = lines_of_passes(setup.case, setup.model, setup.cut, raw)
+    passes = len(pass_lines["velocity"][0])
     velocity = sensor_samples(setup.case, raw, "velocity", start, passes * M)
     angle = (
         setup.case.bearing.rollers * setup.model.bearing.theta_0 + 2.0 * pi * (start + np.arange(passes * M)) / M
     )
     terms = (2.0 * velocity * np.exp(-1j * angle)).reshape(passes, M)
     in_phase = (terms / terms.mean()).real
-    result = standard_errors(setup.case, setup.model, setup.cut, raw).line
+    result = standard_errors(setup.case, setup.model, setup.cut, raw, pass_lines).line
     assert result == pytest.approx(standard_error(in_phase), rel=1e-6)
 
 
 def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     setup = set_up(case(model="planar", defect=SLOT, record=[], duration="0.25 s", method="verlet"), 1.0)
     raw = integrate(setup)
-    result = standard_errors(setup.case, setup.model, setup.cut, raw).line
-    lines = lines_of_passes(setup.case, setup.model, setup.cut, raw)["velocity"][0]
+    pass_lines = lines_of_passes(setup.case, setup.model, setup.cut, raw)
+    lines = pass_lines["velocity"][0]
+    result = standard_errors(setup.case, setup.model, setup.cut, raw, pass_lines).line
     weights = signals.pass_weights(len(lines), neighbours=True)
     line = np.average(lines, weights=weights)
     in_phase = (lines / line).real[:, np.newaxis]

@@ -123,7 +123,7 @@ def test_strict_check_refuses_a_chaotic_record_too_short_for_its_rms() -> None:
 def test_rms_scatter_is_infinite_if_pilots_have_not_diverged() -> None:
     """Pilots that are still diverging do not bound the scatter; a longer run is advised."""
     chaotic_run = step_check.check_step(set_up(choice.resolve(rollers(**LIGHT)), 1.0))
-    lightly_damped = choice.resolve(rollers(contact={"damping": {"chi": "10 s/m"}}))
+    lightly_damped = choice.resolve(rollers(contact={"damping": {"chi": "12 s/m"}}))
     result = step_check.check_step(set_up(lightly_damped, 1.0))
     assert chaotic_run.chaotic
     assert math.isfinite(chaotic_run.scatter)
@@ -365,7 +365,7 @@ def test_job_fails_with_a_reason_if_no_step_is_accurate() -> None:
 @pytest.mark.parametrize("overrides", [{}, {"defect": SLOT | {"race": "inner"}}], ids=["orbits", "pilots"])
 def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[str, Any]) -> None:
     """After two inaccurate steps: four orbits, of which the last is the record, or four pilots."""
-    small, large = StepCheck(line=1e-3, rms=2e-3), StepCheck(line=0.05, rms=2e-3)
+    small, large = StepCheck(line=1e-3, rms=4.5e-3), StepCheck(line=0.05, rms=2e-3)
     checks, runs, real_integrate = iter([large, large, small]), [], integrate
 
     def recording_integrate(setup: Any, *args: Any, **options: Any) -> Any:
@@ -387,12 +387,12 @@ def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[s
     assert np.allclose(np.divide(fractions[1:], fractions[:-1]), 5**-0.5, rtol=0.2)
     assert record.info["step_part"] == fractions[-1]
     assert float(record.info["steps_taken"]) > 1.5 * float(record.info["steps"])
-    assert record.features["step_error.line"] == pytest.approx(2.0 * 1e-3 + 1e-4)
-    assert record.features["step_error.rms"] == pytest.approx(2.0 * 2e-3 + 1e-4)
+    assert record.features["step_error.line"] == pytest.approx(2.0 * 0.5 * 4.5e-3 + 1e-4)
+    assert record.features["step_error.rms"] == pytest.approx(2.0 * 4.5e-3 + 1e-4)
 
 
-@pytest.mark.parametrize("change", [0.9e-3, 1.1e-3])
-def test_non_periodic_run_uses_the_coarse_step_if_the_change_is_negligible(change: float) -> None:
+@pytest.mark.parametrize("change", [3.9e-3, 4.1e-3])
+def test_non_periodic_run_uses_the_coarse_step_if_its_error_bound_holds(change: float) -> None:
     light_damping = {"contact": {"damping": "kraemer"}}  # stability does not bound its step
     test_case = Case.model_validate(
         dict(case(model="rollers", method="verlet", defect=SLOT | {"race": "inner"})) | light_damping
@@ -400,7 +400,7 @@ def test_non_periodic_run_uses_the_coarse_step_if_the_change_is_negligible(chang
     small = StepCheck(line=change, rms=1e-4)
     with mock.patch.object(refinement, "check_on_pilot", side_effect=pilot_check_returning(small)):
         record = simulate(test_case)
-    is_coarse = change < refinement.NEGLIGIBLE_CHANGE
+    is_coarse = 2.5 * change < 0.01
     assert (record.info["step_part"] == refinement.INITIAL_FACTOR) == is_coarse
     factor = 2.5 if is_coarse else 2.0
     assert record.features["step_error.line"] == pytest.approx(factor * change + 1e-4)
@@ -492,15 +492,15 @@ def test_step_check_may_exceed_the_cpu_limit_of_a_run() -> None:
 
 
 def test_diverging_pilots_without_visible_chaos_are_repeated_longer() -> None:
-    """In six ball passes of this random scene the perturbation has not begun to grow: the RMS error was 3 %, the
-    reported one 0.06 %.
+    """In six ball passes of this scene the perturbation has not begun to grow. In a similar one the RMS error was
+    3 %, the reported one 0.06 %.
     """
     damping = {"law": "kraemer", "beta": 2.2166e-6}
     stiffness = {"law": "constant", "coefficient": 1.50793 * 8.06e4 * 12.0 ** (8.0 / 9.0), "exponent": 10.0 / 9.0}
     test_case = choice.resolve(
         case(
             model="rollers",
-            load=31.2773,
+            load=29.0,
             clearance=23.4516e-6,
             speed="4541.38 rpm",
             contact={"stiffness": stiffness, "damping": damping},

@@ -1,6 +1,7 @@
 """Contact of one roller over a defect, summed over the defect's groups; scalar, because few rollers are in a
 defect."""
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
 
     Equation (M6) of docs/defects.md.
     """
-    force, sideways, mean, closing = 0.0, 0.0, 0.0, 0.0
+    force, sideways, mean, closing, nearest, nearest_rate = 0.0, 0.0, 0.0, 0.0, -inf, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
@@ -71,7 +72,11 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
         sideways += group_force * slope
         mean += weight * max(delta - h, 0.0)
         closing += weight * max(delta - h, 0.0) * rate
-    return force, sideways, mean, (closing / mean if mean > 0.0 else 0.0)
+        nearest_rate = rate if delta - h > nearest else nearest_rate
+        nearest = max(nearest, delta - h)
+    if mean > 0.0:
+        return force, sideways, mean, closing / mean
+    return force, sideways, nearest, nearest_rate
 
 
 @jit
