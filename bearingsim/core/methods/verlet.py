@@ -20,7 +20,6 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, inlined, jit
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
 from bearingsim.core.models.by_roller import drift, evaluate, kick
-from bearingsim.core.models.interface import update_extremes
 from bearingsim.core.parameters import lanes
 
 TOUCH_DOWN = 4 / 9
@@ -96,7 +95,6 @@ def step_over_touch_downs(model, t, end, y):
         if first >= h or part <= 0.0:
             break
         evaluate(model, Verlet(part), t + part, y)
-        update_extremes(model, y)
         t += part
         if not is_early:
             break
