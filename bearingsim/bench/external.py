@@ -23,6 +23,7 @@ from bearingsim.simulation.integration import MOTIONS, differentiate
 from bearingsim.simulation.recording import Recording
 from bearingsim.simulation.repetition import Repetition
 from bearingsim.simulation.run_setup import Setup, set_up
+from bearingsim.simulation.spectral_lines import lines_of_passes
 from bearingsim.stability.references import SCIPY, StateRate, march, moving_coordinates, pack, state_rate, unpack
 
 MAX_CPU = 120.0  # s, limit of CPU time of a solver
@@ -176,4 +177,4 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
         differentiate(window, MOTIONS[0], tail, grid.step)
         recording.add_pass(p, window, y)
     raw = recording.raw_record(Repetition(grid.passes, 0, float("nan")), y)
-    return features(setup.case, model, grid, raw)
+    return features(setup.case, model, grid, raw, lines_of_passes(setup.case, model, grid, raw))

@@ -15,12 +15,14 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.methods.interface import Tolerances, step
 from bearingsim.core.models.interface import accelerations, state_width
+from bearingsim.core.parameters import Bearing
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, pricing, time_grid
 from bearingsim.simulation import limits as limiting
 from bearingsim.simulation.choice import limits
 from bearingsim.simulation.time_grid import grid, requested_step
 from tests.scenes.nf308 import CHI
+from tests.scenes.oscillators import UNIT
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 NARROW = SLOT | {"width": "0.2 mm"}
@@ -42,6 +44,7 @@ class Oscillator(NamedTuple):
 
     K: float
     C: float
+    bearing: Bearing = UNIT
 
 
 @state_width.register(Oscillator)

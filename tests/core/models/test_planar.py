@@ -22,7 +22,7 @@ IDLE = {"model": "planar", "cage": {"motion": "kinematic"}, "friction": "none"}
 
 
 def pair(**fields):
-    """Return the results of a case in `rollers` and in `planar` without its additional effects, at a short step."""
+    """Return results in `rollers` and in `planar` without its additional effects, at the same short step."""
     fields = SHORT | {"method": "verlet", "step": "0.15 us", "step_check": False} | fields
     return simulate(case(**fields)), simulate(case(**fields | IDLE))
 
