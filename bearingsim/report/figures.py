@@ -24,16 +24,18 @@ if TYPE_CHECKING:
 
 SIGNALS = ("series", "envelope")
 """Kinds of figures that show a job's signal on the page."""
+MAX_SVG_BYTES, PNG_DPI = 400_000, 130
+"""Size above which a picture is stored in pixels, such as that of many spectra, and their density."""
 MAX_CHART_ROWS = 10_000
 """Largest number of jobs in a chart; browsers draw more points too slowly."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """Figure as an SVG picture: title, and its bytes in base64; fallback: a chart replaces it with JavaScript."""
+    """Figure as a picture: title, and its data as an address; fallback: a chart replaces it with JavaScript."""
 
     title: str
-    svg: str
+    address: str
     fallback: bool
 
 
@@ -107,10 +109,14 @@ def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Pi
     with drawing():
         for sheet in draw(results, figure):
             take_literally(sheet.canvas)
-            svg = BytesIO()
-            sheet.canvas.savefig(svg, format="svg", metadata={"Date": None})
-            title = figure.title or " ".join(sheet.words)
-            yield Picture(title, base64.b64encode(svg.getvalue()).decode(), fallback)
+            drawings = {kind: BytesIO() for kind in ("svg", "png")}
+            sheet.canvas.savefig(drawings["svg"], format="svg", metadata={"Date": None})
+            kind = "svg" if drawings["svg"].tell() <= MAX_SVG_BYTES else "png"
+            if kind == "png":
+                sheet.canvas.savefig(drawings["png"], format="png", dpi=PNG_DPI)
+            data = base64.b64encode(drawings[kind].getvalue()).decode()
+            address = f"data:image/{'svg+xml' if kind == 'svg' else kind};base64,{data}"
+            yield Picture(figure.title or " ".join(sheet.words), address, fallback)
 
 
 # Signals

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.plots import labels, select
+from bearingsim.plots import PlotError, labels, select
 from bearingsim.plots.axes import axis_label
 from bearingsim.plots.features import Prepared, prepared
 from bearingsim.plots.points import curve_rows, order_of, points_of
@@ -60,10 +60,11 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
     figure, rows, units = complete.figure, complete.rows, results.plan["units"]
     by = tuple(path for path in figure.by if path in wanted.by) or _default_by(figure, rows)
     paths = [path for path in (*figure.panels, *figure.by) if path not in by]
+    rows = _begun(rows, _controls(figure, paths, rows, units)[1])
+    complete = complete._replace(rows=rows)
     controls, keys = _controls(figure, paths, rows, units)
     combinations = sorted(set(keys))
-    matching = select.matching(rows, leading.where, units) if leading.where else rows
-    start = keys[list(rows.index).index(matching.index[0])]
+    start = keys[_first(rows, leading.where, units)]
     ranks = _ranks(figure, by, rows, units)
     points = _Points(by, list(ranks), combinations, dict(zip(rows.index, keys, strict=True)))
     panels = [_panel(figure, name, complete, units, points) for name in figure.y]
@@ -73,7 +74,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
     numeric = select.is_numeric(select.values(rows, figure.x))
     return Chart(
         title=leading.title if leading.title and not leading.where else title_of(figure),
-        kind="line" if numeric else "points",
+        kind="line" if numeric and figure.kind != "phase" else "points",  # a phase wraps
         axes=[x_axis(figure, figure.x, rows, units)],
         panels=panels,
         curves=styled(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))),
@@ -134,6 +135,22 @@ def _controls(
         controls.append(Control(name[:1].upper() + name[1:], texts, 0, numeric))
         columns.append([distinct.index(key) for key in values])
     return controls, list(zip(*columns, strict=True)) if columns else [()] * len(rows)
+
+
+def _begun(rows: "pd.DataFrame", keys: Sequence[tuple[int, ...]]) -> "pd.DataFrame":
+    """Drop the rows of settings in which no job is done or failed yet, unless that leaves none."""
+    begun = {key for key, status in zip(keys, rows["status"], strict=True) if status != "missing"}
+    return rows[[key in begun for key in keys]] if begun else rows
+
+
+def _first(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> int:
+    """Return the number of the first row with the values of ``where``; 0 without such a row."""
+    if not where:
+        return 0
+    try:
+        return list(rows.index).index(select.matching(rows, where, units).index[0])
+    except PlotError:
+        return 0
 
 
 def _tied(paths: Sequence[str], rows: "pd.DataFrame") -> list[list[str]]:

@@ -73,3 +73,17 @@ def test_control_of_a_panel_lists_computed_settings_only(results):
     assert control.name == "Model and load"
     assert control.options == ["static, 150 N", "ring, 300 N"]
     assert chart.combinations == [[0], [1]]
+
+
+def test_settings_that_nobody_has_computed_yet_are_not_offered(results):
+    opened = results(STUDY + FIGURES, lost=dict.fromkeys((1, 3, 5, 7, 9, 11), "missing"))  # of the model `ring`
+    chart = collect(opened, ()).charts[0]
+    assert [control.options for control in chart.controls] == [["static"]]
+    assert chart.combinations == [[0]]
+    assert set(chart.points["mark"]) == {""}
+
+
+def test_settings_with_a_failed_job_are_offered(results):
+    lost = dict.fromkeys((1, 3, 5, 7, 9), "missing") | {11: "failed"}
+    [control] = collect(results(STUDY + FIGURES, lost=lost), ()).charts[0].controls
+    assert control.options == ["static", "ring"]

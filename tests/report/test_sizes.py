@@ -60,3 +60,13 @@ def test_too_many_jobs_have_no_charts(results, monkeypatch):
         "12 jobs are too many for charts",
         "13 of 16 rows of the table",
     ]
+
+
+def test_pictures_of_many_lines_are_stored_in_pixels(results, monkeypatch):
+    opened = results(STUDY + "figures: [{kind: pit, where: {load: 150 N, model: ring, defect.length: 3 mm}}]\n")
+    kinds = []
+    for limit in (10_000_000, 10):
+        monkeypatch.setattr(figures, "MAX_SVG_BYTES", limit)
+        [picture] = page_of(opened).pictures
+        kinds.append(picture.address.partition(";")[0])
+    assert kinds == ["data:image/svg+xml", "data:image/png"]
