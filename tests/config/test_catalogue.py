@@ -1,4 +1,4 @@
-"""The bearings and clearance classes that come with the program, against what makers print."""
+"""Shipped bearings and clearance classes, compared with catalogues of manufacturers."""
 
 from itertools import pairwise
 from math import pi

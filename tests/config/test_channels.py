@@ -1,4 +1,4 @@
-"""Which channels are forces of a contact, and that a case records them as they are."""
+"""Channels of contact forces, which are recorded without a filter."""
 
 import pytest
 

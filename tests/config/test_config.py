@@ -398,7 +398,7 @@ def test_configs_beside_the_user_come_first(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_configs_come_from_the_package_or_its_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Installed, `configs` beside the package is somebody else's; in a checkout it is where they are written."""
+    """`configs` beside an installed package belongs to another program; in a checkout it is the source."""
     monkeypatch.chdir(tmp_path)
     package = tmp_path / "site-packages" / "bearingsim"
     monkeypatch.setattr(shipped, "_PACKAGE", package)
@@ -444,7 +444,7 @@ def test_every_stiffness_offered_is_built(law: str) -> None:
 
 @pytest.mark.parametrize("density", ["1e-9 kg/m^3", "0 kg/m^3", "1e6 kg/m^3"])
 def test_a_material_that_is_none_is_refused(density: str) -> None:
-    """Rollers of next to no mass would take steps of next to no time, in an estimate too."""
+    """Rollers of negligible mass would need extremely short steps, also in an estimate."""
     with pytest.raises(ValidationError, match="expected a density"):
         Material.model_validate({"density": density})
 

@@ -1,5 +1,5 @@
 # ruff: noqa: E501 (a table of messages, one line each)
-"""The damping of contacts as a study says it: the default, laws told by their keys, oils; and what is refused."""
+"""Contact damping in a study: default, laws identified by their keys, oils, refusals."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from tests.scenes.study_text import BASE, Write
 
 
 def case(*damping: Any) -> Case:
-    """A case with the damping that is given, if any."""
+    """Case with a contact damping, if any."""
     base: dict[str, Any] = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
     return Case.model_validate(base | ({"contact": {"damping": damping[0]}} if damping else {}))
 

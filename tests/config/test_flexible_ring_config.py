@@ -1,5 +1,5 @@
 # ruff: noqa: E501 (a table of messages, one line each)
-"""An outer ring that bends, its load and its sensor: what a case says of them, what is refused, and old ids."""
+"""Flexible outer ring, its load and its sensor: fields of a case, refusals and earlier ids."""
 
 import math
 from pathlib import Path
@@ -298,7 +298,7 @@ def test_mistake_gives_one_message_at_its_position(write: Write, lines: str, car
 
 
 def error_output(path: Path) -> str:
-    """What `check` says of a study that it refuses."""
+    """Return the error output of `check` for an invalid study."""
     return str(type_("check", path, code=2)[1])
 
 

@@ -1,4 +1,4 @@
-"""Which model is the lowest that can do what a case asks for, and why."""
+"""Simplest model that meets the requirements of a case, and the reason."""
 
 from itertools import pairwise
 from typing import Any
@@ -89,7 +89,7 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
 
 
 def most_able(fields: dict[str, Any]) -> str:
-    """The model by which a case is judged: `planar` if it will do."""
+    """Reference model of a case: `planar` if it is sufficient."""
     able = {model: why for named, model, why in LEAST if named is fields}
     (model,) = able
     return model if model in ("impulse", "spatial") else "planar"
@@ -222,7 +222,7 @@ def test_channels_that_would_stay_zero_are_refused(name: str) -> None:
 
 
 def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
-    """So the message can name the model that gives the forces."""
+    """The message can then name the model with these forces."""
     with pytest.raises(ValidationError, match="contact force"):
         case(model="impulse", record=["roller.outer_force"], defect=DEFECT)
     assert "impulses" not in {need.ability for need in needs(case(model="impulse", defect=DEFECT))}

@@ -1,4 +1,4 @@
-"""Scan files: what is read, what is repaired and told, what is refused."""
+"""Scan files: reading, repairs with notes, refusals."""
 
 import hashlib
 import re
@@ -74,7 +74,7 @@ def refusal(path: Path) -> str:
 
 @pytest.mark.parametrize("write", [write_grid, write_hdf5])
 def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Any) -> None:
-    """Its digest is of what the depths were read from, even if it changes at once."""
+    """The digest is that of the content that was read, even if the file changes at once."""
     path = write(tmp_path / ("a.h5" if write is write_hdf5 else "a.csv"), bowl())
     content, ascending = path.read_bytes(), scanfile._ascending_grid
 
@@ -190,7 +190,7 @@ def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
 
 
 def test_the_race_is_race_whatever_its_noise(tmp_path: Path) -> None:
-    """Outside the bowl nothing is left of the noise that a roller would feel."""
+    """Outside the bowl the depth is zero, without noise."""
     scan = read_scan(write_grid(tmp_path / "a.csv", bowl(noise=0.3)))
     s, z = np.meshgrid(scan.s, scan.z)
     assert not scan.depth[(s / 1.2e-3) ** 2 + (z / 3.6e-3) ** 2 > 1.0].any()
@@ -392,7 +392,7 @@ def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str]
     ],
 )
 def test_nobody_but_the_file_says_its_digest_and_sizes(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
-    """Only what a case itself has said of the same file may stand beside it."""
+    """Digest and sizes are accepted only if they equal those of the file."""
     file = write_grid(tmp_path / "a.csv", bowl())
     digest = read_scan(file).digest
     sizes = dict(zip(("length", "width", "depth"), read_scan(file).sizes, strict=True))
@@ -431,7 +431,7 @@ def test_a_file_that_changes_under_a_case_is_refused(tmp_path: Path) -> None:
 def test_a_sweep_over_many_scans_reads_and_traces_each_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A pass over them all does not drive the first ones out, nor what was made of them."""
+    """The cache holds all of them and their paths."""
     files = [write_grid(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
              range(100)]  # fmt: skip
     counts = {"read": 0, "traced": 0}

@@ -1,4 +1,4 @@
-"""What the spatial model asks of a case: profile, flanges, misalignment, slices, channels; and what it refuses."""
+"""Fields of the spatial model: profile, flanges, misalignment, slices, channels; and refusals."""
 
 from typing import Any
 
@@ -192,7 +192,7 @@ def test_a_flange_force_without_flanges_stays_zero() -> None:
 
 
 def test_loads_at_rest_know_that_a_ring_leans() -> None:
-    """A lean of 1 mrad at 1 kN loads the ends of rollers: 455 N where the plane has 316."""
+    """A tilt of 1 mrad at 1 kN loads the ends of rollers: 455 N instead of 316 N without tilt."""
 
     def at_rest(lean: str, **damping: Any) -> tuple[float, float, float]:
         fields = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}

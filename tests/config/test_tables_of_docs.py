@@ -1,4 +1,4 @@
-"""The tables of the docs that say what a model, a method, a law or a shape can do, against the catalogue."""
+"""Tables of models, methods, laws and shapes in the docs, compared with the catalogue."""
 
 import re
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ PARTLY = {("spatial", "the contact's force at the defect"): ("but `pressure-shar
 
 
 def rows_of(page: str, head: str) -> Iterator[list[str]]:
-    """The cells of the table whose first line begins so."""
+    """Yield the rows of cells of the table whose first line begins with ``head``."""
     lines = iter((DOCS / page).read_text(encoding="utf-8").splitlines())
     for line in lines:
         if line.startswith(head):
@@ -55,12 +55,12 @@ def rows_of(page: str, head: str) -> Iterator[list[str]]:
 
 
 def quoted_names(cell: str) -> list[str]:
-    """The words in backquotes."""
+    """Words in backquotes."""
     return re.findall(r"`([^`]+)`", cell)
 
 
 def heads(page: str, head: str) -> list[str]:
-    """The names in the first cells of a table."""
+    """Names in the first column of a table."""
     return [name for cells in rows_of(page, head) for name in quoted_names(cells[0])]
 
 
@@ -82,13 +82,13 @@ def test_every_ability_has_its_row() -> None:
 
 
 def models_of(cell: str) -> set[str]:
-    """The models that a cell of the table of channels names."""
+    """Models in a cell of the table of channels."""
     models = set(quoted_names(cell.partition(" with ")[0].partition(";")[0]))
     return set(MODELS) - models if cell.startswith("all") else models
 
 
 def test_the_models_of_each_channel_are_those_that_can() -> None:
-    """But of those that a model only computes badly, which is not refused."""
+    """Except channels that a model computes inaccurately, which are not refused."""
     documented = {
         name: cells[3] for cells in rows_of("results.md", "| channel | unit |") for name in quoted_names(cells[0])
     }
@@ -133,7 +133,7 @@ def test_models_are_those_of_the_catalogue() -> None:
 
 @pytest.mark.parametrize("model", MODELS)
 def test_what_a_model_is_said_to_do_can_be_made(model: str) -> None:
-    """Each excitation and element that a case may have with it: there are parameters for it."""
+    """Cases with each excitation and rolling element can be assembled."""
     built = set[tuple[str, str]]()
     for bearing, excitation in product(("nf308", "6205"), get_args(Excitation)):
         defect = {"shape": "rectangular", "length": "3 mm", "width": "0.4 mm", "depth": "20 um"}

@@ -1,4 +1,4 @@
-"""Words of the field that no file knows: what is said of them is true, and nothing else is suggested."""
+"""Advice on words of the field that are no keys: it is correct, and precedes suggestions."""
 
 import re
 from pathlib import Path
@@ -39,7 +39,7 @@ def test_what_a_sentence_names_is_there(sentence: str) -> None:
 
 @pytest.mark.parametrize("sentence", [one for one in ALL if any(": " in name for name in quoted(one))])
 def test_what_a_sentence_says_to_write_is_read(write: Write, sentence: str) -> None:
-    """With the model that it names, and the shaft that an unbalance needs."""
+    """With the named model, and the shaft that an unbalance needs."""
     written = {name.partition(":")[0]: name for name in quoted(sentence) if ": " in name}
     if "roller_profile" in written:
         pytest.skip("of a bearing: below")

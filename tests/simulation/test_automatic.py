@@ -1,10 +1,10 @@
-"""The model, method and step that every study's jobs are given, as they were when they were last looked at.
+"""Model, method and step of every job of the shipped studies, compared with a stored table.
 
-That was when contacts came to be damped by c/k = 2.5 us (model version 6): without impacts that damping makes
-heavy, Verlet is cheapest but for `paper_literal`, and its steps in `rollers` are those of the contact frequency.
+The table has the default damping c/k = 2.5 us (model version 6): Verlet is the cheapest method, except in
+`paper_literal`, and its steps in `rollers` are limited by the contact frequency.
 
-They rest on measured prices and limits, and a change of either changes them unseen. After one that is meant:
-``python -m tests.simulation.test_automatic`` writes the table anew.
+The choice depends on measured costs and on step limits. After an intended change,
+``python -m tests.simulation.test_automatic`` rewrites the table.
 """
 
 import csv
@@ -22,7 +22,7 @@ STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
 
 
 def chosen_steps(study: Path) -> list[tuple[str, str, str]]:
-    """Model, method and step (s) of every job; jobs beside each other that are given the same stand once."""
+    """Model, method and step (s) of every job, without consecutive duplicates."""
     cases = [job.case for job in load_study(study).jobs()]
     result = [
         (case.model, choice.choice(case).method or "", f"{time_grid.grid(case).step:.10g}") for case in cases

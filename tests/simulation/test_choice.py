@@ -70,7 +70,7 @@ def growth(method: Any, model: Oscillator) -> float:
 
 
 def measured_limit(name: str, K: float, C: float) -> float:
-    """The step (s) at which the method starts to grow on the oscillator, by bisection."""
+    """Step (s) from which the solution of the oscillator grows, by bisection."""
     low, high = 0.0, 4.0 / sqrt(K)
     while high - low > 1e-4 * high:
         h = 0.5 * (low + high)
@@ -101,7 +101,7 @@ def test_zero_stiffness_and_damping_have_no_step_limit() -> None:
 def test_limits_decrease_with_load_for_load_dependent_damping(
     model: str, method: str, rise: float, defects: tuple
 ) -> None:
-    """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
+    """Up to 7 % of increase for RK4, whose stability limit is larger above half the critical damping."""
     by_load = [
         limits(case(model=model, method=method, defects=defects, load=load, **HEAVY))
         for load in (50, 150, 300, 1000, 5000)
@@ -266,7 +266,7 @@ def test_grid_divides_ball_passes_and_covers_the_record(sampling: float, model: 
 
 
 def test_step_that_divides_the_fine_sample_is_kept() -> None:
-    """A step that divides the fine sample exactly is taken as it is, not one shorter."""
+    """A step that divides the fine sample exactly is kept, rather than replaced by a shorter one."""
     cut = grid(case(model="ring"))
     again = grid(case(model="ring", step=cut.step))
     assert again == cut
@@ -314,7 +314,7 @@ def test_adaptive_methods_receive_all_tolerance_parameters() -> None:
 
 
 def test_tolerance_leads_to_an_adaptive_method() -> None:
-    """Verlet, which is cheapest here, would do nothing with it."""
+    """Verlet, the cheapest method here, has no tolerance."""
     test_case = case(defect=SLOT, duration="0.1 s")
     assert choice.choice(test_case).method == "verlet"
     result = choice.choice(test_case.model_copy(update={"tolerance": 1e-3}))
@@ -339,7 +339,7 @@ def test_models_without_a_method_have_no_alternatives(model: str) -> None:
 
 @pytest.mark.parametrize(("coefficient", "step_s"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
 def test_discontinuous_damping_shortens_adaptive_steps(coefficient, step_s):
-    """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
+    """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; uncorrected wrong up to 26-fold."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
     test_case = case(method="rodas", defect=SLOT, contact={"damping": damping})
     result = pricing.adaptive_step(test_case, choice.limits(choice.with_method(test_case, "verlet")))
@@ -348,7 +348,7 @@ def test_discontinuous_damping_shortens_adaptive_steps(coefficient, step_s):
 
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
 def test_cost_of_general_exponents_is_estimated(m1: float, m3: float, ns: float) -> None:
-    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py: to a third; unpriced 4 to 6 times off."""
+    """Cost of a Verlet step of `rollers` by benchmarks/step_cost.py; without powers 4 to 6 times too small."""
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
     test_case = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
@@ -357,10 +357,10 @@ def test_cost_of_general_exponents_is_estimated(m1: float, m3: float, ns: float)
 
 def test_static_costs_one_pass_unless_periodic_is_false() -> None:
     test_case = case(model="static", defect=SLOT, duration="1 s")
-    watched = test_case.model_copy(update={"periodic": False})
-    least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(test_case).cpu_seconds)
-    with least, pytest.raises(Refused, match="`static` would take about"):
-        grid(watched)
+    full = test_case.model_copy(update={"periodic": False})
+    low_limit = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(test_case).cpu_seconds)
+    with low_limit, pytest.raises(Refused, match="`static` would take about"):
+        grid(full)
     one_pass = time_grid.estimate(test_case).cpu_seconds - pricing.price("job")
     with mock.patch.object(time_grid, "MAX_CPU", 2.0 * one_pass):
         grid(test_case)
@@ -368,8 +368,8 @@ def test_static_costs_one_pass_unless_periodic_is_false() -> None:
 
 def test_cost_of_a_job_includes_the_step_check() -> None:
     checks_step, plain = (
-        time_grid.estimate(case(defect=SLOT | {"race": "inner"}, duration="2 s", prove=prove))
-        for prove in (True, False)
+        time_grid.estimate(case(defect=SLOT | {"race": "inner"}, duration="2 s", step_check=step_check))
+        for step_check in (True, False)
     )
     assert plain.check_seconds == 0.0
     assert checks_step.check_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
@@ -383,8 +383,10 @@ def test_cost_of_a_periodic_job_counts_the_expected_passes() -> None:
     assert long.steps == short.steps
     assert short.cpu_seconds < long.cpu_seconds < 0.05 * full.cpu_seconds  # its series are longer
     assert short.memory < long.memory < full.memory < full.most_memory
-    assert full.most_memory == long.most_memory < 1.3 * full.memory  # passes are held only while it is stepped
-    assert full.cpu_seconds < long.most_seconds == full.most_seconds  # if a period is found, it proves the step
+    assert full.most_memory == long.most_memory < 1.3 * full.memory  # passes are stored during integration only
+    assert (
+        full.cpu_seconds < long.most_seconds == full.most_seconds
+    )  # the step check uses the period, if there is one
     assert 0.0 < long.check_seconds < long.cpu_seconds
 
 

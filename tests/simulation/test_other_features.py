@@ -1,4 +1,4 @@
-"""Features of other packages: what has no number is said, what fails or is not declared is refused by name."""
+"""Features of extensions: missing values are reported, failing or undeclared functions are refused by name."""
 
 from importlib import import_module
 from math import inf, nan
@@ -43,20 +43,20 @@ def of_dictionary(case, time, series):
     return dict[str, float]()["roller.tilt"]
 
 
-def whole(case, time, series):
+def array_result(case, time, series):
     return series["ring.velocity.x"]
 
 
-def nothing(case, time, series):
+def none_result(case, time, series):
     return None
 
 
-def leaves(case, time, series):
+def exit_process(case, time, series):
     raise SystemExit(3)
 
 
 def register_feature(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
-    """Let one feature, `mine`, be that of another package."""
+    """Register `mine` as the only feature of an extension."""
     feature = Feature("mine", "m/s", "mine", f"{__name__}:{function}")
     monkeypatch.setattr("bearingsim.catalogue.FEATURES", {"mine": feature})
     for module in ("simulation.features", "assemble.registered"):
@@ -64,7 +64,7 @@ def register_feature(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
 
 
 def declare_feature(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let `mine` be among the declared features."""
+    """Add `mine` to the declared features."""
     for module in ("simulation.features", "assemble.registered"):
         monkeypatch.setattr(f"bearingsim.{module}.DECLARED", {**FEATURES, "mine": FEATURES["velocity.rms"]})
 
@@ -78,32 +78,32 @@ def test_finite_number_is_the_value(monkeypatch) -> None:
     assert compute_features() == ({"mine": 2.0}, {})
 
 
-VALUELESS = {
+MISSING_VALUES = {
     "of_tilt": "`roller.tilt` is not recorded",
     "infinite": "computed as -inf",
     "undefined": "computed as nan",
 }
 
 
-@pytest.mark.parametrize("function", VALUELESS)
+@pytest.mark.parametrize("function", MISSING_VALUES)
 def test_non_finite_value_becomes_nan_with_a_reason(function, monkeypatch) -> None:
     register_feature(monkeypatch, function)
     values, facts = compute_features()
     assert np.isnan(values["mine"])
-    assert facts == {"no_value.mine": VALUELESS[function]}
+    assert facts == {"no_value.mine": MISSING_VALUES[function]}
 
 
 FAILING = {
     "of_dictionary": rf"of_dictionary` of the extension `{__name__}` fails \(KeyError: 'roller.tilt'\)$",
-    "whole": "whole` gives a ndarray, not a number$",
-    "nothing": "nothing` gives a NoneType, not a number$",
-    "leaves": rf"leaves` of the extension `{__name__}` fails \(SystemExit: 3\)$",
+    "array_result": "array_result` gives a ndarray, not a number$",
+    "none_result": "none_result` gives a NoneType, not a number$",
+    "exit_process": rf"exit_process` of the extension `{__name__}` fails \(SystemExit: 3\)$",
 }
 
 
 @pytest.mark.parametrize("function", FAILING)
 def test_failing_function_is_named(function, monkeypatch) -> None:
-    """A KeyError of its own is no series that is missing."""
+    """A KeyError within the function does not mean that a series is missing."""
     register_feature(monkeypatch, function)
     with pytest.raises(BrokenExtension, match=f"^feature `mine`: `{__name__}:{FAILING[function]}"):
         compute_features()
@@ -123,7 +123,7 @@ def test_missing_values_are_reported_once_per_reason() -> None:
 
 @pytest.mark.parametrize("function", ["NO_FUNCTION", "not_there", "mean"])
 def test_unusable_feature_is_refused_before_the_run(function, monkeypatch) -> None:
-    """Before anything runs: what is no function, what does not load, and what was registered too late."""
+    """Before the run: no function, not loadable, or registered too late."""
     register_feature(monkeypatch, function)
     messages = {
         "NO_FUNCTION": "^feature `mine`: `.*` is not a function$",
@@ -142,7 +142,7 @@ def test_a_declared_feature_is_accepted(monkeypatch) -> None:
 
 
 def test_undeclared_computed_feature_is_refused(monkeypatch) -> None:
-    """The failure of its job says so, without the name of a class before it."""
+    """The failed job has the same message, without the name of the exception class."""
     simulating = import_module("bearingsim.simulation.simulate")  # its name is also a function's
     original = simulating.features
     monkeypatch.setattr(simulating, "features", lambda *run: original(*run) | {"velocity.skewness": 0.0})
@@ -153,7 +153,7 @@ def test_undeclared_computed_feature_is_refused(monkeypatch) -> None:
 
 
 def test_feature_of_an_extension_is_part_of_every_id(monkeypatch) -> None:
-    """The sources of its package are; without one a case of the program's own has none."""
+    """Ids contain the digest of the package; without features of extensions they contain none."""
     assert extensions(case()) == {}
     register_feature(monkeypatch, "mean")
     assert extensions(case()) == {"extensions": catalogue.extension_digest()}

@@ -34,7 +34,7 @@ def line(features: dict[str, float], name: str) -> complex:
     return features[name] * np.exp(1j * features[f"{name}.phase"])
 
 
-# The chain from steps to samples, on a motion that is known
+# From steps to samples, for a prescribed motion
 
 
 def record_of_signal(test_case: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
@@ -113,7 +113,7 @@ def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
 
 
 def test_features_exclude_the_settling_time() -> None:
-    """Loud until 35 ms, with 2 ms for the filters to forget: settled after 37 ms, in the middle of a ball pass."""
+    """Signal until 35 ms, then 2 ms for transients of the filters: `settle` ends at 37 ms, within a ball pass."""
     result = record_of_signal(
         case(settle=0.037, periodic=False), lambda t: np.where(t < 0.035, np.cos(2 * np.pi * RATE * t), 0.0)
     )
@@ -133,7 +133,7 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
     assert result.time == pytest.approx(np.arange(count) / sampling, rel=1e-15)
 
 
-# The chain on real motion, against the integrator driven by hand
+# Simulated motion, compared with direct calls of the integrator
 
 
 def integrate_steps(test_case: Case, passes: int) -> tuple[np.ndarray, float]:
@@ -206,7 +206,7 @@ def test_velocity_lines_are_omega_times_displacement_lines(model: str) -> None:
 
 @pytest.mark.parametrize("model", ["static", "ring"])
 def test_phase_depends_on_the_angle_of_the_defect(model: str) -> None:
-    """Less the healthy line, a defect at +a leads one at -a by -2 k Z a."""
+    """Minus the healthy line, a defect at +a leads one at -a by -2 k Z a."""
     healthy = simulate(case(model=model)).features
     left, right = (simulate(case(model=model, defect=SLOT | {"angle": f"{a} deg"})).features for a in (2.0, -2.0))
     for k, name in ((1, "velocity@BPFO"), (2, "velocity@2BPFO")):
@@ -221,7 +221,7 @@ def test_phase_depends_on_the_angle_of_the_defect(model: str) -> None:
 )
 @pytest.mark.parametrize("model", ["static", "ring"])
 def test_lines_do_not_depend_on_start_and_length_of_the_record(model: str, change: dict) -> None:
-    """Phases are told from a roller passing the load line, so neither the start nor the length matters."""
+    """Phases are relative to a roller passing the load line, so neither the start nor the length matters."""
     base, other = (simulate(case(model=model, defect=SLOT, **fields)).features for fields in ({}, change))
     for name in ("displacement@BPFO", "velocity@BPFO", "velocity@3BPFO"):
         assert abs(line(other, name) / line(base, name) - 1.0) < 5e-3
@@ -239,7 +239,7 @@ def test_a_longer_record_of_the_same_motion_has_the_same_features(model: str) ->
 
 
 def test_static_is_periodic_from_its_first_sample() -> None:
-    """Nothing has memory: no start-up in displacement, velocity or acceleration, in raw and filtered samples."""
+    """The model has no memory: no initial transient, in raw and filtered samples."""
     for antialias in (True, False):
         test_case = case(
             model="static", start_angle=0.1, settle=0.0, sampling=RATE * 40, record=RING, antialias=antialias
@@ -250,12 +250,12 @@ def test_static_is_periodic_from_its_first_sample() -> None:
 
 
 def test_roller_orbits_the_bearing_in_static() -> None:
-    """With rollers so light that nothing presses them outwards: `ring` has none of that."""
+    """With rollers of negligible centrifugal force, which `ring` does not have."""
     settings = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
     static, ring = (
         simulate(case(model=model, **settings)).series["roller.outer_force"] for model in ("static", "ring")
     )
-    assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the bearing carries
+    assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the rollers are loaded
     assert np.abs(static - ring).max() < 0.02 * ring.max()
 
 
@@ -281,7 +281,7 @@ def test_features_are_those_in_the_direction_of_the_sensor() -> None:
 
 
 def test_statistics_include_the_motion_between_samples() -> None:
-    """Nearly those of the samples; but a peak between two of them counts."""
+    """Close to those of the samples, except that a peak between two samples counts."""
     result = simulate(case(defect=SLOT, record=RING))
     count = round(math.floor(80e-3 * RATE) / RATE * 10240)
     for quantity, series in (("velocity", result.velocity), ("acceleration", result.acceleration)):
@@ -292,16 +292,16 @@ def test_statistics_include_the_motion_between_samples() -> None:
 
 @pytest.mark.parametrize("antialias", [True, False])
 def test_features_do_not_depend_on_the_recorded_channels(antialias: bool) -> None:
-    """All of it is compared as the motion is looked at for a repetition: a run may stop a pass later for it."""
+    """Without the search for a period, which compares all recorded channels and may end a pass later."""
     result = {
         len(record): simulate(case(defect=SLOT, record=record, antialias=antialias, periodic=False))
         for record in ([], RING, FORCES)
     }
     names = {len(record): {n for c in record for n in dataset_names(c)} for record in ([], RING, FORCES)}
     assert {size: set(record.series) for size, record in result.items()} == names
-    errors = [record.features.pop("step_error.record") for record in result.values()]  # of other sums
+    errors = [record.features.pop("step_error.record") for record in result.values()]  # sums over other channels
     assert errors == pytest.approx([errors[0]] * len(errors), rel=1e-9)
-    assert repr(result[0].features) == repr(result[3].features) == repr(result[2].features)  # nan is not itself
+    assert repr(result[0].features) == repr(result[3].features) == repr(result[2].features)  # nan != nan
     with pytest.raises(KeyError, match="record"):
         result[0].velocity  # noqa: B018
 
@@ -334,30 +334,32 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
             [rollers.elastic(rollers.roller_at_rest(x) - r) for x, r in zip(out, race, strict=True)]
         ), angles
 
-    def rest(theta: float) -> float:
-        def net(u: np.ndarray) -> list[float]:
+    def largest_force(theta: float) -> float:
+        def residual(u: np.ndarray) -> list[float]:
             Q, angles = forces(u, theta)
             return [Q @ np.cos(angles) + 150.0, Q @ np.sin(angles)]
 
-        return forces(root(net, [0.4, 0.0], tol=1e-12).x, theta)[0].max()
+        return forces(root(residual, [0.4, 0.0], tol=1e-12).x, theta)[0].max()
 
-    expected = max(rest(theta) for theta in np.linspace(0, 2 * np.pi / 13, 101))
+    expected = max(largest_force(theta) for theta in np.linspace(0, 2 * np.pi / 13, 101))
     soft = {"name": "soft", "bracket_stiffness": "1 N/m"}
     result = simulate(case(model="static", rig=soft)).features["outer_force.max"]
     assert result == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
-def test_peak_forces_are_those_within_the_record(settle: str, counts: bool) -> None:
-    def knocked(method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any) -> tuple:
+@pytest.mark.parametrize(("settle", "is_counted"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
+def test_peak_forces_are_those_within_the_record(settle: str, is_counted: bool) -> None:
+    def advance_with_peak(
+        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any
+    ) -> tuple:
         result = advance_and_sample(method, model, monitor, start, y, *rest)
         if start == 0:
             y[lay.Q_O_MAX + 3] = 1e6
         return result
 
-    with mock.patch.object(INTEGRATION, "advance_and_sample", knocked):
+    with mock.patch.object(INTEGRATION, "advance_and_sample", advance_with_peak):
         largest = simulate(case(settle=settle)).features["outer_force.max"]
-    assert largest == 1e6 if counts else 40.0 < largest < 60.0
+    assert largest == 1e6 if is_counted else 40.0 < largest < 60.0
 
 
 def test_info_describes_the_computation() -> None:
@@ -385,7 +387,7 @@ def test_warm_up_computes_each_kind_of_case_once() -> None:
             case(model="static"),
             case(antialias=False),
             case(),
-            case(method="verlet"),  # which `auto` comes to
+            case(method="verlet"),  # the choice of `auto`
         ]
         warm(cases)
         warm(cases)
@@ -404,13 +406,13 @@ def test_specialised_exponents_are_compiled_separately() -> None:
     cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
     with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as mock_simulate:
         warm(cases)
-    assert mock_simulate.call_count == 8  # any other exponent is a number
+    assert mock_simulate.call_count == 8  # other exponents are run-time values
 
 
 # The jump of the damping force at a narrow defect's cusp
 
 
-NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % off when it fell anywhere in a step
+NARROW = [  # at high speed the jump decays within a step: errors of 5 and 3 % without the alignment
     ("verlet", {"speed": "12000 rpm", "defect": SLOT | {"width": "0.15 mm"}}),
     ("rk4", {"speed": "6694 rpm", "load": "235 N", "defect": SLOT | {"width": "0.109 mm"}}),
 ]
@@ -419,7 +421,7 @@ NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % 
 @pytest.mark.parametrize(("method", "fields"), NARROW)
 @pytest.mark.parametrize("angle", ["0 deg", "3.3 deg"])
 def test_cusp_of_a_narrow_defect_causes_no_first_order_error(method: str, fields: dict, angle: str) -> None:
-    """Half the step changes the line by less than 0.5 %, wherever the defect lies, at 50 steps a crossing."""
+    """Halving the step changes the line by less than 0.5 % for any defect angle, at 50 steps per crossing."""
     test_case = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
     test_case = test_case.model_copy(
         update={"defects": (test_case.defects[0].model_copy(update={"angle": radians(angle)}),)}

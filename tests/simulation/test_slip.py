@@ -1,6 +1,6 @@
 """Slip of the cage in `planar`: zero without drag, small with drag, gross if drag exceeds friction.
 
-The balance of forces that it is held against is derived in docs/slip.md and computed by benchmarks/slip.py.
+The balance of forces for comparison is derived in docs/slip.md and computed by benchmarks/slip.py.
 """
 
 from functools import lru_cache
@@ -12,7 +12,7 @@ from bearingsim.simulation.simulate import simulate
 from benchmarks.slip import GROSS, balance, drag_torque, friction_torque, loads, onset_by_balance
 from tests.scenes.nf308 import case
 
-SOFT = {"rig": {"bracket_stiffness": "1e5 N/m"}}  # takes no share of a load of a few newtons
+SOFT = {"rig": {"bracket_stiffness": "1e5 N/m"}}  # carries a negligible part of a few newtons
 OIL = {"model": "planar", "drag": {}, "record": ["cage.slip"], "sampling": "2 kHz", "seed": 1} | SOFT
 LAND_TORQUE, ORBIT_TORQUE = 0.21872, 0.18138  # N m at 6000 rpm, by hand: see the test
 
@@ -23,7 +23,7 @@ def oil_case(rpm: float, load: float, **changes):
 
 
 class Pocket(dict):
-    """A cage with a pocket's clearance (mm), to be remembered by."""
+    """Cage with a pocket clearance (mm), hashable for the cache of results."""
 
     def __init__(self, clearance: float) -> None:
         super().__init__(pocket_clearance=f"{clearance} mm")
@@ -93,7 +93,7 @@ def test_slip_grows_as_load_falls_and_speed_rises():
 
 @pytest.mark.parametrize(("rpm", "load", "friction"), [(3000, 10, "static-dynamic"), (6000, 40, "traction")])
 def test_gross_slip_equals_the_balance_of_forces(rpm, load, friction):
-    """By the mean of three seeds: the motion is chaotic, and one seed's slip is its own by 1 %.
+    """Mean of three seeds: the motion is chaotic, and slip differs by 1 % between seeds.
 
     After 1 s: the slip at 3000 rpm still grows, from 5 % under the balance after 0.5 s to 1 % after 1 s.
     """

@@ -1,4 +1,4 @@
-"""Words that have been replaced are still read, with a note, and rename no result."""
+"""Deprecated keys: they are read with a note, and ids do not change."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Features of bands, as studies name them: in figures, in an accuracy, by themselves."""
+"""Features of frequency bands, requested by figures, by an accuracy or by `features`."""
 
 from pathlib import Path
 

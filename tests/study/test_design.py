@@ -1,5 +1,5 @@
 # ruff: noqa: E501 (a table of messages, one line each)
-"""Designs in a sweep: what is drawn, how it is distributed, which jobs it comes to, and what is refused."""
+"""Designs in a sweep: samples, distributions, jobs and refusals."""
 
 import json
 import math
@@ -36,13 +36,13 @@ def design_of(study: Study) -> Design:
 
 
 def values(study: Study, path: str) -> list[float]:
-    """Those of each row of a design."""
+    """Values of a path in each row of a design."""
     swept = {case_id(case): values for case, values in study.swept_cases}
     return [float(swept[name][path]) for name in design_of(study).ids]
 
 
 def first_problem(path: Path, overrides: dict[str, str] | None = None, quick: bool = False) -> tuple[str, str]:
-    """The first message, and the text at its caret."""
+    """First message, and text at its caret."""
     with pytest.raises(StudyError) as caught:
         load_study(path, overrides, quick)
     problem = caught.value.problems[0]
@@ -77,7 +77,7 @@ def test_ranges_are_kept_in_si(write: Write) -> None:
 
 
 def test_equal_rows_are_one_case(write: Write) -> None:
-    """A trajectory of Morris in two parameters meets itself and others: each row has the id of its case."""
+    """Morris trajectories in two parameters share points: each row has the id of its case."""
     study = load_study(write(sweep("morris", 40)))
     design = design_of(study)
     assert len(study.cases()) <= len(designs.LEVELS) ** 2 < len(design.ids) == 120
@@ -85,7 +85,7 @@ def test_equal_rows_are_one_case(write: Write) -> None:
 
 
 def test_ids_are_unchanged(write: Write) -> None:
-    """Another machine, or another version of a library, must come to the same digits."""
+    """Other machines and versions of libraries must give the same digits."""
     over = "{defect.width: [0.2 mm, 2 mm], load: {log: [50 N, 500 N]}, speed: {normal: [1800 rpm, 90 rpm], within: [1500 rpm, 2000 rpm]}}"
     study = load_study(write(sweep("saltelli", 2, over)))
     rows = [[swept[path] for path in design_of(study).paths] for _, swept in study.swept_cases]
@@ -118,7 +118,7 @@ def range_of(text: str, path: str = "load") -> Node:
 
 
 def quantiles_of(text: str, shares: list[float], path: str = "load") -> list[float]:
-    """The numbers that shares come to, in the unit of the range."""
+    """Quantiles of the range at given shares, in its unit."""
     distribution = distributions.range_of(path, range_of(text, path))
     return [float(node.text.split()[0]) for node in distribution.nodes(np.array(shares))]
 

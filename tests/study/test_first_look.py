@@ -1,4 +1,4 @@
-"""What a few cases show is refused before all the others are read."""
+"""Errors that a few cases show are reported before all cases are built."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ FEW = 100
 
 @pytest.fixture
 def built_cases(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The cases that are made."""
+    """Arguments of the cases that are built."""
     built_cases: list[Any] = []
 
     def count_case(*arguments: Any) -> Any:
@@ -72,7 +72,7 @@ def test_a_figure_without_its_path_is_refused_before_36000_cases(built_cases: li
 
 
 def test_error_of_a_single_combination_is_reported(write: Write, built_cases: list[Any]) -> None:
-    """Each value is right with the first of the other."""
+    """Each value is valid with the first value of the other axis."""
     with pytest.raises(StudyError, match="10 ms is shorter than one ball pass"):
         load_study(write(BASE + "sweep: {duration: [1 s, 10 ms, 2 s], speed: [1800 rpm, 300 rpm, 900 rpm]}"))
 

@@ -1,5 +1,5 @@
 # ruff: noqa: E501 (a table of messages, one line each)
-"""`accuracy:` in a study: what it says, and what is refused, where."""
+"""`accuracy:` in a study: its meaning, and refusals with their positions."""
 
 from pathlib import Path
 
@@ -228,7 +228,7 @@ def test_compatible_settings_are_accepted_with_accuracy(write: Write, text: str)
 
 @pytest.mark.parametrize("rig", ["", BENDS, "rig: {ring: {bends: false}}\n"])
 def test_unknown_support_is_refused_with_accuracy(write: Write, rig: str) -> None:
-    """The advice must not lead to what is refused in its turn."""
+    """The advice must not lead to another refusal."""
     (problem,) = problems(write(f"{BASE}{MODELS}{rig}uncertainty: {{support: unknown}}\n"))
     assert problem.message.startswith("uncertainty.support: not possible with `accuracy`")
     assert problem.hint == "omit `support`, or use `model` instead of `accuracy`"
@@ -236,7 +236,7 @@ def test_unknown_support_is_refused_with_accuracy(write: Write, rig: str) -> Non
 
 
 def test_case_beyond_every_model_has_no_reference(write: Write) -> None:
-    """A defect off the roller's middle tilts rollers, a ring that bends is known to others."""
+    """No model has both the tilt of a roller over an offset defect and a flexible ring."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
     (problem,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
     assert problem.message.startswith("accuracy: no model can compute all of this: an `offset` tilts the roller")

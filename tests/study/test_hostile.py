@@ -1,4 +1,4 @@
-"""Broken, mistaken and hostile study files: exit code 2, a place, no traceback."""
+"""Malformed and hostile study files: exit code 2, a position, no traceback."""
 
 from contextlib import suppress
 from math import inf
@@ -25,7 +25,7 @@ def error_lines(path: Path) -> list[str]:
 
 
 def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
-    """Each as `check` ends, in this process."""
+    """Errors of `check`, in this process."""
     wrong, valid = {}, []
     for name, path in malformed.malformed(tmp_path):
         ended = hostile.run_in_process("check", str(path))
@@ -39,7 +39,7 @@ def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
 
 
 def test_oversized_file_and_device_are_refused_in_a_separate_process(tmp_path: Path) -> None:
-    """Under limits of the system, which would end a process that reads on."""
+    """Under resource limits that end a process that reads too much."""
     files = dict(malformed.malformed(tmp_path))
     for name in ("bomb in load", "a device", "a pipe"):
         ended = hostile.run_separately("check", str(files[name]))
@@ -48,7 +48,7 @@ def test_oversized_file_and_device_are_refused_in_a_separate_process(tmp_path: P
 
 @pytest.mark.parametrize("seed", [1])
 def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
-    """Nothing else comes of them: neither another error, nor a message without a place."""
+    """No other exception, and no message without a position."""
     refused = 0
     for _, path in altered_studies.mutants(tmp_path, 80, seed):
         with suppress(StudyError):
@@ -202,5 +202,5 @@ def test_a_base_completed_by_the_sweep_is_valid(
 
 
 def test_key_and_its_deprecated_name_are_refused(write: Write) -> None:
-    """The old one would be taken for the new one, and one value lost."""
+    """Otherwise one value would replace the other."""
     assert "is now called" in error_lines(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]

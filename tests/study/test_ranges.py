@@ -1,4 +1,4 @@
-"""Notes on studies that leave the range of their physics, and refusals of what no physics has."""
+"""Warnings beyond the range of validity of models, and refusals of unphysical values."""
 
 import json
 from pathlib import Path
@@ -40,7 +40,7 @@ def test_static_rating_equals_the_catalogue(bearing: str, printed: float) -> Non
 
 @pytest.mark.parametrize("name", ["nf308", "nu210", "nu204"])
 def test_contact_pressure_at_the_static_rating_is_4_gpa(name: str) -> None:
-    """Rollers are rated by a formula, pressures are Hertz's: ISO 76 ties them by Q = 5 F/Z."""
+    """The rating is that of ISO 76, pressures are Hertz's: ISO 76 relates them by Q = 5 F/Z."""
     rated, bearing = case(name), case(name).bearing
     force = 5.0 * static_rating(rated) / bearing.rollers
     assert contact_pressure(bearing, force) == pytest.approx(4e9, rel=0.01)
@@ -136,7 +136,7 @@ def test_unphysical_values_are_refused(write: Write, text: str, message: str) ->
 
 
 def test_speed_limit_is_below_the_burst_speed_of_steel(write: Write) -> None:
-    """NF308, 560 m/s of its inner race; n d_m is 200 times its limit then."""
+    """NF308 at 560 m/s on the inner race, where n d_m is 200 times its limit."""
     load_study(write(BASE.replace("1800 rpm", "200000 rpm") + "load: 1 N\n"))
     assert pytest.approx(104.72, rel=1e-4) == SPEED_FACTOR  # 1e6 mm/min in rad/s m
 
@@ -156,7 +156,7 @@ ABILITY = {"the ring's acceleration": "acceleration", "inertia of the rollers": 
 
 
 def needs_of_quality() -> list[tuple[str, str, bool]]:
-    """Need, model, and whether the model has it, as docs/abilities.md says."""
+    """Requirement, model, and whether the model has it according to docs/abilities.md."""
     page = (Path(__file__).parents[2] / "docs/abilities.md").read_text(encoding="utf-8")
     head = next(line for line in page.splitlines() if line.startswith("| need | asked for by |"))
     models = [cell.strip(" `") for cell in head.split("|")[3:-1]]

@@ -1,5 +1,5 @@
 # ruff: noqa: E501 (a table of messages, one line each)
-"""`derived` and `where` in a sweep: what follows, what is left out, and what is refused where."""
+"""`derived` and `where` in a sweep: derived values, excluded combinations, and refusals."""
 
 import time
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_a_value_follows_from_others(write: Write, text: str, depths: list[float
 
 
 def test_a_derived_case_is_the_one_that_is_written(write: Write) -> None:
-    """To the last digit of its id: `0.4 mm / 40` is `0.01 mm`."""
+    """The ids are equal: `0.4 mm / 40` is `0.01 mm`."""
     derived = load_study(write(sweep(WIDTHS + "derived: {defect.depth: defect.width / 40}")))
     written = load_study(write(sweep("zip: {defect.width: [0.4 mm, 0.8 mm], defect.depth: [0.01 mm, 0.02 mm]}")))
     assert [case_id(case) for case in derived.cases()] == [case_id(case) for case in written.cases()]
@@ -60,7 +60,7 @@ def test_derived_values_follow_from_each_other_in_any_order(write: Write) -> Non
 
 
 def test_a_section_that_is_swept_gives_its_values(write: Write) -> None:
-    """A formula reads what the case says, whatever said it: a bearing's file, too."""
+    """A formula reads values of the case from any source, such as a bearing file."""
     text = "bearing: [nf308, nu204]\n  derived: {defect.length: bearing.roller_length / 2}"
     study = load_study(write(sweep(text)))
     assert [case.defects[0].length for case in study.cases()] == [
@@ -118,7 +118,7 @@ def test_conditions_leave_combinations_out(write: Write, text: str, left: list[t
     ],
 )
 def test_condition_on_decimal_values_is_exact(write: Write, swept: str, condition: str) -> None:
-    """Of 0.1 mm * 3 and 0.3 mm the floats differ in their last bit; -5 C is no -278.15 K."""
+    """The floats of 0.1 mm * 3 and 0.3 mm differ in their last bit; -5 C is not -278.15 K."""
     path, listed = swept.split(": ")
     oil = "contact: {damping: {oil: VG 68, temperature: 20 C}}\n"
     (test_case,) = load_study(write(oil + sweep(f"{swept}\n  where: ['{condition}']"))).cases()
@@ -132,7 +132,7 @@ def test_a_condition_reads_derived_values(write: Write) -> None:
 
 
 def test_excluded_combinations_may_be_invalid(write: Write) -> None:
-    """A defect longer than the roller is refused, unless no case has it."""
+    """A defect longer than the roller is refused, unless `where` excludes it."""
     text = "defect.length: [3 mm, 20 mm]"
     assert "longer than the roller" in problems(write(sweep(text)))[0].message
     cases = load_study(write(sweep(text + "\n  where: [defect.length <= bearing.roller_length]"))).cases()

@@ -1,4 +1,4 @@
-"""The JSON schema of study files: what an editor marks, `check` refuses."""
+"""JSON schema of study files: it marks in an editor what `check` refuses."""
 
 import re
 from collections.abc import Iterator
@@ -53,7 +53,7 @@ def test_a_description_is_that_of_its_key_and_its_format() -> None:
 
 
 def in_docs() -> list[str]:
-    """The whole studies that the docs show."""
+    """Complete studies shown in the docs."""
     texts = [page.read_text() for page in (ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md")))]
     blocks = [block for text in texts for block in re.findall(r"```yaml[^\n]*\n(.*?)```", text, re.DOTALL)]
     return [block for block in blocks if re.search(r"^study:", block, re.MULTILINE)]

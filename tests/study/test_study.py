@@ -1,4 +1,4 @@
-"""A study's template, the ids of its cases, and what editors and other modules ask of it."""
+"""Template of a study, ids of its cases, schema and dimensions of paths."""
 
 import json
 import math
@@ -220,7 +220,7 @@ def test_elastic_constants_change_the_id_if_they_are_used() -> None:
 
 
 def test_new_field_at_its_default_keeps_the_id(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ids as the first version of the model gave them, before these fields were, its method being Verlet's.
+    """Ids of the first model version with Verlet, before these fields existed.
 
     Its damping was chi = 50 s/m by default, and beta = 10 us that of a bare `kraemer`; it settled for 50 ms.
     """
@@ -288,7 +288,7 @@ def test_dimensions_of_paths() -> None:
 
 
 def test_id_depends_on_the_candidate_methods(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Other prices that change them give other numbers; what a case names is tried alone."""
+    """Costs that change the candidates change the result; a named method is the only candidate."""
     case, named = single_case(), single_case(method="verlet")
     before = choice.candidate_methods(case)
     assert before[0] == "verlet"
@@ -299,7 +299,7 @@ def test_id_depends_on_the_candidate_methods(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_case_that_is_refused_has_an_id(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is a job, which fails."""
+    """The case becomes a job, which fails."""
 
     def refuse(case: Case) -> None:
         raise Refused("nothing holds the ring", "give it a load")

@@ -1,5 +1,5 @@
 # ruff: noqa: E501 (a table of messages, one line each)
-"""What a bad study is told, and where."""
+"""Messages on invalid studies, and their positions."""
 
 from pathlib import Path
 from typing import Any
@@ -309,7 +309,7 @@ def test_too_large_sweep_is_refused(write: Write) -> None:
 
 
 def test_figure_of_a_feature_without_a_model_is_refused(write: Write) -> None:
-    """It would be empty: the cage does not slip below planar."""
+    """The figure would be empty: models below planar have no cage slip."""
     path = write(
         BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n"
     )

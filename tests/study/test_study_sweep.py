@@ -1,4 +1,4 @@
-"""What a sweep expands to: cases in order, healthy cases, a reduced grid, overrides."""
+"""Expansion of a sweep: order of cases, healthy cases, reduced grid, overrides."""
 
 import math
 
@@ -144,7 +144,7 @@ def test_a_healthy_bearing_has_no_twin(write: Write) -> None:
 
 
 def test_a_healthy_case_is_no_twin(write: Write) -> None:
-    """A case of the study stays one, though others are compared with it."""
+    """A healthy case of the study remains a case, although others are compared with it."""
     defects = "[{shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}]"
     text = BASE.replace("defect:", "# defect:") + f"sweep: {{defects: [[], {defects}]}}\n"
     healthy, damaged = load_study(write(text)).jobs()
@@ -401,7 +401,7 @@ ALIASES = [
 def test_another_spelling_of_a_path_replaces_its_values(
     write: Write, written: str, override: str, value: str
 ) -> None:
-    """In lists, in a zip, in a design, and where they are derived; from the command line, and in `quick`."""
+    """In lists, a zip, a design and `derived`; by the command line and by `quick`."""
     for sweep in (
         f"{written}: [1 mm, 2 mm]",
         f"zip: {{{written}: [1 mm, 2 mm], load: [1 N, 2 N]}}",

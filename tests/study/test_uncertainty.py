@@ -1,4 +1,4 @@
-"""`uncertainty:` in a study: what it says, the jobs it adds, and what the results then tell."""
+"""`uncertainty:` in a study: its values, the jobs it adds, and the errors in the results."""
 
 import json
 import math
@@ -40,7 +40,7 @@ def uncertain(write: Write, text: str) -> tuple[UncertainParameter, ...]:
 
 
 def test_two_values_are_a_range_of_three(write: Write) -> None:
-    """The one between is the geometric mean of what is positive, the mean of clearances."""
+    """The third value is the geometric mean of positive quantities, the mean of clearances."""
     damping, clearance, bracket = uncertain(
         write, "{damping: [10 us, 0.5 us], clearance: [-2 um, 10 um], bracket: [0.5, 2]}"
     )
@@ -165,13 +165,13 @@ def test_variation_has_the_id_of_the_same_written_case(write: Write) -> None:
 
 
 def large_study(write: Write, loads: int, text: str = "", model: str = "ring") -> Any:
-    """A study of so many cases and as many twins."""
+    """Study of ``loads`` cases and as many healthy ones."""
     sweep = f"sweep: {{load: {{linspace: [100 N, 400 N, {loads}]}}}}\nmodel: {model}\n"
     return load_study(write(BASE.replace("load: 150 N\n", sweep) + text))
 
 
 def test_large_study_varies_damping_in_three_cases(write: Write) -> None:
-    """45 cases and 45 twins: nine jobs more are a tenth."""
+    """45 cases and 45 healthy ones: nine more jobs are a tenth."""
     study = large_study(write, 45)
     variations = study.variations()
     assert len(study.planned()) == 90
@@ -213,7 +213,7 @@ uncertainty: {damping: [0.5 us, 10 us]}
 
 @pytest.fixture(scope="module")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """The folder of a small study that was run, and what the run said."""
+    """Folder of a small study that was run, and the output of the run."""
     folder = tmp_path_factory.mktemp("unsure")
     (folder / "unsure.yaml").write_text(RUN)
     output, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
@@ -231,7 +231,7 @@ def test_the_plan_names_the_variations(finished_run: tuple[Path, str]) -> None:
 
 
 def test_the_error_is_the_range_over_the_value(finished_run: tuple[Path, str]) -> None:
-    """By hand: of a job and its three variations the largest less the least, over the job's own."""
+    """Independently: range over a job and its three variations, relative to the job."""
     results = store.open_results(finished_run[0] / "out")
     table, plan = results.table().set_index("job"), results.plan
     features = job_frame(finished_run[0] / "out").filter(regex="^features/")
@@ -270,7 +270,7 @@ def test_run_reports_the_effect_of_the_variations(finished_run: tuple[Path, str]
 
 
 def test_range_of_damping_excludes_the_variations(finished_run: tuple[Path, str]) -> None:
-    """Not of what was tried beside them."""
+    """Variations are excluded."""
     output, _ = type_("show", finished_run[0] / "out")
     checked, _ = type_("-v", "check", finished_run[0] / "unsure.yaml")
     again, _ = type_("-v", "run", finished_run[0] / "unsure.yaml", "--jobs", "1", "--out", finished_run[0] / "out")
@@ -295,7 +295,7 @@ def test_nothing_is_computed_twice(finished_run: tuple[Path, str]) -> None:
 
 
 def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:
-    """Their edges are the least and the largest of each point's four results."""
+    """Edges are the smallest and largest of the four results of each point."""
     results = store.open_results(finished_run[0] / "out")
     [(_, canvas)] = drawn(results)
     for ax, feature in zip(canvas.axes, ("velocity@BPFO", "velocity.rms"), strict=True):
@@ -325,7 +325,7 @@ def test_figures_have_bars_where_only_some_points_are_varied(
 
 
 def synthetic_plan(**columns: Any) -> tuple[dict[str, Any], pd.DataFrame]:
-    """A plan of job `a` with the variations `b` and `c` of damping, and a frame of their features."""
+    """Plan of job `a` with the variations `b` and `c` of damping, and a frame of their features."""
     plan = {
         "variations": [{"of": "a", "what": "damping", "value": v, "job": j} for v, j in ((1e-6, "b"), (1e-5, "c"))]
     }
@@ -359,7 +359,7 @@ def test_a_chaotic_value_counts_with_its_standard_error() -> None:
 
 
 def test_unknown_standard_error_gives_no_rms_error() -> None:
-    """An RMS that was not seen for long enough has no range; the line has one."""
+    """An RMS of unknown standard error has no range; the line has one."""
     plan, frame = synthetic_plan(**CHAOTIC | {"rms_scatter": [0.0, math.inf, 0.0]})
     result = errors(plan, frame)
     assert "error.damping.rms" not in result
@@ -372,7 +372,7 @@ def test_range_of_a_non_negative_feature_ends_at_zero() -> None:
 
 
 def test_a_job_with_a_variation_that_failed_has_no_range() -> None:
-    """What is left of it would look like all of it."""
+    """The range of the other variations would look complete."""
     plan, frame = synthetic_plan(**CHAOTIC)
     frame.loc["b"] = np.nan
     assert spread(plan, frame, "velocity@BPFO").empty

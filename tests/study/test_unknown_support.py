@@ -1,4 +1,4 @@
-"""`uncertainty: {support: unknown}`, and what is said of a study that says nothing of its outer ring."""
+"""`uncertainty: {support: unknown}`, and the assumption of a rigid outer ring."""
 
 import json
 from pathlib import Path
@@ -115,7 +115,7 @@ uncertainty: {support: unknown}
 
 @pytest.fixture(scope="module")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """The folder of results of a small study, and what its run said."""
+    """Results folder of a small study, and the output of its run."""
     folder = tmp_path_factory.mktemp("unheld")
     (folder / "unheld.yaml").write_text(RUN)
     output, _ = type_("run", folder / "unheld.yaml", "--jobs", "1", "--out", folder / "out")
@@ -195,7 +195,7 @@ def test_run_and_provenance_contain_the_assumption(write: Write) -> None:
 
 
 def test_old_results_assume_nothing(finished_run: tuple[Path, str]) -> None:
-    """Their plan does not speak of it."""
+    """Plans of earlier versions have no entry for it."""
     plan = json.loads((finished_run[0] / "out" / "plan.json").read_text())
     frame = job_frame(finished_run[0] / "out")
     assert RIGID_RING in list(assumption_notes(plan | {"assumptions": [RIGID_RING]}, frame))

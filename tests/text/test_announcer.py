@@ -1,4 +1,4 @@
-"""What takes long is said on stderr, once, and by what is being done by then."""
+"""Long operations are announced once on stderr, with the current step."""
 
 import time
 

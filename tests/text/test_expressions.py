@@ -1,4 +1,4 @@
-"""Formulas: what they come to, what their units are, and what is refused where."""
+"""Formulas: values, units, and refusals with their positions."""
 
 import math
 import re
@@ -43,14 +43,14 @@ def kind(path: str) -> Kind:
 
 
 def value(text: str, values: dict[str, float] = VALUES) -> tuple[float, str]:
-    """What a formula comes to, and what it is."""
+    """Value of a formula, and its kind."""
     result = read(node(text))
     what = kind_text(result.kind(kind))
     return result.value(values.__getitem__), what
 
 
 def refusal(text: str) -> tuple[str, str]:
-    """The message, and the text at the caret."""
+    """Message, and text at the caret."""
     with pytest.raises(ExpressionError) as caught:
         value(text)
     return str(caught.value), caught.value.mark.source_line[caught.value.mark.column - 1 :]
@@ -188,7 +188,7 @@ def test_temperatures(text: str, expected: float) -> None:
 
 
 def test_a_temperature_below_zero_is_told_from_one_above() -> None:
-    """A cold case: -10 C is not over -5 C, and -2 C is."""
+    """-10 C is not above -5 C, and -2 C is."""
     assert value(f"{WARM} > -5 C", {WARM: 263.15})[0] is False
     assert value(f"{WARM} > -5 C", {WARM: 271.15})[0] is True
 
@@ -223,7 +223,7 @@ def test_the_remedy_for_degrees_celsius(degrees: str, kelvins: str) -> None:
 
 
 def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
-    """As in Python: a guard before a division guards it."""
+    """As in Python: a condition before a division prevents it."""
     assert value("seed == 0 or 1 / seed > 1", {"seed": 0.0})[0] is True
     assert value("seed != 0 and 1 / seed > 1", {"seed": 0.0})[0] is False
     assert value("1 < seed < 1 / seed", {"seed": 0.0})[0] is False
@@ -322,7 +322,7 @@ NAMES = {"a.x": 2.5, "b": -3.0}
 
 
 def larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-    """Numbers made of numbers."""
+    """Expressions composed of expressions."""
     pairs = st.tuples(inner, st.sampled_from(["+", "-", "*", "/", "**"]), inner)
     calls = st.tuples(st.sampled_from(["min", "max"]), inner, inner)
     return st.one_of(
@@ -350,7 +350,7 @@ CONDITIONS = st.recursive(
 
 
 class Finite(float):
-    """A float whose arithmetic ends where that of formulas does: at infinity, and at complex roots.
+    """Float whose arithmetic fails as that of formulas: at infinity and at complex roots.
 
     Two of them are equal if they differ by at most 1e-11 of the larger one.
     """
@@ -384,7 +384,7 @@ class Finite(float):
 
 
 def checked(operation: str) -> Callable[[Finite, float], Finite]:
-    """An operation of floats whose result is finite; ArithmeticError if it is not."""
+    """Operation of floats; ArithmeticError unless the result is finite."""
 
     def call(a: Finite, b: float) -> Finite:
         result = getattr(float, operation)(float(a), float(b))
@@ -400,7 +400,7 @@ for name in ("__add__", "__sub__", "__mul__", "__truediv__", "__pow__"):
 
 
 def by_python(text: str) -> float | bool | None:
-    """What Python itself makes of a formula; None where it comes to no number."""
+    """Value of a formula in Python; None if it is no finite number."""
     floats = re.sub(r"\d+\.\d+", r"F(\g<0>)", text.replace("a.x", "a_x"))
     namespace: dict[str, Any] = {"F": Finite, "a_x": Finite(2.5), "b": Finite(-3.0), "pi": Finite(math.pi)}
     namespace |= {"sqrt": lambda x: Finite(math.sqrt(x))}
@@ -466,7 +466,7 @@ def test_units_are_made_of_others(dimension: Dimension, made_of: str) -> None:
 
 
 def test_every_path_can_be_named() -> None:
-    """None is a word of the formulas, or a unit that follows a number."""
+    """No path is a word of formulas, or a unit after a number."""
     for path in known_paths():
         result = read(node(f"2 * {path} + 1"))
         assert [name for name, _ in result.names()] == [path]

@@ -1,4 +1,4 @@
-"""CSV of which a spreadsheet takes no text for a formula, and which reads back to the same numbers and words."""
+"""CSV without text that a spreadsheet would read as a formula, with unchanged numbers and words."""
 
 import io
 

@@ -1,4 +1,4 @@
-"""Text for a terminal has no control characters, and all text takes that way."""
+"""Text for a terminal has no control characters, and all output is filtered."""
 
 import re
 from pathlib import Path
