@@ -24,7 +24,7 @@ def test_the_catalogue_is_complete() -> None:
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
-def test_a_bearing_is_read_and_says_where_its_numbers_come_from(name: str) -> None:
+def test_bearing_is_read_with_the_source_of_its_data(name: str) -> None:
     bearing = load_bearing(name)
     assert len(bearing.source) > 40
     text = (Path(__file__).parents[2] / "configs" / "bearings" / f"{name}.yaml").read_text()
@@ -47,7 +47,7 @@ def test_a_bearing_is_read_and_says_where_its_numbers_come_from(name: str) -> No
         ("6203", {"BPFO": 3.0530, "BPFI": 4.9469, "FTF": 0.3817, "BSF": 3.9874 / 2}, 1e-3),
     ],
 )
-def test_characteristic_frequencies_are_the_printed_ones(
+def test_characteristic_frequencies_equal_the_catalogue(
     name: str, orders: dict[str, float], tolerance: float
 ) -> None:
     result = frequencies.bearing_frequencies(name, "1800 rpm")["frequencies"]
@@ -64,7 +64,7 @@ def test_characteristic_frequencies_are_the_printed_ones(
         ("nu209", 55.0, 75.0),  # Harris: 54.991 and 75.032 mm with 0.041 mm of clearance
     ],
 )
-def test_raceways_are_the_printed_ones(name: str, inner: float, outer: float) -> None:
+def test_raceway_diameters_equal_the_catalogue(name: str, inner: float, outer: float) -> None:
     bearing = load_bearing(name)
     assert 1e3 * (bearing.pitch_diameter - bearing.roller_diameter) == pytest.approx(inner)
     assert 1e3 * (bearing.pitch_diameter + bearing.roller_diameter) == pytest.approx(outer)
@@ -74,7 +74,7 @@ def test_raceways_are_the_printed_ones(name: str, inner: float, outer: float) ->
     ("name", "printed"),
     [("nu204", 22e3), ("nu205", 27e3), ("nu206", 36.5e3)],  # SKF catalogue, NU 204, 205, 206 ECP
 )
-def test_rollers_carry_the_printed_static_load(name: str, printed: float) -> None:
+def test_static_load_rating_equals_the_catalogue(name: str, printed: float) -> None:
     """ISO 76, radial roller bearings: C0 = 44 (1 - D_w/d_m) Z L D_w in N and mm."""
     b = load_bearing(name)
     assert b.roller_length is not None
@@ -83,7 +83,7 @@ def test_rollers_carry_the_printed_static_load(name: str, printed: float) -> Non
     assert load == pytest.approx(printed, rel=0.01)
 
 
-def test_balls_are_named_as_such(capsys: pytest.CaptureFixture[str]) -> None:
+def test_rolling_elements_of_ball_bearings_are_balls(capsys: pytest.CaptureFixture[str]) -> None:
     for name, word in (("6205", "balls over"), ("nu205", "rollers over")):
         frequencies.show(name, "1800 rpm", frequencies.bearing_frequencies(name, "1800 rpm"))
         assert word in capsys.readouterr().out
@@ -111,13 +111,13 @@ def test_classes_of_clearance(element: str, bore: float, micrometres: dict[str, 
     assert result == {word: pytest.approx(pair) for word, pair in expected.items()}
 
 
-def test_a_bore_belongs_to_the_row_that_ends_with_it() -> None:
+def test_bore_at_a_limit_belongs_to_the_lower_row() -> None:
     assert limits("CN", "roller", 0.030) == pytest.approx((20e-6, 45e-6))
     assert limits("CN", "roller", 0.0301) == pytest.approx((25e-6, 50e-6))
 
 
 @pytest.mark.parametrize("element", ["roller", "ball"])
-def test_classes_grow(element: str) -> None:
+def test_clearance_increases_with_the_class(element: str) -> None:
     for bore in range(11, 121):
         rows = [limits(word, element, 1e-3 * bore) for word in CLASSES]
         assert all(a[0] < b[0] < b[1] and a[1] < b[1] for a, b in pairwise(rows))
@@ -127,13 +127,13 @@ def case(bearing: object, clearance: str) -> Case:
     return Case.model_validate({"bearing": bearing, "speed": "1800 rpm", "load": "150 N", "clearance": clearance})
 
 
-def test_a_class_takes_the_middle_of_its_range() -> None:
+def test_clearance_of_a_class_is_the_middle_of_its_range() -> None:
     assert case("nf308", "CN").clearance == 37.5e-6
     assert case("6205", "C3").clearance == 20.5e-6
     assert mean_clearance("C2", "ball", 0.017) == 4.5e-6
 
 
-def test_a_bore_out_of_the_table() -> None:
+def test_bore_beyond_the_table_is_refused() -> None:
     large = load_bearing("nf308").model_dump() | {
         "bore": 0.2,
         "pitch_diameter": 0.25,
@@ -145,7 +145,7 @@ def test_a_bore_out_of_the_table() -> None:
         limits("CN", "ball", 0.006)
 
 
-def test_a_wrong_bearing_is_not_told_twice() -> None:
+def test_invalid_bearing_is_reported_once() -> None:
     with pytest.raises(ValidationError) as caught:
         case("nf309", "CN")
     assert len(caught.value.errors()) == 1

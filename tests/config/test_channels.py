@@ -18,12 +18,12 @@ from bearingsim.study.used import relevant_fields
         "roller.3.inner_line_load.7",
     ],
 )
-def test_forces_of_contacts_are_known(channel: str) -> None:
+def test_contact_forces_are_identified(channel: str) -> None:
     assert is_contact_force(channel)
 
 
 @pytest.mark.parametrize("channel", ["roller.radial", "roller.2.outer_slip", "load_zone.rollers", "ring.velocity"])
-def test_what_else_is_recorded_is_none(channel: str) -> None:
+def test_other_channels_are_no_contact_forces(channel: str) -> None:
     assert not is_contact_force(channel)
 
 
@@ -35,7 +35,7 @@ def test_what_else_is_recorded_is_none(channel: str) -> None:
         (["roller.inner_force"], False, False),  # nothing is filtered anyway: an old result is the same
     ],
 )
-def test_a_case_whose_forces_were_filtered_by_earlier_versions_is_another(
+def test_id_of_a_case_with_unfiltered_forces_has_changed(
     record: list[str], antialias: bool, as_they_are: bool
 ) -> None:
     fields = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "record": record, "antialias": antialias}

@@ -54,7 +54,7 @@ def test_floats_from_python_are_si_already() -> None:
     assert type(case(speed=100).speed) is float
 
 
-def test_nf308_has_the_papers_outer_race_frequency() -> None:
+def test_bpfo_of_nf308_equals_the_paper() -> None:
     test_case = case()
     assert test_case.bearing.ball_pass_frequency(test_case.speed) == pytest.approx(159.0, rel=1e-12)
 
@@ -245,20 +245,20 @@ def test_excitations_with_forms_for_simple_shapes_only(defect: dict[str, Any], p
         assert case(defect=defect, excitation=fits, model=model).excitation == fits
 
 
-def test_what_a_spall_is_not_told_is_filled_in() -> None:
+def test_omitted_keys_of_a_spall_have_defaults() -> None:
     defect = case(defect=SPALL).defects[0]
     assert (defect.grown, defect.seed) == (1.0, 0)
     assert case(defect=SPALL | {"grown": "60 %", "seed": 4}).defects[0].grown == 0.6
     assert case(defect=SLOT | {"grown": "none", "edge": "none", "file": "none"}).defects[0].edge is None
 
 
-def test_off_the_middle_but_on_the_roller() -> None:
+def test_offset_defect_within_the_roller_is_accepted() -> None:
     assert case(defect=SLOT | {"offset": "4.5 mm"}).defects[0].offset == 0.0045
     assert case(defect=SLOT | {"offset": "-6.5 mm"}).defects[0].offset == -0.0065
     assert case(defect=ON_ROLLER | {"offset": "4.5 mm"}).defects[0].offset == 0.0045
 
 
-def test_what_depends_on_the_model_is_filled_in() -> None:
+def test_defaults_depend_on_the_model() -> None:
     assert case().friction is None
     assert case().cage is None
     assert case(friction="none").friction is None
@@ -275,7 +275,7 @@ def test_what_depends_on_the_model_is_filled_in() -> None:
     assert case(defect=SLOT).defects[0].roller is None
 
 
-def test_the_defaults_of_free_rollers() -> None:
+def test_defaults_of_planar() -> None:
     """Friction coefficients are the paper's; the rest are assumptions of this project."""
     cage, friction, drag = Cage(), StaticDynamic(), Drag()
     assert (friction.static, friction.dynamic) == (0.3, 0.15)
@@ -383,7 +383,7 @@ def test_a_bearing_must_fit_together(change: dict[str, Any], part: str) -> None:
         Bearing.model_validate(NF308 | change)
 
 
-def test_configs_beside_the_user_come_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_configs_in_the_working_folder_take_precedence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert Material.model_validate(Bearing.model_validate(NF308).material).density == 7850.0
     folder = tmp_path / "configs" / "materials"
@@ -397,7 +397,7 @@ def test_configs_beside_the_user_come_first(tmp_path: Path, monkeypatch: pytest.
     )
 
 
-def test_configs_come_from_the_package_or_its_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_configs_are_found_in_the_package_or_its_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`configs` beside an installed package belongs to another program; in a checkout it is the source."""
     monkeypatch.chdir(tmp_path)
     package = tmp_path / "site-packages" / "bearingsim"
@@ -424,7 +424,7 @@ def test_names_of_channels_and_features() -> None:
     assert expected | {"acceleration.kurtosis", "outer_force.max"} <= FEATURES.keys()
 
 
-def test_every_word_offered_is_built() -> None:
+def test_every_catalogue_entry_is_implemented() -> None:
     for name, model in catalogue.MODELS.items():
         of_model = case(model=name, defect=SLOT, settle="0 s")
         assert isinstance(assemble.model(of_model), assemble.kind_of_model(name).parameters)
@@ -437,13 +437,13 @@ def test_every_word_offered_is_built() -> None:
 
 
 @pytest.mark.parametrize("law", WORD_LAWS)
-def test_every_stiffness_offered_is_built(law: str) -> None:
+def test_every_accepted_stiffness_law_is_implemented(law: str) -> None:
     bearing = "6205" if law == "point" else "nf308"
     assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))
 
 
 @pytest.mark.parametrize("density", ["1e-9 kg/m^3", "0 kg/m^3", "1e6 kg/m^3"])
-def test_a_material_that_is_none_is_refused(density: str) -> None:
+def test_unphysical_material_is_refused(density: str) -> None:
     """Rollers of negligible mass would need extremely short steps, also in an estimate."""
     with pytest.raises(ValidationError, match="expected a density"):
         Material.model_validate({"density": density})

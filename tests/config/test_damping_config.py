@@ -28,7 +28,7 @@ DEFAULTS: list[Any] = ["kraemer", {"law": "kraemer"}, {"beta": "2.5 us"}, {"law"
 
 
 @pytest.mark.parametrize("fields", DEFAULTS)
-def test_the_default_however_it_is_said_is_the_same(fields: Any) -> None:
+def test_all_notations_of_the_default_are_equal(fields: Any) -> None:
     assert damping(fields) == case().contact.damping == Contact().damping == Kraemer(beta=2.5e-6)
     assert case_id(case(fields)) == case_id(case())
 
@@ -45,13 +45,13 @@ def test_the_default_however_it_is_said_is_the_same(fields: Any) -> None:
         ({"coefficient": "1e4", "indentation_exponent": "1"}, "general"),
     ],
 )
-def test_a_law_is_told_by_its_keys(keys: dict[str, str], law: str) -> None:
+def test_law_is_identified_by_its_keys(keys: dict[str, str], law: str) -> None:
     assert damping(keys).law == law
     assert damping(keys) == damping(keys | {"law": law})
     assert case_id(case(keys)) == case_id(case(keys | {"law": law}))
 
 
-def test_the_word_of_another_law_has_numbers_of_its_own() -> None:
+def test_law_given_by_name_has_its_own_defaults() -> None:
     assert damping("hunt-crossley") == HuntCrossley(chi=50.0)
 
 
@@ -160,7 +160,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
         ("beta: -1 us", "-1 us", "damping.beta: expected a time"),
     ],
 )
-def test_what_makes_no_sense_is_refused_at_its_place(
+def test_invalid_damping_is_refused_at_its_position(
     write: Write, keys: str, caret: str | None, message: str
 ) -> None:
     path = write(f"{BASE}contact: {{damping: {{{keys}}}}}\n")
@@ -173,14 +173,14 @@ def test_what_makes_no_sense_is_refused_at_its_place(
         assert source[pointer.index("^") :].startswith(caret)
 
 
-def test_a_bare_word_of_a_law_that_needs_numbers_is_refused(write: Write) -> None:
+def test_name_of_a_law_without_its_parameters_is_refused(write: Write) -> None:
     for word in ("film", "loss-factor", "general"):
         _, stderr = type_("check", write(f"{BASE}contact: {{damping: {word}}}\n"), code=2)
         assert "contact.damping" in stderr
         assert "^" in stderr
 
 
-def test_what_is_swept_of_a_film_has_units(write: Write) -> None:
+def test_swept_parameters_of_a_film_have_units(write: Write) -> None:
     film = "contact: {damping: {law: film, oil: VG 68, temperature: 40 C}}\n"
     study = load_study(write(f"{BASE}{film}sweep: {{contact.damping.temperature: [40 C, 60 C, 80 C]}}\n"))
     viscosities = [entry.contact.damping.inlet_viscosity for entry in study.cases()]  # type: ignore[attr-defined]
@@ -188,7 +188,7 @@ def test_what_is_swept_of_a_film_has_units(write: Write) -> None:
     assert study.units == {"contact.damping.temperature": "C"}
 
 
-def test_the_schema_knows_every_law() -> None:
+def test_schema_contains_every_law() -> None:
     text = str(json_schema()["$defs"]["Contact"]["properties"]["damping"])
     assert all(word in text for word in ("kraemer", "hunt-crossley"))
     assert {"Kraemer", "HuntCrossley", "Film", "LossFactor", "General"} <= json_schema()["$defs"].keys()
@@ -203,7 +203,7 @@ def test_units_of_the_library_are_read(write: Write) -> None:
 
 
 @pytest.mark.parametrize("fields", ["none", {"law": "none"}])
-def test_a_contact_without_damping_is_that_of_a_damping_time_of_zero(fields: Any) -> None:
+def test_undamped_contact_equals_a_damping_time_of_zero(fields: Any) -> None:
     undamped, zero = (case(damping) for damping in (fields, {"beta": "0 s"}))
     assert undamped.contact.damping.model_dump() == {"law": "none"}
     assert contacts.outer(undamped) == contacts.outer(zero)

@@ -52,7 +52,7 @@ def load_of(test_case: Case) -> RingLoad:
 # What a case says
 
 
-def test_a_ring_that_bends_is_filled_in_from_the_bearing() -> None:
+def test_defaults_of_a_flexible_ring_follow_from_the_bearing() -> None:
     test_case = flexible_case()
     ring = ring_of(test_case)
     assert (ring.harmonics, ring.damping) == (13 + 7, 0.01)
@@ -71,11 +71,11 @@ def test_a_rigid_ring_has_neither_ring_nor_load(rig: dict[str, Any]) -> None:
     assert case_id(test_case) == case_id(case(rig={}))
 
 
-def test_what_a_ring_is_told_besides_lets_it_bend() -> None:
+def test_keys_of_a_ring_make_it_flexible() -> None:
     assert ring_of(case(rig={"ring": {"harmonics": 12}})).harmonics == 12
 
 
-def test_the_load_enters_as_it_is_said() -> None:
+def test_load_has_the_given_distribution() -> None:
     assert load_of(flexible_case(load=PADS)).angles == pytest.approx((-math.pi / 4.0, math.pi / 4.0))
     points = load_of(flexible_case(load=POINTS))
     assert points.mass == 2.0
@@ -98,7 +98,7 @@ def test_a_sensor_on_the_housing_needs_fewer_harmonics() -> None:
 
 
 @pytest.mark.parametrize("rig", [{"sensor_angle": "60 deg"}, {"sensor": {"angle": "60 deg"}}])
-def test_the_angle_of_the_sensor_has_two_words(rig: dict[str, Any]) -> None:
+def test_sensor_angle_has_two_keys(rig: dict[str, Any]) -> None:
     test_case = case(rig=rig)
     assert test_case.rig.sensor_angle == test_case.rig.sensor.angle == math.pi / 3.0
     assert test_case == case(rig={"sensor_angle": "60 deg", "sensor": {"angle": "60 deg"}})
@@ -111,7 +111,7 @@ def test_a_case_survives_a_dump_and_the_results_folder(rig: dict[str, Any]) -> N
     assert case_of(flat_parameters(test_case) | {"record": ""}).rig == test_case.rig
 
 
-def test_results_from_before_sensors_are_read() -> None:
+def test_results_without_sensor_are_read() -> None:
     stored = flat_parameters(case(rig={"sensor_angle": "60 deg"})) | {"record": ""}
     old = {name: value for name, value in stored.items() if not name.startswith("rig.sensor.")}
     assert len(old) == len(stored) - 2
@@ -124,7 +124,7 @@ def test_stored_parameters_have_units() -> None:
     assert set(names) <= {name for load in LOADS[1:] for name in flat_parameters(flexible_case(**load))}
 
 
-def test_the_schema_knows_the_ring() -> None:
+def test_schema_contains_the_ring() -> None:
     schema = json_schema()["$defs"]
     rig = schema["Rig"]["properties"]
     assert rig["ring"]["anyOf"][0] == rig["load"]["anyOf"][0] == {"type": "string", "enum": ["none"]}
@@ -154,9 +154,7 @@ RIGID: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("fields", "name"), RIGID)
-def test_a_rigid_ring_renames_no_result(
-    monkeypatch: pytest.MonkeyPatch, fields: dict[str, Any], name: str
-) -> None:
+def test_rigid_ring_keeps_the_id(monkeypatch: pytest.MonkeyPatch, fields: dict[str, Any], name: str) -> None:
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 8)
     assert case_id(case(settle="50 ms", **fields)) == name
 
@@ -166,7 +164,7 @@ def test_one_sensor_has_one_id() -> None:
     assert case_id(case(rig={"sensor": {"angle": "60 deg"}})) != case_id(case())
 
 
-def test_whatever_bends_the_ring_shapes_the_id() -> None:
+def test_id_depends_on_all_parameters_of_a_flexible_ring() -> None:
     rigs: list[dict[str, Any]] = [
         *LOADS,
         {"ring": BENDS | {"harmonics": 12}},
@@ -190,7 +188,7 @@ def test_whatever_bends_the_ring_shapes_the_id() -> None:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_models_that_know_no_bending_refuse_it(write: Write, name: str) -> None:
+def test_models_without_a_flexible_ring_refuse_it(write: Write, name: str) -> None:
     text = f"{HEALTHY}rig: {{ring: {{bends: true}}}}\nsweep: {{model: [{name}]}}\n"
     if name in ("static", "rollers"):
         assert load_study(write(text)).cases()[0].rig.ring
@@ -199,12 +197,12 @@ def test_models_that_know_no_bending_refuse_it(write: Write, name: str) -> None:
     assert f"model: the {name} model cannot do this: `rig.ring` lets the outer ring bend" in stderr
 
 
-def test_the_least_model_that_bends() -> None:
+def test_simplest_model_of_a_flexible_ring() -> None:
     assert simplest_model(case(model="rollers", rig={"ring": BENDS})) == "static"
     assert simplest_model(case(model="rollers", rig={"ring": BENDS}, record=["ring.acceleration"])) == "rollers"
 
 
-def test_auto_takes_no_implicit_method_for_a_ring_that_bends() -> None:
+def test_auto_excludes_implicit_methods_for_a_flexible_ring() -> None:
     test_case = flexible_case()
     implicit = {name for name, method in METHODS.items() if method.implicit}
     assert not any(can_step(test_case, name) for name in implicit)
@@ -212,7 +210,7 @@ def test_auto_takes_no_implicit_method_for_a_ring_that_bends() -> None:
     assert implicit.isdisjoint(choice(test_case).prices)
 
 
-def test_a_bracket_that_is_not_there_is_not_uncertain() -> None:
+def test_missing_bracket_is_not_varied() -> None:
     assert not has_effect("bracket", flexible_case(bracket_stiffness="0 N/m"))
     assert has_effect("bracket", flexible_case())
 
@@ -319,5 +317,5 @@ def test_a_load_across_turns_the_load_line() -> None:
 
 
 @pytest.mark.parametrize("load", LOADS)
-def test_a_ring_that_bends_may_have_no_bracket(load: dict[str, Any]) -> None:
+def test_flexible_ring_needs_no_bracket(load: dict[str, Any]) -> None:
     assert flexible_case(bracket_stiffness="0 N/m", **load).rig.bracket_stiffness == 0.0

@@ -96,14 +96,14 @@ def most_able(fields: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
-def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -> None:
+def test_simplest_model_and_reason(fields: dict[str, Any], model: str, why: str) -> None:
     test_case = case(**fields | {"model": most_able(fields)})
     assert simplest_model(test_case) == model
     assert any(why in reason for reason in reasons(test_case))
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
-def test_the_reference_is_planar_unless_it_cannot(fields: dict[str, Any], model: str, why: str) -> None:
+def test_reference_is_planar_if_it_is_sufficient(fields: dict[str, Any], model: str, why: str) -> None:
     test_case = case(**fields | {"model": "reference"})
     assert test_case.model == most_able(fields)
     assert reference_model(test_case) == test_case.model
@@ -111,7 +111,7 @@ def test_the_reference_is_planar_unless_it_cannot(fields: dict[str, Any], model:
     assert Case.model_validate(test_case.model_dump()) == test_case
 
 
-def test_the_reference_slips_only_where_a_case_speaks_of_it() -> None:
+def test_reference_has_slip_only_if_the_case_has_its_keys() -> None:
     silent = case(model="reference")
     assert silent.cage == Cage(motion="kinematic")
     assert silent.friction == Frictionless()
@@ -120,12 +120,12 @@ def test_the_reference_slips_only_where_a_case_speaks_of_it() -> None:
         assert test_case.cage == Cage(), fields
 
 
-def test_the_reference_of_a_ring_that_bends_is_rollers() -> None:
+def test_reference_of_a_flexible_ring_is_rollers() -> None:
     assert case(model="reference", rig={"ring": {"bends": True}}).model == "rollers"
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
-def test_every_model_above_the_least_will_do(fields: dict[str, Any], model: str, why: str) -> None:
+def test_every_model_above_the_simplest_is_sufficient(fields: dict[str, Any], model: str, why: str) -> None:
     above = [*MODELS][[*MODELS].index(model) :] if model != "impulse" else ("impulse",)
     sliced = "spatial" if fields.get("excitation") == "pressure-share" else ""  # its slices share no pressure
     for higher in (name for name in above if name != sliced):
@@ -133,7 +133,7 @@ def test_every_model_above_the_least_will_do(fields: dict[str, Any], model: str,
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), [row for row in LEAST if row[1] == "planar"])
-def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model: str, why: str) -> None:
+def test_keys_of_planar_are_refused_by_simpler_models(fields: dict[str, Any], model: str, why: str) -> None:
     for lower in ("static", "ring", "rollers"):
         ((message, hint),) = refusals(**fields | {"model": lower})
         assert message.startswith(f"the {lower} model cannot do this: ")
@@ -172,7 +172,7 @@ def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model
         ),
     ],
 )
-def test_a_model_that_cannot_is_refused_with_the_least_that_can(
+def test_insufficient_model_is_refused_with_the_simplest_sufficient_one(
     fields: dict[str, Any], messages: list[str], hint: str
 ) -> None:
     found = refusals(**fields)
@@ -182,29 +182,29 @@ def test_a_model_that_cannot_is_refused_with_the_least_that_can(
         assert hint in str(advice)
 
 
-def test_what_is_a_matter_of_quality_is_not_refused() -> None:
+def test_inaccurate_model_is_not_refused() -> None:
     test_case = case(model="static", defect=DEFECT, record=["ring.acceleration", "roller.outer_force"])
     assert test_case.model == "static"
     assert simplest_model(test_case) == "rollers"
     assert case(model="ring", speed="9000 rpm").model == "ring"
 
 
-def test_quality_yields_where_no_model_has_it() -> None:
+def test_quality_requirement_is_dropped_if_no_model_meets_it() -> None:
     assert case(**IMPULSES | {"model": "reference", "contact": {"damping": "kraemer"}}).model == "impulse"
 
 
-def test_what_planar_fills_in_asks_for_nothing() -> None:
+def test_defaults_of_planar_are_no_requirements() -> None:
     assert simplest_model(case(model="planar")) == "static"
     assert simplest_model(case(model="planar", friction="none")) == "static"
 
 
-def test_every_need_is_somebodys_ability() -> None:
+def test_every_requirement_is_met_by_a_model() -> None:
     abilities = frozenset[str]().union(*(model.abilities for model in MODELS.values()))
     needed = {need.ability for fields, _, _ in LEAST for need in needs(case(**fields | {"model": "reference"}))}
     assert needed <= abilities
 
 
-def test_each_rung_can_what_the_one_below_can() -> None:
+def test_each_model_has_the_abilities_of_the_simpler_one() -> None:
     for lower, higher in pairwise([*MODELS.values()][1:]):
         own = {"bending ring"}  # of `static` and `rollers`
         assert lower.abilities - {"balls", "shared pressure"} - own < higher.abilities
@@ -215,13 +215,13 @@ STILL = {"ring.rotation": "rig.torsion_stiffness", "inner.displacement": "shaft"
 
 
 @pytest.mark.parametrize("name", [name for name in STILL if name in CHANNELS])
-def test_channels_that_would_stay_zero_are_refused(name: str) -> None:
+def test_channels_that_remain_zero_are_refused(name: str) -> None:
     ((message, advice),) = refusals(model="planar", record=[name])
     assert message.startswith(f"`{name}` stays zero")
     assert advice == f"give `{STILL[name]}`"
 
 
-def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
+def test_default_impulses_of_a_model_are_no_requirement() -> None:
     """The message can then name the model with these forces."""
     with pytest.raises(ValidationError, match="contact force"):
         case(model="impulse", record=["roller.outer_force"], defect=DEFECT)
@@ -230,7 +230,7 @@ def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
     assert "impulses" in {need.ability for need in needs(test_case)}
 
 
-def test_balls_are_refused_by_the_spatial_model_alone() -> None:
+def test_only_the_spatial_model_refuses_balls() -> None:
     for name in MODELS:
         fields = {"bearing": "6205", "model": name, "defect": DEFECT | {"length": "1 mm"}}
         if name != "spatial":

@@ -88,7 +88,7 @@ def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wr
     assert scan.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
 
 
-def test_all_forms_of_a_file_are_the_same_scan(tmp_path: Path) -> None:
+def test_all_formats_of_a_file_give_the_same_scan(tmp_path: Path) -> None:
     depth = bowl()
     files = [
         write_points(tmp_path / "a.csv", depth),
@@ -110,7 +110,7 @@ def test_all_forms_of_a_file_are_the_same_scan(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("write", [write_grid, write_hdf5, write_points])
 @pytest.mark.parametrize("axis", ["s", "z"])
-def test_an_axis_that_runs_downwards_is_turned(tmp_path: Path, write: Any, axis: str) -> None:
+def test_decreasing_axis_is_reversed(tmp_path: Path, write: Any, axis: str) -> None:
     lopsided = bowl() * (S < 0.5)
     straight = read_scan(write(tmp_path / ("a.h5" if write is write_hdf5 else "a.csv"), lopsided))
     turned = {"s": S[::-1]} if axis == "s" else {"z": Z[::-1]}
@@ -143,7 +143,7 @@ def test_too_many_missing_cells_are_refused(tmp_path: Path, missing: Any, part: 
     assert part in refusal(write_grid(tmp_path / "a.csv", depth))
 
 
-def test_spikes_are_taken_out(tmp_path: Path) -> None:
+def test_spikes_are_removed(tmp_path: Path) -> None:
     depth = bowl(noise=0.2)
     depth[20, 40] += 300.0
     depth[5, 5] -= 80.0
@@ -175,7 +175,7 @@ def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
         ("depth [um] | z [mm] | s [mm]", []),
     ],
 )
-def test_a_defect_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
+def test_implausible_size_or_slope_is_noted(tmp_path: Path, head: str, parts: list[str]) -> None:
     scan_notes = read_scan(write_grid(tmp_path / "a.csv", bowl(), head)).notes
     assert list(scan_notes) == [f"the defect is {part}; is the unit right?" for part in parts]
 
@@ -189,7 +189,7 @@ def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
     assert read_scan(file).sizes == pytest.approx(level.sizes, rel=0.03)
 
 
-def test_the_race_is_race_whatever_its_noise(tmp_path: Path) -> None:
+def test_noise_of_the_race_is_removed(tmp_path: Path) -> None:
     """Outside the bowl the depth is zero, without noise."""
     scan = read_scan(write_grid(tmp_path / "a.csv", bowl(noise=0.3)))
     s, z = np.meshgrid(scan.s, scan.z)
@@ -197,7 +197,7 @@ def test_the_race_is_race_whatever_its_noise(tmp_path: Path) -> None:
     assert scan.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=0.12)
 
 
-def test_the_curvature_of_a_race_is_taken_off(tmp_path: Path) -> None:
+def test_curvature_of_the_race_is_subtracted(tmp_path: Path) -> None:
     """A race of 38.5 mm radius falls 29 um within 1.5 mm."""
     s, _ = np.meshgrid(S, Z)
     file = write_grid(tmp_path / "a.csv", bowl(noise=0.1) - 1e3 * s**2 / (2 * 38.5))
@@ -205,13 +205,13 @@ def test_the_curvature_of_a_race_is_taken_off(tmp_path: Path) -> None:
     assert read_scan(file).sizes[2] == pytest.approx(50e-6, rel=0.02)
 
 
-def test_the_middle_of_the_damage_is_its_place(tmp_path: Path) -> None:
+def test_middle_of_the_damage_is_its_position(tmp_path: Path) -> None:
     scan = read_scan(write_grid(tmp_path / "a.csv", bowl(), s=S + 40.0, z=Z - 7.0))
     assert "the damage's middle, s = 40 mm, z = -7 mm, is placed at the defect's position" in "\n".join(scan.notes)
     assert scan.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
 
 
-def test_uneven_places_are_taken_as_they_are(tmp_path: Path) -> None:
+def test_uneven_positions_are_kept(tmp_path: Path) -> None:
     s = np.sort(np.append(S, [0.01, 0.02]))
     x, z = np.meshgrid(s, Z)
     depth = 50.0 * np.clip(1.0 - x**2 - (z / 3.0) ** 2, 0.0, None)
@@ -220,7 +220,7 @@ def test_uneven_places_are_taken_as_they_are(tmp_path: Path) -> None:
     assert np.any(np.isclose(scan.s, 1e-5))
 
 
-def test_damage_that_goes_on_along_the_roller(tmp_path: Path) -> None:
+def test_damage_beyond_the_scan_along_the_roller(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "a.csv", np.where(np.abs(S) < 0.4, 50.0, 0.0) * np.ones((len(Z), 1)))
     assert "reaches the scan's end along z and is cut there" in notes_text(file)
     assert read_scan(file).sizes[0] == pytest.approx(8e-3)
@@ -270,7 +270,7 @@ def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
         ("depth [um] | z [mm] | s [mm],1,2\n1,1,1\n2,1,1\n", "at least 5 each are needed"),
     ],
 )
-def test_what_is_no_scan_file_is_refused(tmp_path: Path, text: str, part: str) -> None:
+def test_invalid_scan_file_is_refused(tmp_path: Path, text: str, part: str) -> None:
     (tmp_path / "a.csv").write_text(text)
     assert part in refusal(tmp_path / "a.csv")
 
@@ -300,7 +300,7 @@ def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
     assert "no points in this file" in refusal(write_hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
 
 
-def test_text_in_an_hdf5_file_is_refused_at_the_file(tmp_path: Path) -> None:
+def test_text_in_an_hdf5_file_is_refused(tmp_path: Path) -> None:
     with h5py.File(write_hdf5(tmp_path / "a.h5", bowl()), "r+") as file:
         del file["depth"]
         file["depth"] = np.full((len(Z), len(S)), "deep", dtype=h5py.string_dtype())
@@ -337,7 +337,7 @@ def test_a_long_first_line_is_not_repeated(tmp_path: Path) -> None:
         assert len(refusal(tmp_path / "a.csv")) < 240
 
 
-def test_one_missing_cell_and_a_place_at_zero_are_told_in_words(tmp_path: Path) -> None:
+def test_note_on_one_missing_cell_at_position_zero(tmp_path: Path) -> None:
     depth = bowl()
     depth[20, 30] = np.nan
     message = notes_text(write_points(tmp_path / "a.csv", depth, s=np.where(np.abs(S) < 1e-9, 5.421e-17, S)))
@@ -357,7 +357,7 @@ def case_with(file: Path, **fields: Any) -> Case:
     return Case.model_validate(base | {"defect": {"shape": "scan", "file": str(file)} | fields})
 
 
-def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
+def test_sizes_of_a_defect_are_those_of_the_file(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "a.csv", bowl(noise=0.1))
     test_case = case_with(file, angle="10 deg", offset="1 mm")
     assert test_case.defects[0].length == read_scan(file).sizes[0]
@@ -376,7 +376,9 @@ def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
         ({"offset": "9 mm"}, "um", "beyond the roller's end"),
     ],
 )
-def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str], unit: str, part: str) -> None:
+def test_scan_that_does_not_fit_the_case_is_refused(
+    tmp_path: Path, fields: dict[str, str], unit: str, part: str
+) -> None:
     file = write_grid(tmp_path / "a.csv", bowl(), f"depth [{unit}] | z [mm] | s [mm]")
     with pytest.raises(ValidationError, match=part.replace("(", r"\(").replace(")", r"\)")):
         case_with(file, **fields)
@@ -391,7 +393,7 @@ def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str]
         ({"length": 6e-3, "width": 2e-3}, "a scan's length comes from its file"),
     ],
 )
-def test_nobody_but_the_file_says_its_digest_and_sizes(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
+def test_digest_and_sizes_must_equal_those_of_the_file(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
     """Digest and sizes are accepted only if they equal those of the file."""
     file = write_grid(tmp_path / "a.csv", bowl())
     digest = read_scan(file).digest
@@ -414,13 +416,13 @@ def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
     assert "digest" not in json_schema()["$defs"]["Defect"]["properties"]
 
 
-def test_a_job_is_named_by_what_is_in_the_file(tmp_path: Path) -> None:
+def test_id_depends_on_the_content_of_the_file(tmp_path: Path) -> None:
     file, same = write_grid(tmp_path / "a.csv", bowl()), write_grid(tmp_path / "b.csv", bowl())
     other = write_grid(tmp_path / "c.csv", 0.9 * bowl())
     assert case_id(case_with(file)) == case_id(case_with(same)) != case_id(case_with(other))
 
 
-def test_a_file_that_changes_under_a_case_is_refused(tmp_path: Path) -> None:
+def test_file_changed_after_reading_is_refused(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "a.csv", bowl())
     dumped = case_with(file).model_dump()
     write_grid(file, 0.9 * bowl())
@@ -462,7 +464,7 @@ defect: {shape: scan, file: FILE}
 """
 
 
-def test_a_file_is_looked_for_beside_the_study(tmp_path: Path) -> None:
+def test_file_is_found_in_the_folder_of_the_study(tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
     write_grid(tmp_path / "scans" / "a.csv", bowl())
     write_grid(tmp_path / "scans" / "b.csv", 0.5 * bowl())
@@ -473,7 +475,9 @@ def test_a_file_is_looked_for_beside_the_study(tmp_path: Path) -> None:
     assert [swept["defect.file"] for _, swept in load_study(path).swept_cases] == ["scans/a.csv", "scans/b.csv"]
 
 
-def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_working_folder_takes_precedence_over_that_of_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for folder, share in (("here", 1.0), ("study", 0.5)):
         (tmp_path / folder).mkdir()
         write_grid(tmp_path / folder / "a.csv", share * bowl())
@@ -500,7 +504,7 @@ def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch:
         ),
     ],
 )
-def test_a_wrong_file_is_told_at_its_place(tmp_path: Path, file: str, message: str) -> None:
+def test_invalid_file_is_reported_at_its_position(tmp_path: Path, file: str, message: str) -> None:
     (tmp_path / "bad.csv").write_text("s,z [mm],depth [um]\n1,1,1\n")
     write_grid(tmp_path / "deep.csv", bowl(), "depth [mm] | z [mm] | s [mm]")
     path = tmp_path / "study.yaml"
@@ -512,7 +516,7 @@ def test_a_wrong_file_is_told_at_its_place(tmp_path: Path, file: str, message: s
 
 
 @pytest.mark.parametrize("kind", DATASETS)
-def test_an_hdf5_dataset_that_is_not_what_it_states_is_refused(tmp_path: Path, kind: str) -> None:
+def test_hdf5_dataset_with_a_false_header_is_refused(tmp_path: Path, kind: str) -> None:
     add, message = DATASETS[kind]
     with h5py.File(tmp_path / "a.h5", "w") as file:
         add(file, "depth", tmp_path / "other.h5")
@@ -533,7 +537,7 @@ def test_a_scan_of_many_points_is_refused_before_it_is_read(tmp_path: Path) -> N
     assert "more than 4000000 cells" in refusal(tmp_path / "a.csv")
 
 
-def test_a_scan_larger_than_any_is_not_read(tmp_path: Path) -> None:
+def test_oversized_scan_is_not_read(tmp_path: Path) -> None:
     for name in ("a.csv", "a.h5"):
         with (tmp_path / name).open("wb") as file:
             file.truncate(300_000_000_000)

@@ -42,7 +42,7 @@ def refusal(**fields: Any) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize(("length", "offset"), [(12.0, 0.0), (3.0, 0.0), (3.0, 4.5), (0.37, -2.11)])
-def test_slices_end_where_the_defect_does_and_fill_the_roller(length: float, offset: float) -> None:
+def test_slices_align_with_the_defect_and_cover_the_roller(length: float, offset: float) -> None:
     test_case = case(defect=DEFECT | {"length": length * 1e-3, "offset": offset * 1e-3})
     ends, table = slice_ends(test_case), space.slices(test_case).table
     for side in (-0.5, 0.5):
@@ -55,7 +55,7 @@ def test_slices_end_where_the_defect_does_and_fill_the_roller(length: float, off
     assert 24 <= len(table) <= 28
 
 
-def test_slices_lie_denser_in_a_defect() -> None:
+def test_slices_are_denser_in_a_defect() -> None:
     ends = slice_edges(12e-3, [(-1.5e-3, 1.5e-3)], 24)
     inside = np.diff(ends[(ends > -1.6e-3) & (ends < 1.6e-3)])
     outside = np.diff(ends[ends < -1.4e-3])
@@ -78,7 +78,7 @@ def test_profiles() -> None:
     assert space.drop(log, 5.5e-3) == pytest.approx(0.00035 * 12e-3 * 1.8343, rel=1e-4)  # ln(1/(1 - (11/12)^2))
 
 
-def test_what_a_profile_lacks_or_does_not_know_is_refused() -> None:
+def test_missing_or_unknown_keys_of_a_profile_are_refused() -> None:
     for profile, words in (
         ({"shape": "crowned"}, "a crowned profile needs `drop`"),
         ({"shape": "logarithmic", "drop": 1e-6}, "a logarithmic profile has none"),
@@ -88,7 +88,7 @@ def test_what_a_profile_lacks_or_does_not_know_is_refused() -> None:
             profiled(**profile)
 
 
-def test_flanges_of_the_nf308_stand_on_the_inner_ring_and_one_on_the_outer() -> None:
+def test_nf308_has_two_inner_flanges_and_one_outer_flange() -> None:
     result = space.flanges(case())
     assert (result.inner_minus, result.inner_plus, result.outer_minus, result.outer_plus) == (1.0, 1.0, 0.0, 1.0)
     assert result.play == 25e-6
@@ -96,7 +96,7 @@ def test_flanges_of_the_nf308_stand_on_the_inner_ring_and_one_on_the_outer() -> 
     assert isinstance(space.flanges(case().model_copy(update={"bearing": bare})), NoFlanges)
 
 
-def test_a_misaligned_ring_leans_where_the_case_says() -> None:
+def test_misaligned_ring_is_tilted_in_the_given_direction() -> None:
     test_case = case(misalignment={"inner": "1 mrad", "outer": "-0.5 mrad", "direction": "30 deg"})
     inner, outer = space.inner_mount(test_case), space.outer_mount(test_case)
     assert isinstance(inner, RigidMount)
@@ -104,7 +104,7 @@ def test_a_misaligned_ring_leans_where_the_case_says() -> None:
     assert outer == pytest.approx((-0.5e-3 * np.cos(np.pi / 6), -0.25e-3), rel=1e-6)
 
 
-def test_a_lean_in_degrees_that_was_meant_in_mrad_is_refused() -> None:
+def test_implausibly_large_misalignment_is_refused() -> None:
     message, hint = refusal(misalignment={"inner": "2 deg"})
     assert message == "a tilt of 2 deg is beyond 1.14592 deg"
     assert "mrad" in hint
@@ -121,7 +121,7 @@ def test_sprung_rings_have_masses_and_inertias() -> None:
 
 
 @pytest.mark.parametrize("key", ["axial_stiffness", "tilting_stiffness"])
-def test_half_a_spring_is_refused(key: str) -> None:
+def test_incomplete_spring_is_refused(key: str) -> None:
     message, _ = refusal(rig={key: SPRUNG[key]})
     other = next(name for name in SPRUNG if name != key)
     assert message == f"a ring that tilts also needs `{other}`"
@@ -141,14 +141,14 @@ def test_a_line_load_is_a_channel_for_each_slice() -> None:
 
 
 @pytest.mark.parametrize("name", ["ring.lean", "ring.axial", "inner.lean", "inner.axial"])
-def test_channels_of_rings_that_are_held_are_refused(name: str) -> None:
+def test_channels_of_fixed_rings_are_refused(name: str) -> None:
     message, hint = refusal(record=[name])
     assert message.startswith(f"`{name}` stays zero")
     assert "tilting_stiffness" in hint
     assert case(record=[name], rig=SPRUNG, shaft=SHAFT | SPRUNG).record == (name,)
 
 
-def test_a_kinematic_cage_holds_skew_and_itself() -> None:
+def test_kinematic_cage_has_no_skew_and_no_own_motion() -> None:
     kinematic = {"motion": "kinematic"}
     assert isinstance(space.cage_in_space(case(cage=kinematic)), CageInPlane)
     for name in ("roller.skew", "cage.axial"):
@@ -163,7 +163,7 @@ def test_balls_and_shared_pressure_have_no_slices() -> None:
     assert "not of its slices" in refusal(defect=DEFECT, excitation="pressure-share")[0]
 
 
-def test_too_many_slices_are_told_with_everything_else() -> None:
+def test_too_many_slices_are_reported_with_other_problems() -> None:
     defects = [
         DEFECT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)
     ]
@@ -176,7 +176,7 @@ def test_too_many_slices_are_told_with_everything_else() -> None:
     ]
 
 
-def test_the_twin_of_a_job_with_line_loads_keeps_to_its_own_slices() -> None:
+def test_healthy_case_with_line_loads_keeps_its_slices() -> None:
     record = ["ring.velocity", "roller.1.outer_line_load"]
     aside = case(defect=DEFECT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
     twin = _baseline(aside, {})
@@ -191,7 +191,7 @@ def test_a_flange_force_without_flanges_stays_zero() -> None:
     assert refusal(bearing=bare, record=["roller.flange_force"])[0].startswith("`roller.flange_force` stays zero")
 
 
-def test_loads_at_rest_know_that_a_ring_leans() -> None:
+def test_loads_at_rest_include_misalignment() -> None:
     """A tilt of 1 mrad at 1 kN loads the ends of rollers: 455 N instead of 316 N without tilt."""
 
     def at_rest(lean: str, **damping: Any) -> tuple[float, float, float]:
@@ -209,14 +209,14 @@ def test_loads_at_rest_know_that_a_ring_leans() -> None:
     assert leaning[2] == pytest.approx(2.39e-6 * leaning[1], rel=0.01)  # flanges hold, and are not damped so
 
 
-def test_what_is_the_same_has_one_id() -> None:
+def test_equivalent_cases_have_one_id() -> None:
     assert case_id(case(misalignment={})) == case_id(case())
     assert case_id(case(contact={"length_nodes": 6})) == case_id(case())
     fields = {"excitation": "elastic-edge", "defect": DEFECT | {"edge": {"radius": "20 um"}}}
     assert case_id(case(**fields)) == case_id(case(excitation="elastic-edge", defect=DEFECT))
 
 
-def test_what_only_space_knows_names_no_result_of_another_model() -> None:
+def test_keys_of_spatial_do_not_change_ids_of_other_models() -> None:
     for other in ({"contact": {"slices": 12}}, {"cage": {"axial_clearance": "0.1 mm"}}):
         for model, same in (("planar", True), ("spatial", False)):
             cage = {"cage": {}} if "cage" in other else {}

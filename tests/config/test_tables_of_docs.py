@@ -87,7 +87,7 @@ def models_of(cell: str) -> set[str]:
     return set(MODELS) - models if cell.startswith("all") else models
 
 
-def test_the_models_of_each_channel_are_those_that_can() -> None:
+def test_documented_models_of_channels_are_those_that_accept_them() -> None:
     """Except channels that a model computes inaccurately, which are not refused."""
     documented = {
         name: cells[3] for cells in rows_of("results.md", "| channel | unit |") for name in quoted_names(cells[0])
@@ -132,7 +132,7 @@ def test_models_are_those_of_the_catalogue() -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_what_a_model_is_said_to_do_can_be_made(model: str) -> None:
+def test_documented_abilities_of_a_model_can_be_assembled(model: str) -> None:
     """Cases with each excitation and rolling element can be assembled."""
     built = set[tuple[str, str]]()
     for bearing, excitation in product(("nf308", "6205"), get_args(Excitation)):

@@ -23,14 +23,14 @@ def quoted(sentence: str) -> list[str]:
     return re.findall(r"`([^`]+)`", sentence)
 
 
-def test_no_word_is_a_key_or_a_name() -> None:
+def test_no_word_of_the_vocabulary_is_a_key() -> None:
     own = NAMES - set(SHAPES)  # a `spall` is a shape of defects, and no key
     assert set(EXPLANATIONS) & (own | {name.lower() for name in own}) == set()
     assert all(word == word.lower().replace("-", "_").replace(" ", "_") for word in EXPLANATIONS)
 
 
 @pytest.mark.parametrize("sentence", ALL)
-def test_what_a_sentence_names_is_there(sentence: str) -> None:
+def test_names_in_advice_exist(sentence: str) -> None:
     assert len(sentence) <= 110
     for name in quoted(sentence):
         command = name.startswith(("bearingsim ", "results."))
@@ -38,7 +38,7 @@ def test_what_a_sentence_names_is_there(sentence: str) -> None:
 
 
 @pytest.mark.parametrize("sentence", [one for one in ALL if any(": " in name for name in quoted(one))])
-def test_what_a_sentence_says_to_write_is_read(write: Write, sentence: str) -> None:
+def test_entries_in_advice_are_valid(write: Write, sentence: str) -> None:
     """With the named model, and the shaft that an unbalance needs."""
     written = {name.partition(":")[0]: name for name in quoted(sentence) if ": " in name}
     if "roller_profile" in written:
@@ -52,7 +52,7 @@ def test_what_a_sentence_says_to_write_is_read(write: Write, sentence: str) -> N
     assert load_study(write(text)).cases()
 
 
-def test_a_profile_is_one_of_the_bearings_keys(write: Write) -> None:
+def test_profile_is_a_key_of_the_bearing(write: Write) -> None:
     own = Path(__file__).parents[2] / "configs/bearings/nf308.yaml"
     text = own.read_text() + "\nroller_profile: {shape: crowned, drop: 5 um}\n"
     assert "`roller_profile: {shape: crowned, drop: 5 um}`" in EXPLANATIONS["crown"]
@@ -93,7 +93,7 @@ def test_another_quantity_is_not_suggested(write: Write, lines: str, message: st
     assert "did you mean" not in str(caught.value)
 
 
-def test_a_bearing_with_a_contact_angle_is_told_what_takes_one(write: Write) -> None:
+def test_contact_angle_is_answered_with_advice(write: Write) -> None:
     path = write(BASE.replace("nf308", "{element: ball, contact_angle: 15 deg}"))
     with pytest.raises(
         StudyError, match=r"bearing: unknown key `contact_angle` \(all models have contact angle 0"
@@ -101,7 +101,7 @@ def test_a_bearing_with_a_contact_angle_is_told_what_takes_one(write: Write) -> 
         load_study(path)
 
 
-def test_advice_is_the_sentence_before_a_similar_word() -> None:
+def test_advice_precedes_similar_words() -> None:
     assert advice("imbalance", ["unbalance"]) == EXPLANATIONS["imbalance"]
     assert advice("unbalanc", ["unbalance"]) == "did you mean `unbalance`?"
     assert advice("quark", ["unbalance"]) == ""

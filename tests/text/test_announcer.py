@@ -7,7 +7,7 @@ import pytest
 from bearingsim.text.announcer import announcer
 
 
-def test_what_takes_long_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+def test_long_operation_is_announced_once(capsys: pytest.CaptureFixture[str]) -> None:
     with announcer(seconds=0.05) as patience:
         for what in ("first", "second", "third", "second"):
             patience.begin(what)
@@ -17,7 +17,9 @@ def test_what_takes_long_is_said_once(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 @pytest.mark.parametrize("enabled", [None, False])
-def test_what_is_short_or_not_wanted_is_not_said(enabled: bool | None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_short_or_disabled_operation_is_not_announced(
+    enabled: bool | None, capsys: pytest.CaptureFixture[str]
+) -> None:
     with announcer(enabled, seconds=10.0 if enabled is None else 0.0) as patience:
         patience.begin("short")
     time.sleep(0.01)

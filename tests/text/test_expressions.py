@@ -93,7 +93,7 @@ def refusal(text: str) -> tuple[str, str]:
         ("seed == 0 or 1 / seed > 1", False, "true or false"),
     ],
 )  # fmt: skip
-def test_what_a_formula_comes_to(text: str, expected: float, what: str) -> None:
+def test_values_of_formulas(text: str, expected: float, what: str) -> None:
     result, found_kind = value(text)
     assert result == pytest.approx(expected, rel=1e-14)
     assert found_kind == what
@@ -111,7 +111,7 @@ def test_what_a_formula_comes_to(text: str, expected: float, what: str) -> None:
         ("4 mm**(1/2)", "write `(4 mm)**(...)` or `4 * (1 mm)**(...)`"),
     ],
 )
-def test_a_power_of_a_quantity_stands_behind_brackets(text: str, remedy: str) -> None:
+def test_power_of_a_quantity_needs_brackets(text: str, remedy: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         value(text)
     assert caught.value.hint == remedy
@@ -152,7 +152,7 @@ NEAR = st.floats(-1e3, 1e3).flatmap(
 
 
 @given(NEAR)
-def test_of_less_equal_and_more_one_holds(pair: tuple[float, float]) -> None:
+def test_exactly_one_of_less_equal_and_greater_is_true(pair: tuple[float, float]) -> None:
     names = dict(zip(("a.x", "b"), pair, strict=True))
     holds = {}
     for sign in ("<", "<=", ">", ">=", "==", "!="):
@@ -187,7 +187,7 @@ def test_temperatures(text: str, expected: float) -> None:
     assert value(text)[0] == pytest.approx(expected, rel=1e-14)
 
 
-def test_a_temperature_below_zero_is_told_from_one_above() -> None:
+def test_temperatures_below_zero_are_compared() -> None:
     """-10 C is not above -5 C, and -2 C is."""
     assert value(f"{WARM} > -5 C", {WARM: 263.15})[0] is False
     assert value(f"{WARM} > -5 C", {WARM: 271.15})[0] is True
@@ -209,7 +209,7 @@ def test_a_temperature_below_zero_is_told_from_one_above() -> None:
         (f"max({WARM} - 280 K, 20 C)", "degrees Celsius beside a difference", "20 C"),
     ],
 )
-def test_degrees_celsius_do_not_count_from_zero(text: str, message: str, caret: str) -> None:
+def test_arithmetic_with_degrees_celsius_is_refused(text: str, message: str, caret: str) -> None:
     first_line, pointed = refusal(text)
     assert first_line == message
     assert pointed.startswith(caret)
@@ -222,7 +222,7 @@ def test_the_remedy_for_degrees_celsius(degrees: str, kelvins: str) -> None:
     assert caught.value.hint == f"write `{degrees} K` for a difference, `{kelvins} K` for a temperature"
 
 
-def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
+def test_conditions_are_evaluated_only_as_far_as_needed() -> None:
     """As in Python: a condition before a division prevents it."""
     assert value("seed == 0 or 1 / seed > 1", {"seed": 0.0})[0] is True
     assert value("seed != 0 and 1 / seed > 1", {"seed": 0.0})[0] is False
@@ -294,7 +294,7 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_nothing_of_python_gets_through(text: str) -> None:
+def test_python_code_is_refused(text: str) -> None:
     before = set(sys.modules)
     refusal(text)
     assert "os.system" not in set(sys.modules) - before
@@ -461,7 +461,7 @@ def test_a_quantity_of_each_unit_is_what_the_table_says(dimension: Dimension) ->
         ("frequency", "1 / 1 s"),
     ],
 )
-def test_units_are_made_of_others(dimension: Dimension, made_of: str) -> None:
+def test_composed_units(dimension: Dimension, made_of: str) -> None:
     assert read(node(made_of)).kind(kind) == kind_of(dimension) != TRUTH
 
 

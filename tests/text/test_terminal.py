@@ -34,14 +34,14 @@ def test_control_characters_are_left_out(text: str, capsys: pytest.CaptureFixtur
     assert printed.out.replace("\n", "").replace("\t", "").isprintable()
 
 
-def test_other_text_stays_as_it_is() -> None:
+def test_other_text_is_unchanged() -> None:
     text = "µm, °, Kräfte, 軸受, 0.8 mm: `a`\n\tnext line\n"
     assert plain(text) == text
     assert is_line("µm, Kräfte, 軸受")
     assert not is_line("")
 
 
-def test_nothing_is_printed_past_it() -> None:
+def test_no_module_prints_without_the_filter() -> None:
     printing = re.compile(r"(?<![.\w])print\(|typer\.echo\(|std(out|err)\.write\(")
     sources = {path.relative_to(PACKAGE).as_posix(): path for path in PACKAGE.rglob("*.py")}
     modules = {name for name, path in sources.items() if printing.search(path.read_text(encoding="utf-8"))}

@@ -88,7 +88,7 @@ def test_quantity_becomes_si(text: str, dimension: Dimension, value: float) -> N
         ("5 N m", "torsional stiffness", "did you mean", "N m/rad"),
     ],
 )
-def test_what_is_no_quantity_is_refused(text: str, dimension: Dimension, part: str, nearest: str | None) -> None:
+def test_invalid_quantity_is_refused(text: str, dimension: Dimension, part: str, nearest: str | None) -> None:
     with pytest.raises(UnitError) as caught:
         parse(text, dimension)
     assert part in str(caught.value)
@@ -120,12 +120,12 @@ def test_a_word_with_two_meanings_needs_its_dimension() -> None:
         display(1.0, "rpm", "length")
 
 
-def test_text_for_people() -> None:
+def test_displayed_quantities() -> None:
     assert show(0.0008, "mm") == "0.8 mm"
     assert split(" 1.50µm ") == ("1.50", "um")
 
 
-def test_every_dimension_can_be_shown_and_asked_for() -> None:
+def test_every_dimension_has_a_name_and_an_example() -> None:
     for dimension, words in UNITS.items():
         assert DISPLAY[dimension] in words
         example = EXPECTED[dimension].split("`")[1]
@@ -164,5 +164,5 @@ def test_an_unknown_prefix_lists_the_units(text, dimension):
         ("", ["load"], ""),
     ],
 )
-def test_only_a_likely_slip_is_suggested(typed: str, words: list[str], meant: str) -> None:
+def test_only_likely_misspellings_are_suggested(typed: str, words: list[str], meant: str) -> None:
     assert suggestion(typed, words) == (f"did you mean {meant}?" if meant else "")
