@@ -84,8 +84,8 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: S
     if title:
         canvas.suptitle(title, x=0.01, ha="left", fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
-    whole = [item.replace(" ", labels.NO_BREAK) if len(item) < width else item for item in caption]
-    text = textwrap.fill(", ".join(whole), width, break_long_words=False, break_on_hyphens=False)
+    unbroken = [item.replace(" ", labels.NO_BREAK) if len(item) < width else item for item in caption]
+    text = textwrap.fill(", ".join(unbroken), width, break_long_words=False, break_on_hyphens=False)
     inches, height = canvas.get_size_inches()
     canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
     canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")

@@ -92,10 +92,10 @@ def _job_pictures(results: "Results", job: str, parameters: Mapping[Any, Any]) -
     from bearingsim.assemble.defects import contact_length
 
     case = recorded.case_of(results, job, parameters)
-    made = list(defects_of(case))
-    for number, defect in enumerate(made, 1):
+    defects = list(defects_of(case))
+    for number, defect in enumerate(defects, 1):
         length = contact_length(case, side=1 if defect.race == "inner" else 0)
-        yield Picture(defect, number, len(made), [job], length, ends_of_slices(case))
+        yield Picture(defect, number, len(defects), [job], length, ends_of_slices(case))
 
 
 def _key(picture: Picture) -> tuple[Any, ...]:
@@ -111,12 +111,12 @@ def draw_defect(results: "Results", picture: Picture) -> Canvas:
     Lengths are to scale; the heights of a section are exaggerated by a round number, printed in its title. A path
     much shallower than the defect is drawn once more, magnified.
     """
-    taken = _roller_path(results, picture)
-    panels = list(_panels(picture.defect, taken[1] if taken else None))
+    path = _roller_path(results, picture)
+    panels = list(_panels(picture.defect, path[1] if path else None))
     wide, tall = _map_inches(picture)
     right = LEFT + wide + BAR
     canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
-    finish(canvas, _title(picture), _caption(results, picture, taken))
+    finish(canvas, _title(picture), _caption(results, picture, path))
     bottom = LINE * (canvas.get_supxlabel().count("\n") + 1) + BELOW
     stack = sum(panel.inches + ABOVE + BELOW for panel in panels)
     head = ABOVE if canvas.get_suptitle() else 0.0
@@ -127,8 +127,8 @@ def draw_defect(results: "Results", picture: Picture) -> Canvas:
         top -= ABOVE + panel.inches
         ax = _axes_at(canvas, right, top, SECTION_IN, panel.inches)
         _draw_section(ax, panel, picture.defect.R, number)
-        if taken is not None:
-            _draw_roller_path(ax, panel, taken[1])
+        if path is not None:
+            _draw_roller_path(ax, panel, path[1])
         top -= BELOW
     _name_curves(ax, right, top)
     return canvas
@@ -174,7 +174,7 @@ def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
     defect, half = picture.defect, 500.0 * picture.roller_length
     depths = 1e6 * np.ma.masked_equal(defect.depth_map, 0.0)
     s_mm, z_mm = 1e3 * defect.positions(), 1e3 * defect.axial_positions
-    made = ax.pcolormesh(s_mm, z_mm, depths, cmap=SCALE, shading="nearest",
+    mesh = ax.pcolormesh(s_mm, z_mm, depths, cmap=SCALE, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
     s, z = _shown(picture)
     ax.set_xlim(1e3 * s[0], 1e3 * s[1])
@@ -197,7 +197,7 @@ def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
     ax.set_ylabel("Along the roller, z (mm)")
     letter(ax, 0, 2, "to scale")
     beside = 0.12 / _map_inches(picture)[0]
-    bar = ax.figure.colorbar(made, cax=ax.inset_axes((1.0 + beside, 0.2, beside, 0.6)))
+    bar = ax.figure.colorbar(mesh, cax=ax.inset_axes((1.0 + beside, 0.2, beside, 0.6)))
     bar.set_label("Depth (µm)")
     bar.ax.invert_yaxis()
 
@@ -220,23 +220,23 @@ class Panel(NamedTuple):
     closer: bool
 
 
-def _panels(defect: Defect, taken: RollerPath | None) -> Iterator[Panel]:
+def _panels(defect: Defect, roller_path: RollerPath | None) -> Iterator[Panel]:
     """Yield the panels of the sections, and magnified panels of the deepest one for shallow paths."""
     for number, position in enumerate(distinct_sections(defect)):
-        made, name = cut(defect, position), "AB"[number]
-        deepest, path = (float(np.max(values)) for values in (made.p, made.h))
+        section, name = cut(defect, position), "AB"[number]
+        deepest, path = (float(np.max(values)) for values in (section.p, section.h))
         depths = [deepest or float(defect.depth_map.max())]
-        closer = [path, *([float(np.max(taken.depth_at(position)))] if taken else [])]
+        closer = [path, *([float(np.max(roller_path.depth_at(position)))] if roller_path else [])]
         depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
-        shown = depths if number == 0 else depths[:1]
-        yield from (_panel(made, name, depth, closer=n > 0) for n, depth in enumerate(shown))
+        drawn_depths = depths if number == 0 else depths[:1]
+        yield from (_panel(section, name, depth, closer=n > 0) for n, depth in enumerate(drawn_depths))
 
 
-def _panel(made: Section, name: str, depth: float, closer: bool) -> Panel:
-    top, bottom = min(float(np.min(made.p)), 0.0) - HEADROOM * depth, 1.08 * depth
-    times = exaggeration(np.ptp(made.s) / SECTION_IN, bottom - top)
-    inches = times * (bottom - top) * SECTION_IN / np.ptp(made.s)
-    return Panel(made, name, top, bottom, times, max(float(inches), LOWEST_IN), closer)
+def _panel(section: Section, name: str, depth: float, closer: bool) -> Panel:
+    top, bottom = min(float(np.min(section.p)), 0.0) - HEADROOM * depth, 1.08 * depth
+    times = exaggeration(np.ptp(section.s) / SECTION_IN, bottom - top)
+    inches = times * (bottom - top) * SECTION_IN / np.ptp(section.s)
+    return Panel(section, name, top, bottom, times, max(float(inches), LOWEST_IN), closer)
 
 
 def exaggeration(metre_per_inch: float, height: float) -> float:
@@ -252,16 +252,16 @@ def round_below(most: float) -> float:
 
 def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     """Draw the defect, the path of a roller over it, and the roller at some positions; depth points down."""
-    made = panel.section
-    s, width = 1e3 * made.s, np.ptp(made.s)
-    ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
-    ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="defect", zorder=3)
-    ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a rigid round roller", zorder=4)
+    section = panel.section
+    s, width = 1e3 * section.s, np.ptp(section.s)
+    ax.fill_between(s, 1e6 * section.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
+    ax.plot(s, 1e6 * section.p, color=RACE, lw=1.1, label="defect", zorder=3)
+    ax.plot(s, 1e6 * section.h, color=PATH, lw=1.5, label="path of a rigid round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
     for position, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
-        center = float(np.mean(made.s)) + position * inner
-        low = float(np.interp(center, made.s, made.h))
-        ax.plot(s, 1e6 * (low - (made.s - center) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
+        center = float(np.mean(section.s)) + position * inner
+        low = float(np.interp(center, section.s, section.h))
+        ax.plot(s, 1e6 * (low - (section.s - center) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
         ax.plot(1e3 * center, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)
     ax.set_xlim(s[0], s[-1])
     ax.set_ylim(1e6 * panel.floor, 1e6 * panel.top)
@@ -272,11 +272,11 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     letter(ax, number, 2, f"section {panel.name}, {'closer, ' if panel.closer else ''}{times}")
 
 
-def _draw_roller_path(ax: "Axes", panel: Panel, taken: RollerPath) -> None:
+def _draw_roller_path(ax: "Axes", panel: Panel, path: RollerPath) -> None:
     """Draw the recorded path of a roller, clipped to the panel."""
     ax.plot(
-        1e3 * taken.s,
-        1e6 * taken.depth_at(panel.section.z),
+        1e3 * path.s,
+        1e6 * path.depth_at(panel.section.z),
         color=TAKEN_PATH,
         lw=1.3,
         ls=(0, (4, 1.2)),
@@ -303,12 +303,12 @@ def _roller_path(results: "Results", picture: Picture) -> tuple[str, RollerPath]
     return None
 
 
-def _caption(results: "Results", picture: Picture, taken: tuple[str, RollerPath] | None) -> list[str]:
+def _caption(results: "Results", picture: Picture, path: tuple[str, RollerPath] | None) -> list[str]:
     rows = select.case_rows(results)
     R = labels.number_text(round(1e3 * picture.defect.R, 2))
     texts = [f"raceway drawn flat, roller with its effective radius {R} mm"]
-    if taken is not None:
-        swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])
+    if path is not None:
+        swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == path[0])
         case = labels.described(swept, results.plan["units"])
-        texts.append(f"path of roller {taken[1].number} at {case or 'this case'}")
+        texts.append(f"path of roller {path[1].number} at {case or 'this case'}")
     return [*texts, *fixed_values(results, rows[rows["job"].isin(picture.jobs)], set())]

@@ -129,25 +129,25 @@ def content(
     )
 
 
-def grid(shown: Content, title: str | None) -> Grid:
+def grid(panels: Content, title: str | None) -> Grid:
     """Draw a grid of axes."""
-    rows, columns = len(shown.titles), len(shown.columns)
+    rows, columns = len(panels.titles), len(panels.columns)
     height = LOW_ROW_IN if rows > MANY else ROW_IN
     size = (max(2, columns) * COLUMN_IN, height * rows + (0.6 if rows > 1 else 1.0))
     canvas = Canvas(figsize=size, layout="constrained")
     axes = [list(line) for line in canvas.subplots(rows, columns, sharex="col", squeeze=False)]
-    for number, column in enumerate(shown.columns):
+    for number, column in enumerate(panels.columns):
         for line, curves in zip(axes, column.curves, strict=True):
             _panel(line[number], curves, column.scale)
         _name_axes([line[number] for line in axes], column.label, columns == 1, height)
-        axes[-1][number].set_xlabel(shown.x_label)
-    for line, text in zip(axes, shown.titles, strict=True):
+        axes[-1][number].set_xlabel(panels.x_label)
+    for line, text in zip(axes, panels.titles, strict=True):
         line[0].set_title(text, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
     _legend(canvas, [ax for line in axes for ax in line])
-    finish(canvas, title, shown.caption)
-    made = Grid(canvas, axes, shown.jobs, shown.is_below)
-    made.share_scales()
-    return made
+    finish(canvas, title, panels.caption)
+    result = Grid(canvas, axes, panels.jobs, panels.is_below)
+    result.share_scales()
+    return result
 
 
 # Rows

@@ -59,10 +59,10 @@ def draw_load(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list
     rows = [(job, load) for job, record in records.items() for load in _loads(results, job, record, y, span)]
     heights = [height for _, load in rows for height in (ROW_IN, *([TILT_IN] if load.tilts else []))]
     canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, sum(heights) + 0.8), layout="constrained")
-    made = canvas.subplots(
+    panel_axes = canvas.subplots(
         len(heights), 2, squeeze=False, width_ratios=[PICTURE_IN, PROFILE_IN], height_ratios=heights
     )
-    axes = iter(made)
+    axes = iter(panel_axes)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     for job, load in rows:
         picture, profile = next(axes)
@@ -101,13 +101,13 @@ def _loads(
         passage = first_passage(record, case, number, quantity.partition("_")[0])
         start, stop = _window(case, record, passage, span)
         time = record.series.time
-        shown = (time >= start) & (time <= stop)
-        if np.count_nonzero(shown) < MIN_SAMPLES:
+        in_range = (time >= start) & (time <= stop)
+        if np.count_nonzero(in_range) < MIN_SAMPLES:
             raise labels.PlotError(
-                f"job {job} has {np.count_nonzero(shown)} samples in that time; raise `sampling`"
+                f"job {job} has {np.count_nonzero(in_range)} samples in that time; raise `sampling`"
             )
-        tilts = {name: values[shown] for name, values in _tilts(record, number)}
-        yield LoadAlong(channel, time[shown], load[:, shown], ends, passage, tilts)
+        tilts = {name: values[in_range] for name, values in _tilts(record, number)}
+        yield LoadAlong(channel, time[in_range], load[:, in_range], ends, passage, tilts)
 
 
 def _tilts(record: Job, number: int) -> Iterator[tuple[str, Reals]]:
@@ -163,15 +163,15 @@ def instants(load: LoadAlong) -> dict[str, int]:
     `over the defect`: the median sample among those with the smallest load on the slices over the defect. `largest
     after`: the largest total load from then on. Without a defect: the largest and the smallest total load.
     """
-    whole = _whole(load)
+    total = _whole(load)
     if load.passage is None:
-        return {"largest load": int(np.argmax(whole)), "least load": int(np.argmin(whole))}
+        return {"largest load": int(np.argmax(total)), "least load": int(np.argmin(total))}
     low, high = load.passage.defect.z
     middles = (load.ends[1:] + load.ends[:-1]) / 2.0
     inside = np.maximum(_share(load)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
     over = int(least[len(least) // 2])
-    largest = over + int(np.argmax(whole[over:]))
+    largest = over + int(np.argmax(total[over:]))
     return {"before": 0, "over the defect": over, "largest after": largest, "after": len(load.time) - 1}
 
 
@@ -208,14 +208,14 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     step = load.time[1] - load.time[0]
     edges = 1e3 * np.append(load.time - step / 2.0, load.time[-1] + step / 2.0)
     seen = np.ma.masked_less(factor * load.load, UNLOADED * factor * float(load.load.max()))
-    made = ax.pcolormesh(edges, 1e3 * load.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
+    mesh = ax.pcolormesh(edges, 1e3 * load.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
     for end in load.passage.defect.z if load.passage is not None else ():
         ax.axhline(1e3 * end, color="0.2", lw=0.8, ls=(0, (1, 2)))
     ax.grid(visible=False)
     ax.set_xlabel("Time (ms)")
     ax.set_ylabel("Along the roller, z (mm)")
     assert ax.figure is not None
-    bar = ax.figure.colorbar(made, ax=ax, pad=0.02)
+    bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
     bar.set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
     bar.ax.yaxis.set_label_position("left")  # the sections are on its right
 

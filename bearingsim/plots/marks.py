@@ -51,15 +51,15 @@ def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
         colour = MARK_COLOURS[race]
         marks = [mark for mark in lines.marks(job.parameters, high) if mark.race == race]
         marks = [mark for mark in marks if low <= mark.hertz <= high]
-        shown = _apart(marks, MARKS_APART * (high - low))
-        for mark in shown:
+        drawn_marks = _apart(marks, MARKS_APART * (high - low))
+        for mark in drawn_marks:
             dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.side else {"alpha": 0.5}
             ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
         if named:
             distance = NAMES_APART_IN / _width(ax) * (high - low)
             harmonics = _apart([mark for mark in marks if not mark.side], distance)
-            beside = [mark for mark in shown if mark.side and mark.number]
-            for row in (beside, [*(mark for mark in shown if not mark.number), *harmonics]):
+            beside = [mark for mark in drawn_marks if mark.side and mark.number]
+            for row in (beside, [*(mark for mark in drawn_marks if not mark.number), *harmonics]):
                 height += ROW_POINTS * _name_marks(ax, row, colour, height)
     if named:
         lift_title(ax, height)
@@ -81,19 +81,19 @@ def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: fl
     places = [float(to_axes.transform((mark.hertz, 0.0))[0]) for mark in marks]
     longest = max((len(_with_frequency(mark)) for mark in marks), default=0)
     has_room = letter * longest < min(np.diff(places), default=1.0)
-    taken: list[tuple[float, float]] = []
+    occupied: list[tuple[float, float]] = []
     for mark, place in sorted(zip(marks, places, strict=True), key=lambda pair: (pair[0].number != 1, pair[1])):
         alignment, part = ALIGNMENTS[mark.side if mark.number else 0]
         for text in _texts(mark, has_room):
             left = place - part * letter * len(text)
             right = left + letter * len(text)
             is_inside = alignment == "center" or 0.0 <= left < right <= 1.0
-            if is_inside and all(right <= start or left >= end for start, end in taken):
-                taken.append((left, right))
+            if is_inside and all(right <= start or left >= end for start, end in occupied):
+                occupied.append((left, right))
                 ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
                             textcoords="offset points", ha=alignment, fontsize=7, color=colour)  # fmt: skip
                 break
-    return bool(taken)
+    return bool(occupied)
 
 
 def _texts(mark: lines.Mark, has_room: bool) -> list[str]:
@@ -142,9 +142,9 @@ def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
             text = f"± {family.distance}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
             entries.append(Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=text))
     if entries:
-        shown = canvas.legends[0] if canvas.legends else None
-        old = list(shown.legend_handles) if shown else []
-        if shown:
-            shown.remove()
+        legend = canvas.legends[0] if canvas.legends else None
+        old = list(legend.legend_handles) if legend else []
+        if legend:
+            legend.remove()
         handles = [*(handle for handle in old if handle is not None), *entries]
         canvas.legend(handles=handles, loc="outside upper right", ncols=len(handles))

@@ -90,9 +90,9 @@ def defects_of(case: "Case") -> Iterator[Defect]:
 
     for cluster in defects.defect_clusters(case):
         race, R = cluster.leader.race, defects.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
-        made = cluster.defect or ShiftedDefect(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
-        low, high, left, right = extent(made)
-        yield Defect(race, R, cluster.angle, made, (low, high), (left, right))
+        defect = cluster.defect or ShiftedDefect(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
+        low, high, left, right = extent(defect)
+        yield Defect(race, R, cluster.angle, defect, (low, high), (left, right))
 
 
 def ends_of_slices(case: "Case") -> Reals:
@@ -196,5 +196,5 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     tilts = series[tilt] if tilt else np.zeros(len(s))
     if ring == "inner":  # faster than the rollers, which move towards -s on it
         s, depth, tilts = -s[::-1], depth[::-1], -tilts[::-1]
-    shown = (s >= defect.positions()[0]) & (s <= defect.positions()[-1])
-    return RollerPath(number, s[shown], depth[shown], tilts[shown])
+    in_defect = (s >= defect.positions()[0]) & (s <= defect.positions()[-1])
+    return RollerPath(number, s[in_defect], depth[in_defect], tilts[in_defect])

@@ -79,14 +79,16 @@ def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "
     if not recorded and not requested:
         kind = f"`{prefix}*` channel" if prefix else "channel"
         raise PlotError(f"job {name} did not record any {kind}: add one to `record`")
-    wanted = list(requested) or [next((channel for channel in MOTION if channel in recorded), recorded[0])]
-    line_load = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
+    channels = list(requested) or [next((channel for channel in MOTION if channel in recorded), recorded[0])]
+    line_load = next(
+        (channel for channel in channels if roller_of(channel) and channel.endswith(LINE_LOADS)), None
+    )
     if line_load:
         raise PlotError(f"`{line_load}` is a line load with one value per slice; use `--kind load`")
-    for channel in wanted:
+    for channel in channels:
         for job, record in jobs.items():
             _check(job, channel, record.recorded)
-    return wanted
+    return channels
 
 
 def is_of_slice(channel: str) -> bool:

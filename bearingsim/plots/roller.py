@@ -49,27 +49,27 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
     if figure.view.healthy is None:
         figure = replace(figure, view=replace(figure.view, healthy="off"))
     display = Display(curve, "Angle of the roller (°)", [])
-    made = grid(content(results, records, channels, figure, display), figure.title)
-    for row, shown in zip(made.axes, made.jobs, strict=True):
+    panels = grid(content(results, records, channels, figure, display), figure.title)
+    for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
         for ax in row:
             ax.set_xlim(low, high)
             if high - low > FEW_TICKS:
                 ax.set_xticks(range(-180, 181, 90))
-            for job in shown:
+            for job in jobs_of_row:
                 for angle in outer_defects(job.parameters):
                     ax.axvline(np.degrees(angle), color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
-    return [Sheet(file_words(figure, jobs), made.canvas)]
+    return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 
 def _in_range(angle: np.ndarray, values: np.ndarray, low: float, high: float, one_pass: bool) -> Curve:
     """Return angles (deg) and values within limits: of the first pass, or with a gap after each revolution."""
-    shown = np.flatnonzero((angle >= low) & (angle <= high))
-    if not len(shown):
+    indices = np.flatnonzero((angle >= low) & (angle <= high))
+    if not len(indices):
         raise PlotError(f"no sample has an angle from {low:g} to {high:g}°; record longer or raise `sampling`")
-    ends = np.flatnonzero((np.diff(shown) > 1) | (np.diff(angle[shown]) < 0.0)) + 1
+    ends = np.flatnonzero((np.diff(indices) > 1) | (np.diff(angle[indices]) < 0.0)) + 1
     if one_pass and len(ends):
-        shown, ends = shown[: ends[0]], ends[:0]
-    return np.insert(angle[shown], ends, np.nan), np.insert(values[shown], ends, np.nan)
+        indices, ends = indices[: ends[0]], ends[:0]
+    return np.insert(angle[indices], ends, np.nan), np.insert(values[indices], ends, np.nan)
 
 
 def _around_defect(

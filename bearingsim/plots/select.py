@@ -61,12 +61,12 @@ def planned(results: "Results", rows: "pd.DataFrame", kind: str | None = None) -
     """List the figures of the study whose x is swept, of ``kind`` if given; automatic ones if there are none."""
     swept = list(results.plan["units"])
     named = map(stored_figure, results.plan["figures"])
-    wanted = [
+    figures = [
         figure for figure in named if kind in (None, figure.kind) or (kind == "phase" and not _is_signal(figure))
     ]
     drawable = [
         replace(f, by=_known(f.by, swept), panels=_known(f.panels, swept), where=_known_items(f.where, swept))
-        for f in wanted
+        for f in figures
         if _is_signal(f) or f.kind == "design" or f.x in varied(rows, swept)
     ]
     return drawable or automatic(results, rows)
@@ -135,10 +135,10 @@ def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
     """
     parameters = results.parameters()
     lines = [f"velocity@{line}" for line in fitting(parameters)]
-    wanted = [*lines, f"{lines[0]}-healthy"] if len(lines) == 1 else lines
+    features = [*lines, f"{lines[0]}-healthy"] if len(lines) == 1 else lines
     if may_slip(parameters) and not races_of_all(parameters):
-        wanted.append("cage.slip.mean")
-    return tuple(name for name in wanted if name in rows and rows[name].notna().any()) or (lines[0],)
+        features.append("cage.slip.mean")
+    return tuple(name for name in features if name in rows and rows[name].notna().any()) or (lines[0],)
 
 
 def default_phases(results: "Results") -> tuple[str, ...]:

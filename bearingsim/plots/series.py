@@ -23,13 +23,13 @@ SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
 def draw_series(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw channels over time, a row per job, with the healthy baseline."""
-    shown, records, channels = series_of(results, figure, jobs)
-    made = grid(shown, figure.title)
+    content, records, channels = series_of(results, figure, jobs)
+    panels = grid(content, figure.title)
     crossings = list(_crossings(results, figure, records, channels)) if figure.view.around else []
     if len(set(crossings)) == 1:
-        for ax in (ax for row in made.axes for ax in row):
+        for ax in (ax for row in panels.axes for ax in row):
             ax.axvspan(*crossings[0], color=CROSSING, lw=0.0, zorder=0.5)
-    return [Sheet(file_words(figure, jobs), made.canvas)]
+    return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 
 def series_of(

@@ -93,22 +93,22 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
 
 
 def _draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
-    made = grid(spectra_of(results, figure, jobs), figure.title)
-    limits = frequency_range(figure, (job for row in made.jobs for job in row))
-    for row, shown in zip(made.axes, made.jobs, strict=True):
+    panels = grid(spectra_of(results, figure, jobs), figure.title)
+    limits = frequency_range(figure, (job for row in panels.jobs for job in row))
+    for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
         for ax in row:
             _set_scales(ax, figure, *limits)
-            top = row is made.axes[0]
+            top = row is panels.axes[0]
             with_orders = figure.view.orders and top
             if with_orders:
-                _add_orders(ax, shown[0])
-            if share_lines(shown):
-                mark_lines(ax, shown[0], named=top, above=ORDERS_POINTS if with_orders else 0.0)
-    made.share_scales()
-    for ax in (ax for row in made.axes for ax in row):
+                _add_orders(ax, jobs_of_row[0])
+            if share_lines(jobs_of_row):
+                mark_lines(ax, jobs_of_row[0], named=top, above=ORDERS_POINTS if with_orders else 0.0)
+    panels.share_scales()
+    for ax in (ax for row in panels.axes for ax in row):
         _limit_range(ax, figure)
-    explain_sidebands(made.canvas, [job for row in made.jobs for job in row])
-    return [Sheet(file_words(figure, jobs), made.canvas)]
+    explain_sidebands(panels.canvas, [job for row in panels.jobs for job in row])
+    return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 
 def frequency_range(figure: "Figure", jobs: Iterable[Job]) -> tuple[float, float]:
@@ -134,13 +134,13 @@ def part_of_spectrum(
     frequencies.
     """
     frequency, amplitude = spectrum(*whole_periods(signal, first_line(job.parameters)))
-    shown = (frequency >= limits[0]) & (frequency <= limits[1])
-    if np.count_nonzero(shown) < FEWEST_BINS:
+    in_range = (frequency >= limits[0]) & (frequency <= limits[1])
+    if np.count_nonzero(in_range) < FEWEST_BINS:
         part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of job {name} resolve {frequency[1]:.3g} Hz"
         raise PlotError(
             f"{part}, too coarse for {limits[0]:g} to {limits[1]:g} Hz; show a longer part of the record"
         )
-    return frequency[shown], amplitude[shown]
+    return frequency[in_range], amplitude[in_range]
 
 
 def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:

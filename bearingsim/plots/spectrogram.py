@@ -48,11 +48,11 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     scale = scale_of(unit, channel, max(float(a.max()) for _, _, a, _ in maps.values()), view)
     canvas = Canvas(figsize=(2 * COLUMN_IN, ROW_IN * len(jobs) + 0.9), layout="constrained")
     axes = canvas.subplots(len(jobs), 1, sharex=True, squeeze=False)[:, 0]
-    shown = {name: scale.shown(amplitude) for name, (_, _, amplitude, _) in maps.items()}
-    top = max(float(values.max()) for values in shown.values())
+    scaled = {name: scale.shown(amplitude) for name, (_, _, amplitude, _) in maps.items()}
+    top = max(float(values.max()) for values in scaled.values())
     bottom = top - FLOOR_DB if view.db else 0.0
     for ax, (name, (time, frequency, _, origin)) in zip(axes, maps.items(), strict=True):
-        colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, shown[name], cmap=SCALE, vmin=bottom,
+        colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, scaled[name], cmap=SCALE, vmin=bottom,
                                 vmax=top, shading="nearest", rasterized=True)  # fmt: skip
         low, high = view.range or (0.0, PASSBAND * float(records[name].parameters["sampling"]))
         ax.set_ylim(low / 1e3, high / 1e3)

@@ -46,9 +46,9 @@ def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
     """Draw a scene's rows (``errors.with_errors``) into a PNG; return its path."""
     with drawing(LOOK):
         canvas = figure(rows, title)
-        whole = BytesIO()
-        canvas.savefig(whole, dpi=DPI)
-    with Image.open(whole) as image:  # few colours reduce the file to a third
+        buffer = BytesIO()
+        canvas.savefig(buffer, dpi=DPI)
+    with Image.open(buffer) as image:  # few colours reduce the file to a third
         image.convert("RGB").quantize(SHADES).save(path, optimize=True)
     return path
 
@@ -130,13 +130,19 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     for variant, colour in colours.items():
         for method, mark in marks.items():
             for role in (POINT, PEER):
-                of = [r for r in good if (r["variant"], r["method"], r["role"]) == (variant, method, role)]
-                _curve(ax, of, column, colour, mark, hollow=role == PEER)
+                same_method = [
+                    r for r in good if (r["variant"], r["method"], r["role"]) == (variant, method, role)
+                ]
+                _curve(ax, same_method, column, colour, mark, hollow=role == PEER)
     for row in good:
         if row["role"] == AUTOMATIC:
             _automatic(ax, row, [r for r in good if r["role"] == JOB], column, colours, marks)
     errors = [
-        _shown(row[f"{of}.{name}"]) for row in rows for of in HEADS for name in QUANTITIES if not row["failure"]
+        _shown(row[f"{same_method}.{name}"])
+        for row in rows
+        for same_method in HEADS
+        for name in QUANTITIES
+        if not row["failure"]
     ]
     ax.set_xlim(LEAST / 1.6, 2.0 * max(error for error in [*errors, ROOM] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))

@@ -79,15 +79,15 @@ def _name(model: str, defect: str) -> str:
 def draw(table: "pd.DataFrame", model: str, defect: str, path: Path) -> list[Path]:
     """Draw the map of one model and defect: methods with a step, then those with a tolerance; return the files."""
     chosen = table[(table["model"] == model) & (table["pit"] == defect)]
-    made = []
+    paths = []
     for axis, ending in (("step", "steps"), ("tolerance", "tolerances")):
         rows = chosen[chosen[axis].notna()]
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
             with drawing(PLAIN):
                 figure(rows, axis, f"{model}, {defect}").savefig(file)
-            made.append(file)
-    return made
+            paths.append(file)
+    return paths
 
 
 def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
@@ -139,9 +139,9 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
     ax.set_xlim(-0.5, len(damping) - 0.5)
     ax.set_ylim(-0.5, len(settings) - 0.5)
     ax.set_xticks(range(len(damping)), [_compact(c) for _, c in damping], fontsize=TICK_POINTS)
-    shown = [n for n in range(len(settings)) if len(settings) < 7 or n % 3 == 0]
-    labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _compact(settings[n]) for n in shown]
-    ax.set_yticks(shown, labels, fontsize=TICK_POINTS)
+    labelled = [n for n in range(len(settings)) if len(settings) < 7 or n % 3 == 0]
+    labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _compact(settings[n]) for n in labelled]
+    ax.set_yticks(labelled, labels, fontsize=TICK_POINTS)
     ax.tick_params(length=1.5, pad=1.5)
     for n, (before, after) in enumerate(pairwise(damping)):
         if before[0] != after[0]:

@@ -72,9 +72,9 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
         ax.set_ylabel(axis_label(labels.name_text(path), ""))
         ax.set_title(title, loc="left", fontsize=8, pad=11 if ax is axes[0] else 4)
         ax.set_xlim(*limits)
-        shown = [records[name] for name in names]
-        if share_lines(shown):
-            mark_lines(ax, shown[0], named=ax is axes[0])
+        selected = [records[name] for name in names]
+        if share_lines(selected):
+            mark_lines(ax, selected[0], named=ax is axes[0])
     axes[-1].set_xlabel("Frequency (Hz)")
     text = recorded.text_of(channel)
     distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(step, 3)} {scale.unit}"

@@ -64,8 +64,8 @@ def window_of(
 
 def cut(signal: Signal, window: Window) -> Signal:
     """Return the part of a signal in a window."""
-    shown = window.shown(signal.time)
-    return signal._replace(time=signal.time[shown], values=signal.values[shown])
+    in_window = window.shown(signal.time)
+    return signal._replace(time=signal.time[in_window], values=signal.values[in_window])
 
 
 def pass_period(job: Job) -> float:

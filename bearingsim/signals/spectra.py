@@ -61,8 +61,8 @@ def band_pass(series: np.ndarray, fs: float, band: tuple[float, float]) -> np.nd
         raise ValueError(f"a band from {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
     mirrored = np.concatenate([series, series[-2:0:-1]])
     frequencies = np.fft.rfftfreq(len(mirrored), 1.0 / fs)
-    kept = np.fft.rfft(mirrored) * ((frequencies >= low) & (frequencies <= high))
-    return np.asarray(np.fft.irfft(kept, len(mirrored))[: len(series)])
+    transform = np.fft.rfft(mirrored) * ((frequencies >= low) & (frequencies <= high))
+    return np.asarray(np.fft.irfft(transform, len(mirrored))[: len(series)])
 
 
 def analytic(one_sided: np.ndarray, n: int) -> np.ndarray:
