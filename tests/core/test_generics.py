@@ -237,10 +237,12 @@ def test_every_missing_implementation_is_reported() -> None:
     assert len(pairs) > 290
 
 
-@pytest.mark.parametrize(("one", "kind"), [(defect_response_gradient, TracedPath), (set_mounted_ring, RigidMount)])
-def test_report_names_generic_and_type(one: Any, kind: type) -> None:
-    said = faults(REGISTRY | {one: REGISTRY[one] - {kind}})
-    assert said == [f"{one.__name__} has none for {kind.__name__}"]
+@pytest.mark.parametrize(
+    ("generic", "kind"), [(defect_response_gradient, TracedPath), (set_mounted_ring, RigidMount)]
+)
+def test_report_names_generic_and_type(generic: Any, kind: type) -> None:
+    report = faults(REGISTRY | {generic: REGISTRY[generic] - {kind}})
+    assert report == [f"{generic.__name__} has none for {kind.__name__}"]
 
 
 def test_new_type_needs_all_generics_of_its_family() -> None:
@@ -253,7 +255,7 @@ def test_new_type_needs_all_generics_of_its_family() -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "other"),
+    ("generic", "other"),
     [
         (normal_force, derivatives),
         (mobility, accelerate_ring_rotation),
@@ -261,7 +263,7 @@ def test_new_type_needs_all_generics_of_its_family() -> None:
         (elastic, as_power),
     ],
 )
-def test_generics_are_grouped_into_families(one: Any, other: Any) -> None:
-    (family,) = (generics for generics, _ in families(REGISTRY) if one in generics)
+def test_generics_are_grouped_into_families(generic: Any, other: Any) -> None:
+    (family,) = (generics for generics, _ in families(REGISTRY) if generic in generics)
     assert other in family
     assert defect_response_gradient not in family

@@ -44,5 +44,5 @@ FEATURES = cpu_target.target_context.codegen().magic_tuple()[2]
 def test_the_width_of_vectors_changes_no_bit(name: str) -> None:
     """Two lanes instead of four or eight, with the same fused multiply-add."""
     code = f"from tests.core.test_sums import *; print(bits('{name}'))"
-    narrow = ",".join(one.replace("+avx512", "-avx512") for one in FEATURES.split(","))
+    narrow = ",".join(feature.replace("+avx512", "-avx512") for feature in FEATURES.split(","))
     assert run_in_new_process(code, NUMBA_CPU_NAME="haswell", NUMBA_CPU_FEATURES=narrow) == bits(name)

@@ -52,16 +52,16 @@ def test_kraemer_damps_by_the_slope_of_the_force():
 @pytest.mark.parametrize("outside", [POINT, soft_pads(-45, 45), points(-60, 0, 60)])
 def test_undamped_the_start_is_at_rest(outside):
     """Accelerations of ring and rollers vanish where the energy of everything is least."""
-    found = equations(Scene(last=8, outside=outside), UNDAMPED)
-    assert np.abs(found.slope(0.0, found.start)).max() < 1e-4  # m/s2
+    motion = equations(Scene(last=8, outside=outside), UNDAMPED)
+    assert np.abs(motion.slope(0.0, motion.start)).max() < 1e-4  # m/s2
 
 
 def test_undamped_forces_do_the_work_of_the_energy():
     """Power of the accelerations, with the rollers held in their places, is minus the change of the energy."""
     scene = Scene(last=8, width=0.0, bracket=0.0)
-    found = equations(scene, UNDAMPED)
+    motion = equations(scene, UNDAMPED)
     x, q, w, v = any_state(scene, 17, seed=3)
-    rates = found.slope(0.0, np.concatenate([x, q, w, v]))[17 + rollers.Z :]
+    rates = motion.slope(0.0, np.concatenate([x, q, w, v]))[17 + rollers.Z :]
     orders = harmonics(8)
     stiffness, mass = bent_static.beam_ring.modes(orders, mass=rollers.M_O)
     m = np.concatenate([[rollers.M_O] * 2, bent_static.per_unknown(orders, mass)])
@@ -80,19 +80,19 @@ def test_undamped_forces_do_the_work_of_the_energy():
     assert power == pytest.approx(-change, rel=1e-5)
 
 
-@pytest.mark.parametrize(("cap", "wanted"), [(np.inf, frequencies(8)[0]), (25e3, 25e3)])
-def test_a_lone_harmonic_swings_as_the_free_ring(cap, wanted):
+@pytest.mark.parametrize(("cap", "expected"), [(np.inf, frequencies(8)[0]), (25e3, 25e3)])
+def test_a_lone_harmonic_swings_as_the_free_ring(cap, expected):
     """With all rollers on the inner race alone b_8 swings by itself, damped by 1 %."""
     scene = Scene(last=8, width=0.0)
-    found = equations(scene, Motion(cap=cap))
-    y = np.zeros(found.start.size)
+    motion = equations(scene, Motion(cap=cap))
+    y = np.zeros(motion.start.size)
     y[17:30] = -1e-3
-    still = found.slope(0.0, y)
+    still = motion.slope(0.0, y)
     place, rate = y.copy(), y.copy()
     place[16], rate[46] = 1e-9, 1e-6
-    omega = 2 * np.pi * wanted
-    assert (found.slope(0.0, place) - still)[46] == pytest.approx(-(omega**2) * 1e-9, rel=1e-6)
-    assert (found.slope(0.0, rate) - still)[46] == pytest.approx(-2 * 0.01 * omega * 1e-6, rel=1e-6)
+    omega = 2 * np.pi * expected
+    assert (motion.slope(0.0, place) - still)[46] == pytest.approx(-(omega**2) * 1e-9, rel=1e-6)
+    assert (motion.slope(0.0, rate) - still)[46] == pytest.approx(-2 * 0.01 * omega * 1e-6, rel=1e-6)
 
 
 def test_rollers_at_rest_carry_load_and_their_own_centrifugal_force():

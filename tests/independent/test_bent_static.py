@@ -59,11 +59,11 @@ def test_rollers_and_bracket_carry_the_load(outside):
     """The forces on the rollers, less what the bracket takes, have the resultant of the load."""
     scene = Scene(last=8, outside=outside)
     anchor = anchor_position(scene)
-    found = bent_static.static_path(scene, ANGLES, anchor)
-    for turned, y, forces in zip(found.turned, found.unknowns, found.forces, strict=True):
+    result = bent_static.static_path(scene, ANGLES, anchor)
+    for turned, y, forces in zip(result.turned, result.unknowns, result.forces, strict=True):
         carried = forces @ shape_functions((), turned + bent_static.PASS * np.arange(rollers.Z))
-        taken = scene.bracket * (y[bent_static.bracket_rows(scene)] - anchor)
-        assert carried - taken == pytest.approx([rollers.LOAD, 0.0], abs=1e-6)
+        bracket_force = scene.bracket * (y[bent_static.bracket_rows(scene)] - anchor)
+        assert carried - bracket_force == pytest.approx([rollers.LOAD, 0.0], abs=1e-6)
 
 
 def test_rest_is_least_energy():
@@ -74,12 +74,14 @@ def test_rest_is_least_energy():
     y = minimise(system_, np.full(system_.f.size, -1e-6))
     perturbations = np.random.default_rng(1).normal(size=(20, y.size)) * 1e-8
     assert all(system_.energy(y + step) > system_.energy(y) for step in perturbations)
-    at = y + 3e-7 * np.cos(np.arange(y.size))
-    slope, stiff = system_.slope(at)
+    disturbed = y + 3e-7 * np.cos(np.arange(y.size))
+    slope, stiff = system_.slope(disturbed)
     for i in range(y.size):
         step = 1e-9 * np.eye(y.size)[i]
-        assert (system_.energy(at + step) - system_.energy(at - step)) / 2e-9 == pytest.approx(slope[i], abs=1e-3)
-        derivative = (system_.slope(at + step)[0] - system_.slope(at - step)[0]) / 2e-9
+        assert (system_.energy(disturbed + step) - system_.energy(disturbed - step)) / 2e-9 == pytest.approx(
+            slope[i], abs=1e-3
+        )
+        derivative = (system_.slope(disturbed + step)[0] - system_.slope(disturbed - step)[0]) / 2e-9
         assert derivative == pytest.approx(stiff[i], abs=1e-3 * np.abs(stiff).max())
 
 
@@ -113,8 +115,8 @@ def test_stiff_points_carry_what_statics_says():
     springs = points(-60, 60, 180, stiffness=1e8)
     scene = Scene(last=8, outside=springs, bracket=0.0)
     y = bent_static.static_path(scene, [ANGLES[0]], None).unknowns[0]
-    at = shape_functions(orders, springs.angles)
-    gap = at @ y[: at.shape[1]] - shape_functions((), springs.angles) @ y[-2:]
+    shapes = shape_functions(orders, springs.angles)
+    gap = shapes @ y[: shapes.shape[1]] - shape_functions((), springs.angles) @ y[-2:]
     pushes = springs.stiffness * np.maximum(gap, 0.0)
     assert pushes @ np.cos(springs.angles) == pytest.approx(rollers.LOAD)
     assert pushes @ np.sin(springs.angles) == pytest.approx(0.0, abs=1e-6)
@@ -129,13 +131,13 @@ def test_pads_have_the_load_as_their_resultant():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("last", "outside", "wanted"),
+    ("last", "outside", "expected"),
     [(0, POINT, 10.20), (30, POINT, 93.95), (30, soft_pads(-45, 45), 4.71)],
 )
-def test_lines_of_the_loads(last, outside, wanted):
+def test_lines_of_the_loads(last, outside, expected):
     """Less healthy, um/s, harmonics to 30, without a bracket. The kept numbers of this solution, within 1 %."""
     scene = Scene(last=last, outside=outside, bracket=0.0)
-    assert 1e6 * defect_contribution(scene, 1024) == pytest.approx(wanted, rel=1e-2)
+    assert 1e6 * defect_contribution(scene, 1024) == pytest.approx(expected, rel=1e-2)
 
 
 @pytest.mark.slow

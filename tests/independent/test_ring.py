@@ -77,8 +77,8 @@ def test_a_shift_bends_nothing_and_moves_the_whole_ring():
 def test_the_moments_are_integrals():
     z = np.linspace(-0.5, 0.5, 20001) * 0.0065
     for power, moment in enumerate(beam_ring.NF308.moments):
-        wanted = np.trapezoid(0.023 * z**power / (beam_ring.NF308.radius + z), z)
-        assert moment == pytest.approx(wanted, rel=1e-6)
+        expected = np.trapezoid(0.023 * z**power / (beam_ring.NF308.radius + z), z)
+        assert moment == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_thin_beam_is_the_thin_ring():

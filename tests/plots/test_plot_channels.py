@@ -35,10 +35,10 @@ def record_of(case):
     time = time_of(case)
     worth = {"roller.2.outer_force": 10.0, "roller.2.outer_slip": 2e-4, "cage.slip": SLIP}
     worth |= {"cage.speed": OMEGA_C * (1.0 - SLIP), "cage.position.x": 0.0, "cage.position.y": 3e-6}
-    made = {name: np.full(len(time), worth[name]) for channel in case.record for name in dataset_names(channel)}
+    series = {name: np.full(len(time), worth[name]) for channel in case.record for name in dataset_names(channel)}
     features = {"velocity@BPFO": 1e-6, "velocity@BPFO.phase": 0.0, "cage.slip.mean": SLIP}
     return SimpleNamespace(
-        time=time, series=made, features=features, info={"cage_angle_start_rad": 0.5, "cpu_s": 1.0}
+        time=time, series=series, features=features, info={"cage_angle_start_rad": 0.5, "cpu_s": 1.0}
     )
 
 
@@ -158,9 +158,9 @@ def test_what_a_roller_meets_on_its_way_round(planar):
 def job_of(known=(), **channels):
     """A job of the NF308 at 1800 rpm with some series of 1 s."""
     time = np.linspace(0.0, 1.0, 1001)
-    found = Series(time, {name: np.full(1001, value) for name, value in channels.items()}, {})
+    series = Series(time, {name: np.full(1001, value) for name, value in channels.items()}, {})
     nf308 = {"speed": 60.0 * math.pi, "bearing.rollers": 13.0, "bearing.roller_diameter": 0.012}
-    return Job(nf308 | {"bearing.pitch_diameter": 0.065} | dict(known), {"cage_angle_start_rad": 0.1}, found)
+    return Job(nf308 | {"bearing.pitch_diameter": 0.065} | dict(known), {"cage_angle_start_rad": 0.1}, series)
 
 
 @pytest.mark.parametrize(
@@ -191,10 +191,10 @@ def test_an_envelope_has_the_square_of_the_unit(results, monkeypatch):
     """A tone of 7 um/s whose amplitude swings by half: 2 * 0.5 * 49 um^2/s^2."""
 
     def swinging(case):
-        made, time = record(case), time_of(case)
+        result, time = record(case), time_of(case)
         tone = 1.0 + 0.5 * np.cos(2.0 * math.pi * BPFO * time)
-        made.series["ring.velocity.x"] = 7e-6 * tone * np.cos(2.0 * math.pi * 2000.0 * time)
-        return made
+        result.series["ring.velocity.x"] = 7e-6 * tone * np.cos(2.0 * math.pi * 2000.0 * time)
+        return result
 
     monkeypatch.setattr("tests.plots.test_plots.record", swinging)
     opened = results(STUDY)

@@ -26,8 +26,8 @@ R = 6.0 * 38.5 / 32.5 * 1e-3  # m: an NF308's roller relative to its outer race
 
 
 def defect(**changed):
-    [made] = defects_of(case(defect=BOWL | changed))
-    return made
+    [single_defect] = defects_of(case(defect=BOWL | changed))
+    return single_defect
 
 
 def group(shape, depth, z):
@@ -41,34 +41,34 @@ def group(shape, depth, z):
 @pytest.mark.parametrize("z", [0.0, 0.9e-3])
 @pytest.mark.parametrize("depth", [50e-6, 2e-6])
 def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
-    made = defect(shape=shape, depth=depth)
-    assert pytest.approx(R) == made.R
-    drawn, row = cut(made, z), np.array([1.0, *group(shape, depth, z)])
+    test_defect = defect(shape=shape, depth=depth)
+    assert pytest.approx(R) == test_defect.R
+    drawn, row = cut(test_defect, z), np.array([1.0, *group(shape, depth, z)])
     felt = [roller_drop(row, float(s), R)[0] for s in drawn.s]
     assert np.max(np.abs(drawn.h - felt)) < 1e-3 * np.max(felt)
     assert np.all(drawn.h <= drawn.p + 1e-12)
 
 
 def test_a_defect_stands_about_its_own_middle():
-    made = defect(offset="2 mm")
-    assert made.z == pytest.approx((0.5e-3, 3.5e-3))
-    assert cut(made, 2e-3).p.max() == pytest.approx(50e-6)
-    assert cut(made, 2e-3 + 0.75e-3).p.max() == pytest.approx(0.75 * 50e-6)
-    assert cut(made, 0.0).p.max() == 0.0
+    test_defect = defect(offset="2 mm")
+    assert test_defect.z == pytest.approx((0.5e-3, 3.5e-3))
+    assert cut(test_defect, 2e-3).p.max() == pytest.approx(50e-6)
+    assert cut(test_defect, 2e-3 + 0.75e-3).p.max() == pytest.approx(0.75 * 50e-6)
+    assert cut(test_defect, 0.0).p.max() == 0.0
 
 
 def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
-    made = defect()
-    assert distinct_sections(made) == pytest.approx([0.0], abs=1e-12)
+    test_defect = defect()
+    assert distinct_sections(test_defect) == pytest.approx([0.0], abs=1e-12)
     beside = ShiftedDefect(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
-    assert distinct_sections(made._replace(map=MergedDefects((made.map, beside)))) == pytest.approx(
+    assert distinct_sections(test_defect._replace(map=MergedDefects((test_defect.map, beside)))) == pytest.approx(
         [1e-3, 0.0], abs=1e-5
     )
     as_deep = ShiftedDefect(Circular(1e-3, 0.5e-3, 50.5e-6), 0.0, 1e-3)
-    assert distinct_sections(made._replace(map=MergedDefects((made.map, as_deep)))) == pytest.approx(
+    assert distinct_sections(test_defect._replace(map=MergedDefects((test_defect.map, as_deep)))) == pytest.approx(
         [0.0], abs=1e-12
     )
-    alone = made._replace(map=beside)
+    alone = test_defect._replace(map=beside)
     assert distinct_sections(alone) == pytest.approx([1e-3], abs=1e-5)
 
 
@@ -193,8 +193,8 @@ def test_a_case_can_be_made_again_from_what_is_stored(tmp_path, text):
         stored = {
             name: float(v) if isinstance(v, int | float) else v for name, v in flat_parameters(job.case).items()
         }
-        made = flat_parameters(case_of(stored | {"ramp.from": math.nan, "friction.x": ""}))
-        assert {**made, "record": stored["record"]} == stored
+        parameters = flat_parameters(case_of(stored | {"ramp.from": math.nan, "friction.x": ""}))
+        assert {**parameters, "record": stored["record"]} == stored
 
 
 def test_any_shape_is_stored_and_drawn(results, tmp_path):

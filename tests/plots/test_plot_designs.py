@@ -77,16 +77,16 @@ def test_values_that_come_again_make_no_curves(results, kind):
     derived = "  derived: {defect.width: defect.length / 10}\n"
     opened = results(f"{HEAD}sweep:\n  {kind}: {{n: 8, seed: 1, {OVER}}}\n{derived}")
     cases = len(set(opened.plan["design"]["ids"]))
-    for asked in ({"kind": "design"}, {"x": "load"}):
-        _, canvas = only(drawn(opened, y=["velocity@BPFO"], **asked))
+    for options in ({"kind": "design"}, {"x": "load"}):
+        _, canvas = only(drawn(opened, y=["velocity@BPFO"], **options))
         assert [len(points) for points in points_of(canvas.axes[0])] == [cases]
         assert not canvas.legends
 
 
 def test_what_is_derived_from_a_design_varies(results):
     opened = results(SOBOL + "  derived: {defect.width: defect.length / 10}\n")
-    for asked in ({"kind": "design"}, {"x": "load"}):
-        _, canvas = only(drawn(opened, y=["velocity@BPFO"], **asked))
+    for options in ({"kind": "design"}, {"x": "load"}):
+        _, canvas = only(drawn(opened, y=["velocity@BPFO"], **options))
         assert len(points_of(canvas.axes[0])) == 1
         assert "defect width varies: " in caption_of(canvas)
 
@@ -101,18 +101,18 @@ def test_the_middle_of_points_is_found():
     rng = np.random.default_rng(1)
     x = rng.uniform(0.0, 1.0, 400)
     y = 2.0 * x + rng.uniform(-0.5, 0.5, 400)
-    found = design.trend(list(x), [*y[:-1], math.nan])
-    assert len(found.x) == 19
-    np.testing.assert_allclose(found.middle, 2.0 * found.x, atol=0.25)
-    np.testing.assert_allclose(found.high - found.low, 0.5, atol=0.3)
+    medians = design.trend(list(x), [*y[:-1], math.nan])
+    assert len(medians.x) == 19
+    np.testing.assert_allclose(medians.middle, 2.0 * medians.x, atol=0.25)
+    np.testing.assert_allclose(medians.high - medians.low, 0.5, atol=0.3)
 
 
 def test_few_values_on_x_have_a_median_each():
     x = [0.0, 1.0, 5.0] * 9
-    found = design.trend(x, [3.0 * value + k for k in range(9) for value in (0.0, 1.0, 5.0)])
-    assert list(found.x) == [0.0, 1.0, 5.0]
-    assert list(found.middle) == [4.0, 7.0, 19.0]
-    assert list(found.high - found.low) == [4.0, 4.0, 4.0]
+    medians = design.trend(x, [3.0 * value + k for k in range(9) for value in (0.0, 1.0, 5.0)])
+    assert list(medians.x) == [0.0, 1.0, 5.0]
+    assert list(medians.middle) == [4.0, 7.0, 19.0]
+    assert list(medians.high - medians.low) == [4.0, 4.0, 4.0]
 
 
 @pytest.mark.parametrize("x", [list(range(23)), [1.0] * 40])

@@ -56,10 +56,10 @@ def of_race(results, monkeypatch):
     """A function that makes results of a study whose defect is on some element, with all lines in them."""
 
     def with_lines(case):
-        made = record(case)
+        result = record(case)
         for line in ("BPFI", "2BSF"):
-            made.features |= {f"velocity@{line}": 1e-6, f"velocity@{line}.phase": 1.0}
-        return made
+            result.features |= {f"velocity@{line}": 1e-6, f"velocity@{line}.phase": 1.0}
+        return result
 
     def make(race, change=("", "")):
         monkeypatch.setattr("tests.plots.test_plots.record", with_lines)
@@ -194,8 +194,8 @@ def test_a_log_axis_has_numbers_enough_and_not_too_many(results, low, high, most
     ax.set_yscale("log")
     ax.set_ylim(low, high)
     log_ticks(ax.yaxis, low, high)
-    shown = [tick for tick in ax.get_yticks() if low <= tick <= high]
-    assert 2 <= len(shown) <= most
+    ticks = [tick for tick in ax.get_yticks() if low <= tick <= high]
+    assert 2 <= len(ticks) <= most
 
 
 def test_an_axis_from_zero_keeps_its_largest_point_inside(results):

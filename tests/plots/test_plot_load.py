@@ -123,9 +123,9 @@ def test_the_instants_are_before_over_and_after_the_defect(loaded):
 
 def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
     def leaning(case):
-        made = record(case)
-        made.series |= {"roller.2.tilt": 3e-6 * (1.0 + made.time), "roller.2.skew": 0.0 * made.time}
-        return made
+        result = record(case)
+        result.series |= {"roller.2.tilt": 3e-6 * (1.0 + result.time), "roller.2.skew": 0.0 * result.time}
+        return result
 
     monkeypatch.setattr("tests.plots.test_plots.record", leaning)
     opened = loaded(
@@ -239,12 +239,12 @@ def test_instants_do_not_need_the_whole_defect_to_be_lifted():
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
     passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(0.0, 1.0)))
-    one = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
-    assert instants(one) == {"before": 0, "over the defect": 4, "largest after": 6, "after": 8}
+    load_along = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    assert instants(load_along) == {"before": 0, "over the defect": 4, "largest after": 6, "after": 8}
 
 
 def test_the_largest_load_is_that_of_forces_not_of_line_loads():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
-    one = LoadAlong("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
-    assert instants(one) == {"largest load": 2, "least load": 0}
+    load_along = LoadAlong("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
+    assert instants(load_along) == {"largest load": 2, "least load": 0}

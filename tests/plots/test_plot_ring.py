@@ -29,15 +29,15 @@ POINTS = BENDS | {"load": {"by": "points", "at": [{"angle": f"{a} deg", "stiffne
 AROUND = np.radians(np.arange(-180.0, 180.0, 7.0))
 
 
-def case(rig=None, **given):
-    defect = {} if "defects" in given else {"defect": SLOT}
+def case(rig=None, **fields):
+    defect = {} if "defects" in fields else {"defect": SLOT}
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
-    return Case.model_validate(base | defect | given | ({"rig": rig} if rig else {}))
+    return Case.model_validate(base | defect | fields | ({"rig": rig} if rig else {}))
 
 
-def settled(made, part):
+def settled(test_case, part):
     """The buffer of a case at rest: a roller over a defect at 0 deg, and ``part`` of a ball pass later."""
-    model = assemble.model(made)
+    model = assemble.model(test_case)
     y, b = assemble.empty_buffer(model), model.bearing
     assemble.find_equilibrium(model, (part * 2.0 * math.pi / b.Z - b.theta_0) / b.omega_c, y, from_scratch=True)
     return y
@@ -46,25 +46,25 @@ def settled(made, part):
 @pytest.mark.parametrize("rig", [BENDS, HOUSING])
 @pytest.mark.parametrize("number", [0, 1])
 def test_the_shape_is_the_sum_of_the_harmonics_at_rest(rig, number):
-    made = case(rig)
-    one = ring_shape(made).instants[number]
-    y = settled(made, PARTS[number])
+    test_case = case(rig)
+    instant = ring_shape(test_case).instants[number]
+    y = settled(test_case, PARTS[number])
     c, s, (x, z) = lay.POSITION + lay.MODES_C, lay.POSITION + lay.MODES_S, y[:2]
-    orders = [*range(2, int(made.rig.ring.harmonics) + 1), 0]
-    bent = [sum(y[c + i] * math.cos(n * at) + y[s + i] * math.sin(n * at) for i, n in enumerate(orders))
-            for at in AROUND]  # fmt: skip
+    orders = [*range(2, int(test_case.rig.ring.harmonics) + 1), 0]
+    bent = [sum(y[c + i] * math.cos(n * angle) + y[s + i] * math.sin(n * angle) for i, n in enumerate(orders))
+            for angle in AROUND]  # fmt: skip
     assert max(np.abs(bent)) > 2e-8
-    assert one.bent(AROUND) == pytest.approx(bent, rel=1e-6, abs=1e-14)
-    whole = [w + x * math.cos(at) + z * math.sin(at) for w, at in zip(bent, AROUND, strict=True)]
-    assert one.moved(AROUND) == pytest.approx(whole, rel=1e-6, abs=1e-14)
-    assert one.forces @ np.cos(one.angles) == pytest.approx(150.0, rel=0.05)  # less what the bracket takes
+    assert instant.bent(AROUND) == pytest.approx(bent, rel=1e-6, abs=1e-14)
+    total = [w + x * math.cos(angle) + z * math.sin(angle) for w, angle in zip(bent, AROUND, strict=True)]
+    assert instant.moved(AROUND) == pytest.approx(total, rel=1e-6, abs=1e-14)
+    assert instant.forces @ np.cos(instant.angles) == pytest.approx(150.0, rel=0.05)  # less what the bracket takes
 
 
 def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_defect_carries_nothing():
     over, beside, *_ = ring_shape(case(BENDS)).instants
-    here = int(np.argmin(np.abs(over.angles)))
-    assert over.angles[here] == pytest.approx(0.0, abs=1e-9)
-    assert not over.loaded[here]
+    nearest = int(np.argmin(np.abs(over.angles)))
+    assert over.angles[nearest] == pytest.approx(0.0, abs=1e-9)
+    assert not over.loaded[nearest]
     assert over.bent(np.zeros(1)) < 2.0 * beside.bent(np.zeros(1)) < -1e-7
     turned = (beside.angles - over.angles + math.pi) % (2.0 * math.pi) - math.pi
     assert turned == pytest.approx(np.full(13, 2.0 * math.pi / 13 / 4))
@@ -72,7 +72,7 @@ def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_defect_carr
 
 
 def line(ax, gid):
-    return next(one for one in ax.lines if one.get_gid() == gid)
+    return next(curve for curve in ax.lines if curve.get_gid() == gid)
 
 
 @pytest.mark.parametrize(
@@ -82,14 +82,14 @@ def line(ax, gid):
 def test_the_race_is_drawn_enlarged_by_the_number_in_the_figure(rig, clearance, times):
     shape = ring_shape(case(rig, clearance=clearance))
     canvas = draw_shape(shape, [])
-    said = canvas.legends[0].get_title().get_text()
-    assert said == f"Ring at rest; displacements and clearance ×{times:.0f}"
+    title = canvas.legends[0].get_title().get_text()
+    assert title == f"Ring at rest; displacements and clearance ×{times:.0f}"
     sound = 1e3 * (38.5e-3 + times * shape.gap)
-    for ax, one in zip(canvas.axes, shape.instants, strict=False):
+    for ax, instant in zip(canvas.axes, shape.instants, strict=False):
         right, up = (np.asarray(part) for part in line(ax, "race").get_data())
-        at = np.linspace(-math.pi, math.pi, len(up))
-        outwards = -right * np.sin(at) + up * np.cos(at) - sound  # along the undeformed radius
-        assert outwards == pytest.approx(1e3 * times * one.moved(at), abs=1e-9)
+        angles = np.linspace(-math.pi, math.pi, len(up))
+        outwards = -right * np.sin(angles) + up * np.cos(angles) - sound  # along the undeformed radius
+        assert outwards == pytest.approx(1e3 * times * instant.moved(angles), abs=1e-9)
     assert np.max(np.abs(outwards)) < 0.11 * 45.0
 
 
@@ -98,54 +98,55 @@ def test_a_round_number_that_fits_the_displacement():
     shape = ring_shape(case(BENDS))
     assert view(shape).times == 2000.0
     half = shape._replace(instants=tuple(
-        one._replace(x=0.5 * one.x, y=0.5 * one.y, a=0.5 * one.a, b=0.5 * one.b, outwards=0.5 * one.outwards)
-        for one in shape.instants
+        instant._replace(x=0.5 * instant.x, y=0.5 * instant.y, a=0.5 * instant.a, b=0.5 * instant.b,
+                         outwards=0.5 * instant.outwards)
+        for instant in shape.instants
     ), gap=0.0)  # fmt: skip
     assert view(half).times in (2000.0, 5000.0)
     assert 0.04 * 45e-3 < view(half).times * half.largest() <= 0.1 * 45e-3
 
 
 def circles(ax):
-    return {int(one.get_gid().split()[1]) - 1: one for one in ax.patches if one.get_gid()}
+    return {int(patch.get_gid().split()[1]) - 1: patch for patch in ax.patches if patch.get_gid()}
 
 
 def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn():
     shape = ring_shape(case(BENDS))
     seen, canvas = view(shape), draw_shape(shape, [])
-    for ax, one in zip(canvas.axes, shape.instants, strict=False):
-        found = circles(ax)
-        order = np.argsort(one.forces)
-        dark = [sum(found[int(j)].get_facecolor()[:3]) for j in order]
+    for ax, instant in zip(canvas.axes, shape.instants, strict=False):
+        patches = circles(ax)
+        order = np.argsort(instant.forces)
+        dark = [sum(patches[int(j)].get_facecolor()[:3]) for j in order]
         assert dark[0] == 3.0
         assert dark[-1] < 1.2
-        for j in np.flatnonzero(~one.loaded):
-            assert found[int(j)].get_facecolor()[:3] == (1.0, 1.0, 1.0)
-            right, up = np.asarray(found[int(j)].center)
+        for j in np.flatnonzero(~instant.loaded):
+            assert patches[int(j)].get_facecolor()[:3] == (1.0, 1.0, 1.0)
+            right, up = np.asarray(patches[int(j)].center)
             outer = np.hypot(right, up) + 6.0
-            bent = seen.race + 1e3 * seen.times * one.moved(one.angles[j])
+            bent = seen.race + 1e3 * seen.times * instant.moved(instant.angles[j])
             assert outer == pytest.approx(bent, abs=0.1)
 
 
 def test_defects_are_marked_in_their_place():
     defects = [SLOT | {"angle": "20 deg"}, SLOT | {"race": "inner", "angle": "30 deg"},
             SLOT | {"race": "roller", "roller": 2}]  # fmt: skip
-    made = case(defects=defects)
-    shape = ring_shape(made)
-    model = assemble.model(made)
-    b, at = model.bearing, math.radians(20.0)
-    first = ((at - b.theta_0) % (2.0 * math.pi / 13)) / b.omega_c
-    for part, one in zip(PARTS, shape.instants, strict=True):
+    test_case = case(defects=defects)
+    shape = ring_shape(test_case)
+    model = assemble.model(test_case)
+    b, angle = model.bearing, math.radians(20.0)
+    first = ((angle - b.theta_0) % (2.0 * math.pi / 13)) / b.omega_c
+    for part, instant in zip(PARTS, shape.instants, strict=True):
         t = first + part * 2.0 * math.pi / 13 / b.omega_c
-        on = {mark.on: mark for mark in one.marks}
-        assert on["outer"].angle == pytest.approx(at)
+        on = {mark.on: mark for mark in instant.marks}
+        assert on["outer"].angle == pytest.approx(angle)
         assert on["outer"].half == pytest.approx(0.4e-3 / b.R_o)
         assert on["inner"].angle == pytest.approx(math.radians(30.0) + b.omega_i * t)
         assert on["roller"].roller == 1
-        own = on["roller"].angle - one.angles[1] + b.omega_b * t
+        own = on["roller"].angle - instant.angles[1] + b.omega_b * t
         assert math.sin(own) == pytest.approx(0.0, abs=1e-9)
     ax = draw_shape(shape, []).axes[0]
     right, up = (np.asarray(part) for part in line(ax, "defect").get_data())
-    assert math.atan2(-right[10], up[10]) == pytest.approx(at, abs=0.02)
+    assert math.atan2(-right[10], up[10]) == pytest.approx(angle, abs=0.02)
 
 
 @pytest.mark.parametrize(
@@ -157,8 +158,8 @@ def test_forces_push_where_they_act(rig, pushes):
     acting = np.array([(math.degrees(push.angle), push.force) for push in shape.pushes])
     assert acting == pytest.approx(np.array(pushes), rel=1e-5)
     ax = draw_shape(shape, []).axes[0]
-    words: Any = [one for one in ax.texts if one.get_gid() == "push"]
-    assert [one.get_text() for one in words] == [f"{force:.0f} N" for _, force in pushes]
+    words: Any = [text for text in ax.texts if text.get_gid() == "push"]
+    assert [text.get_text() for text in words] == [f"{force:.0f} N" for _, force in pushes]
     for (angle, _), word in zip(pushes, words, strict=True):
         right, up = word.xy
         assert math.degrees(math.atan2(-right, up)) == pytest.approx(angle, abs=2.0)
@@ -168,12 +169,14 @@ def test_forces_push_where_they_act(rig, pushes):
 @pytest.mark.parametrize(("rig", "count"), [(HOUSING, 80), (POINTS, 4)])
 def test_springs_that_press_are_told_from_those_that_do_not(rig, count):
     shape = ring_shape(case(rig))
-    one = shape.instants[0]
-    assert len(one.springs) == len(shape.spring_angles) == count
-    pressed = shape.spring_angles[one.springs > 0.0]
+    instant = shape.instants[0]
+    assert len(instant.springs) == len(shape.spring_angles) == count
+    pressed = shape.spring_angles[instant.springs > 0.0]
     assert 0 < len(pressed) < count
     assert np.abs(pressed).max() < 2.0
-    assert one.springs @ np.cos(shape.spring_angles) == pytest.approx(one.forces @ np.cos(one.angles), rel=1e-6)
+    assert instant.springs @ np.cos(shape.spring_angles) == pytest.approx(
+        instant.forces @ np.cos(instant.angles), rel=1e-6
+    )
     ax = draw_shape(shape, []).axes[0]
     assert sum(line.get_gid() == "pressed" for line in ax.lines) == len(pressed)
     assert sum(line.get_gid() == "lifted" for line in ax.lines) == count - len(pressed)

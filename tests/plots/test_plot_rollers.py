@@ -45,9 +45,9 @@ def leaning(results, monkeypatch):
 
 
 def test_rollers_are_laid_over_each_other_in_milliradians(leaning):
-    asked = ["roller.2.tilt", "roller.3.tilt", "roller.2.skew"]
+    channels = ["roller.2.tilt", "roller.3.tilt", "roller.2.skew"]
     for kind in ("series", "roller"):
-        _, canvas = only(drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=asked))
+        _, canvas = only(drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=channels))
         assert len(canvas.axes) == 2
         tilt, skew = canvas.axes
         assert tilt.get_ylabel().replace("\n", " ") == "Tilt of each roller, its +z end outwards (mrad)"
@@ -62,8 +62,8 @@ def test_rollers_are_laid_over_each_other_in_milliradians(leaning):
 
 
 def test_each_roller_is_drawn_at_its_own_angle(leaning):
-    asked = ["roller.2.tilt", "roller.3.tilt"]
-    [ax] = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1], y=asked))[1].axes
+    channels = ["roller.2.tilt", "roller.3.tilt"]
+    [ax] = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1], y=channels))[1].axes
     first = [line.get_xdata()[0] for line in ax.lines[:2]]
     assert first == pytest.approx([360.0 / 13, 720.0 / 13])
 
@@ -92,7 +92,7 @@ def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "shown"),
+    ("name", "value", "label"),
     [
         ("roller.2.tilt", 2e-3, ("mrad", 1e3)),
         ("inner.lean", 2e-6, ("µrad", 1e6)),
@@ -102,8 +102,8 @@ def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
         ("velocity@BPFO.phase", 1e-3, ("°", math.degrees(1.0))),
     ],
 )
-def test_small_angles_are_in_radians_and_large_ones_in_degrees(name, value, shown):
-    assert labels.readable("rad", name, value) == pytest.approx(shown)
+def test_small_angles_are_in_radians_and_large_ones_in_degrees(name, value, label):
+    assert labels.readable("rad", name, value) == pytest.approx(label)
 
 
 def test_several_rollers_are_each_roller():

@@ -19,20 +19,20 @@ def sheet(results, *features):
 
 def test_bars_are_the_indices_the_largest_on_top(tmp_path):
     results = open_results(run_design(tmp_path / "fake", n=64))
-    canvas, [(_, found), _] = sheet(results, LINE, "velocity.rms")
-    first, total = (one for one in canvas.axes[0].containers if isinstance(one, BarContainer))
-    for bars, known in ((first, found.first), (total, found.total)):
-        assert [bar.get_width() for bar in bars] == pytest.approx(known.value)
+    canvas, [(_, indices), _] = sheet(results, LINE, "velocity.rms")
+    first, total = (container for container in canvas.axes[0].containers if isinstance(container, BarContainer))
+    for bars, expected in ((first, indices.first), (total, indices.total)):
+        assert [bar.get_width() for bar in bars] == pytest.approx(expected.value)
         assert bars.errorbar is not None
         [whiskers] = bars.errorbar[2]
-        for segment, low, high in zip(whiskers.get_segments(), known.low, known.high, strict=True):
+        for segment, low, high in zip(whiskers.get_segments(), expected.low, expected.high, strict=True):
             assert segment[:, 0] == pytest.approx([low, high])
     ax = canvas.axes[0]
-    shown = dict(zip([text.get_text() for text in ax.get_yticklabels()], ax.get_yticks(), strict=True))
-    assert shown == {"Defect width\n0 to 1 mm": 0, "Load\n100 to 200 N": 1}
+    positions = dict(zip([text.get_text() for text in ax.get_yticklabels()], ax.get_yticks(), strict=True))
+    assert positions == {"Defect width\n0 to 1 mm": 0, "Load\n100 to 200 N": 1}
     low, high = ax.get_ylim()
     assert low > high  # the first on top
-    assert [one.get_title(loc="left") for one in canvas.axes] == [
+    assert [container.get_title(loc="left") for container in canvas.axes] == [
         "Velocity amplitude at BPFO",
         "RMS velocity",
     ]
@@ -42,9 +42,9 @@ def test_points_are_the_effects_in_a_readable_unit(tmp_path):
     results = open_results(run_design(tmp_path / "fake", kind="morris", n=8))
     canvas, _ = sheet(results, LINE)
     [ax] = canvas.axes
-    points = [one for one in ax.containers if isinstance(one, ErrorbarContainer)]
-    assert [one[0].get_xdata()[0] for one in points] == pytest.approx(1e3 * np.array(SLOPES))
-    assert [one[0].get_ydata()[0] for one in points] == pytest.approx([0.0, 0.0], abs=1e-9)
+    points = [container for container in ax.containers if isinstance(container, ErrorbarContainer)]
+    assert [container[0].get_xdata()[0] for container in points] == pytest.approx(1e3 * np.array(SLOPES))
+    assert [container[0].get_ydata()[0] for container in points] == pytest.approx([0.0, 0.0], abs=1e-9)
     assert ax.get_xlabel() == "mu*, over the whole range (mm/s)"
     named = [text.get_text().split("\n")[0] for text in canvas.legends[0].get_texts()]
     assert named == ["Defect width", "Load"]
@@ -54,6 +54,6 @@ def test_points_are_the_effects_in_a_readable_unit(tmp_path):
 def test_the_caption_counts_the_blocks(tmp_path):
     results = open_results(run_design(tmp_path / "fake", deeds={0: "raise"}))
     canvas, _ = sheet(results, LINE)
-    told = canvas.get_supxlabel().replace("\u00a0", " ")
-    assert "15 of 16 blocks (saltelli)" in told
-    assert "whiskers: 95 % by bootstrap" in told
+    caption = canvas.get_supxlabel().replace("\u00a0", " ")
+    assert "15 of 16 blocks (saltelli)" in caption
+    assert "whiskers: 95 % by bootstrap" in caption

@@ -147,8 +147,8 @@ def test_a_path_that_moves_with_x_does_not(results):
         "  defect.length: [3 mm, 6 mm, 9 mm]\n",
         "  zip: {defect.length: [3 mm, 6 mm, 9 mm], defect.width: [0.3 mm, 0.6 mm, 0.9 mm]}\n",
     )
-    found = drawn(results(text), x="defect.length", by=["load", "model"])
-    assert len(lines(only(found)[1].axes[0])) == 4
+    sheets = drawn(results(text), x="defect.length", by=["load", "model"])
+    assert len(lines(only(sheets)[1].axes[0])) == 4
 
 
 def test_where_takes_some_rows(results):
@@ -178,41 +178,41 @@ def test_where_no_job_is_done_the_reason_is_told(results, kind, status, reason):
 
 
 def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
-    made = results()
-    assert "chaotic, uncertain" not in text_of(only(drawn(made))[1])
-    table = made.table()
+    stored = results()
+    assert "chaotic, uncertain" not in text_of(only(drawn(stored))[1])
+    table = stored.table()
     table["chaotic"] = 0.0
     table["rms_scatter"] = 1.0
     for name in (name for name in table if "@" in name and f"{name}.phase" in table):
         table[f"{name}-scatter"] = table[name]
     table.loc[(table["defect.length"] == 6e-3) & (table["load"] == 300.0), "chaotic"] = 1.0
-    with mock.patch.object(type(made), "table", return_value=table):
-        _, canvas = only(drawn(made))
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored))
     rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == axes.RING["ms"]]
     assert len(rings) == 4  # two features, two models
     assert {tuple(ring.get_xdata()) for ring in rings} == {(6.0,)}
     assert text_of(canvas)[-1] == "chaotic, uncertain"
 
 
-@pytest.mark.parametrize(("total", "shown"), [(math.nan, 0.04), (0.04, 0.04), (0.2, 0.2)])  # 0.2: by an audit
-def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, shown):
-    made = results()
-    table = made.table()
+@pytest.mark.parametrize(("total", "is_drawn"), [(math.nan, 0.04), (0.04, 0.04), (0.2, 0.2)])  # 0.2: by an audit
+def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, is_drawn):
+    stored = results()
+    table = stored.table()
     errors = {**dict.fromkeys(store.ERROR_PARTS, 0.0), "error.model": 0.03, "error.step": 0.01, "error": total}
     for name, share in errors.items():
         table[name] = share
     table["model"] = "planar"
     table.loc[table["defect.length"] == 6e-3, "model"] = "rollers"
-    with mock.patch.object(type(made), "table", return_value=table):
-        _, canvas = only(drawn(made, panels=["load"], by=[]))
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored, panels=["load"], by=[]))
     ax = canvas.axes[0]
-    (bars,) = [one for one in ax.collections if len(one.get_segments()) > 1]
+    (bars,) = [collection for collection in ax.collections if len(collection.get_segments()) > 1]
     lengths = [abs(b[1] - a[1]) for a, b in bars.get_segments()]
-    assert lengths == pytest.approx([2 * shown * max(ax.lines[0].get_ydata())] * len(lengths))
+    assert lengths == pytest.approx([2 * is_drawn * max(ax.lines[0].get_ydata())] * len(lengths))
     assert text_of(canvas)[-2:] == ["planar", "rollers"]
     marks = [line for line in ax.lines if line.get_markersize() == axes.MODEL_MARK["ms"]]
-    at = {line.get_marker(): set(line.get_xdata()) for line in marks}
-    assert at == {"o": {3.0, 9.0}, "s": {6.0}}
+    positions = {line.get_marker(): set(line.get_xdata()) for line in marks}
+    assert positions == {"o": {3.0, 9.0}, "s": {6.0}}
 
 
 def test_the_caption_tells_what_a_law_was_given(results):
@@ -427,9 +427,9 @@ def test_the_phase_of_the_difference_follows_the_angle(results):
     assert canvas.axes[0].get_ylabel() == "Velocity phase at BPFO (°)"
     x, y = (np.asarray(data) for data in lines(canvas.axes[1])[0].get_data())
     line, healthy = 7.0 * np.exp(1j * (-13.0 * np.radians(x) - 0.5)), 0.5
-    wanted = np.degrees(np.angle(line - healthy))
-    kept = ~np.isnan(x)
-    assert y[kept] == pytest.approx(wanted[kept])
+    expected = np.degrees(np.angle(line - healthy))
+    is_finite = ~np.isnan(x)
+    assert y[is_finite] == pytest.approx(expected[is_finite])
     assert np.isnan(x).sum() >= 1  # broken where the phase wraps
     assert np.nanmax(np.abs(np.diff(y))) <= 180.0
 

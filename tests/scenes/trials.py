@@ -81,8 +81,8 @@ TrialFunction = Callable[[TrialRequest], Trial | None]
 def run_trials(study: Study, trial_of: TrialFunction) -> dict[str, Trial | None]:
     """The trials of a study, each as it is told."""
     choosing, results = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
-    while wanted := choosing.next_trials(results):
-        results |= {wanted_trial.id: trial_of(wanted_trial) for wanted_trial in wanted}
+    while requests := choosing.next_trials(results):
+        results |= {wanted_trial.id: trial_of(wanted_trial) for wanted_trial in requests}
     return results
 
 

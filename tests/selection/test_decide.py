@@ -234,17 +234,17 @@ def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> 
 
 
 @pytest.mark.parametrize(
-    ("off", "said"),
+    ("off", "reason"),
     [
         ({"rollers": 1.1}, "the nearest cheaper model is 10 % off: over 4 %"),
         ({"planar": 1.0}, "the nearest cheaper model is 50 % off: over 4 %"),
     ],
 )
 def test_it_is_told_why_nothing_cheaper_is_taken(
-    write: Write, dear: dict[str, float], off: dict[str, float], said: str
+    write: Write, dear: dict[str, float], off: dict[str, float], reason: str
 ) -> None:
     text = TEXT.replace("150 N, 300 N, 450 N", "450 N")
-    assert choose(accuracy_study(write, text), trials_by_model(FAR | off))[0].why == said
+    assert choose(accuracy_study(write, text), trials_by_model(FAR | off))[0].why == reason
 
 
 def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Write, dear: dict[str, float]) -> None:

@@ -79,14 +79,14 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
 def test_model_and_friction_share_what_is_asked(write: Write) -> None:
     """4 % of 5 %: neither is over that alone. With friction the last resort costs no more than without."""
     alone = choose(accuracy_study(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
-    both = choose(accuracy_study(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
+    combined = choose(accuracy_study(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
     assert [choice.candidate for choice in alone] == ["rollers"] * 3
-    assert [choice.candidate for choice in both] == [WITH_FRICTION] * 3
+    assert [choice.candidate for choice in combined] == [WITH_FRICTION] * 3
 
 
-@pytest.mark.parametrize("said", ["friction: none", "cage: {pocket_clearance: 0.1 mm}", "friction: traction"])
-def test_who_speaks_of_it_has_what_is_said(write: Write, said: str) -> None:
-    study = accuracy_study(write, f"{OPEN}{said}\n")
+@pytest.mark.parametrize("text", ["friction: none", "cage: {pocket_clearance: 0.1 mm}", "friction: traction"])
+def test_who_speaks_of_it_has_what_is_said(write: Write, text: str) -> None:
+    study = accuracy_study(write, f"{OPEN}{text}\n")
     assert candidates.with_friction(study.cases()[0]) is None
     result = choose(study, by_friction(9.0, OFF))
     assert WITH_FRICTION not in [choice.candidate for choice in result]

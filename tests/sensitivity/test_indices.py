@@ -9,13 +9,13 @@ from bearingsim.sensitivity import estimates
 from bearingsim.sensitivity.estimates import estimate
 from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, KnownIndices
 
-KNOWN = pytest.mark.parametrize("known", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
+KNOWN = pytest.mark.parametrize("closed_form", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
 BOTH = np.stack
 
 
-def blocks_of(known: KnownIndices, n: int, seed: int = 1):
-    d = len(known.first)
-    return known.function(cube("saltelli", n, d, seed)).reshape(n, d + 2)
+def blocks_of(closed_form: KnownIndices, n: int, seed: int = 1):
+    d = len(closed_form.first)
+    return closed_form.function(cube("saltelli", n, d, seed)).reshape(n, d + 2)
 
 
 def test_closed_forms_are_those_of_the_literature():
@@ -26,24 +26,24 @@ def test_closed_forms_are_those_of_the_literature():
 
 @KNOWN
 @pytest.mark.parametrize("seed", [1, 2])
-def test_indices_are_those_of_closed_forms(known, seed):
-    result = estimates.indices(blocks_of(known, 2**14, seed))
-    assert np.abs(result - BOTH([known.first, known.total])).max() < 0.02
+def test_indices_are_those_of_closed_forms(closed_form, seed):
+    result = estimates.indices(blocks_of(closed_form, 2**14, seed))
+    assert np.abs(result - BOTH([closed_form.first, closed_form.total])).max() < 0.02
 
 
 @KNOWN
-def test_dropped_blocks_leave_the_indices(known):
-    f = blocks_of(known, 2**14)
+def test_dropped_blocks_leave_the_indices(closed_form):
+    f = blocks_of(closed_form, 2**14)
     f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
     full = f[np.isfinite(f).all(axis=1)]
     assert 0.8 < len(full) / len(f) < 0.9
-    assert np.abs(estimates.indices(full) - BOTH([known.first, known.total])).max() < 0.05
+    assert np.abs(estimates.indices(full) - BOTH([closed_form.first, closed_form.total])).max() < 0.05
 
 
 @KNOWN
 @pytest.mark.parametrize("offset", [0.0, 1e3])
-def test_total_indices_are_those_of_scipy_and_first_ones_near_them(known, offset):
-    f = blocks_of(known, 2**12) + offset
+def test_total_indices_are_those_of_scipy_and_first_ones_near_them(closed_form, offset):
+    f = blocks_of(closed_form, 2**12) + offset
     scipy_result = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
     first, total = estimates.indices(f)
     assert total == pytest.approx(scipy_result.total_order, abs=1e-9)
@@ -124,11 +124,11 @@ def test_blocks_are_drawn_whole():
 
 @KNOWN
 @pytest.mark.parametrize("n", [128, 2**14])
-def test_morris_ranks_by_total_index(known, n):
-    d = len(known.first)
+def test_morris_ranks_by_total_index(closed_form, n):
+    d = len(closed_form.first)
     points = cube("morris", n, d, 1).reshape(n, d + 1, d)
-    magnitude = np.abs(estimates.elementary(points, known.function(points))).mean(axis=0)
-    assert np.argsort(-magnitude).tolist() == np.argsort(-known.total).tolist()
+    magnitude = np.abs(estimates.elementary(points, closed_form.function(points))).mean(axis=0)
+    assert np.argsort(-magnitude).tolist() == np.argsort(-closed_form.total).tolist()
 
 
 def test_effects_of_a_plane_are_its_slopes():

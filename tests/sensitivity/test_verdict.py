@@ -43,9 +43,9 @@ def test_intervals_that_touch_overlap(high, count):
     assert len(leaders(known((0.7, 0.6, 0.8), (0.5, 0.4, high), (0.1, 0.0, 0.2)))) == count
 
 
-@pytest.mark.parametrize(("high", "found"), [(0.049, [2]), (0.051, [])])
-def test_little_is_what_surely_is(high, found):
-    assert negligible(known((0.7, 0.6, 0.8), (0.5, 0.4, 0.6), (0.01, 0.0, high)), 1.0) == found
+@pytest.mark.parametrize(("high", "is_little"), [(0.049, [2]), (0.051, [])])
+def test_little_is_what_surely_is(high, is_little):
+    assert negligible(known((0.7, 0.6, 0.8), (0.5, 0.4, 0.6), (0.01, 0.0, high)), 1.0) == is_little
 
 
 def test_effects_are_said_in_the_unit_of_the_feature():
