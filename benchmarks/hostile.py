@@ -106,16 +106,16 @@ class Limits(NamedTuple):
 
 def faults(result: CommandResult, path: Path, limits: Limits = Limits()) -> list[str]:  # noqa: B008 (it is immutable)
     """List the faults of a command's end."""
-    found = [result.crash] if result.crash else []
-    found += ["a traceback"] if "Traceback" in result.output else []
+    messages = [result.crash] if result.crash else []
+    messages += ["a traceback"] if "Traceback" in result.output else []
     if result.code == 0:
-        return found
-    found += [f"exit code {result.code}"] if result.code != 2 else []
-    found += ["no place"] if not POSITION.search(result.output) and str(path) not in result.output else []
-    found += [f"{result.cpu:.1f} s"] if result.cpu > limits.cpu else []
-    found += [f"{result.memory / 1e6:.0f} MB"] if result.memory > limits.memory else []
-    found += [f"{len(result.output)} letters"] if len(result.output) > 100_000 else []
-    return found
+        return messages
+    messages += [f"exit code {result.code}"] if result.code != 2 else []
+    messages += ["no place"] if not POSITION.search(result.output) and str(path) not in result.output else []
+    messages += [f"{result.cpu:.1f} s"] if result.cpu > limits.cpu else []
+    messages += [f"{result.memory / 1e6:.0f} MB"] if result.memory > limits.memory else []
+    messages += [f"{len(result.output)} letters"] if len(result.output) > 100_000 else []
+    return messages
 
 
 def main() -> int:
@@ -129,8 +129,8 @@ def main() -> int:
     shutil.rmtree(options.out / "files", ignore_errors=True)
     folder = options.out.resolve() / "files"
     folder.mkdir(parents=True)
-    files = [("malformed", *one) for one in malformed.malformed(folder)]
-    files += [("mutants", *one) for one in altered_studies.mutants(folder, options.mutants, options.seed)]
+    files = [("malformed", *entry) for entry in malformed.malformed(folder)]
+    files += [("mutants", *entry) for entry in altered_studies.mutants(folder, options.mutants, options.seed)]
     random = Random(options.seed)
     rows, misses = [], 0
     run_in_process("check", str(HOME / "studies" / "slip.yaml"))  # imports must not count for the first file

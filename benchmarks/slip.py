@@ -188,10 +188,10 @@ def draw(summary: pd.DataFrame, onset_rows: pd.DataFrame, target: Path) -> None:
             log_ticks(axes.xaxis, 0.9, 360.0)
             log_ticks(axes.yaxis, 0.1, 110.0)
         panels[0].set_ylabel("Cage slip (%)")
-        shown = [*panels[0].get_legend_handles_labels()[0], Line2D([], [], color="0.3", lw=1.0)]
+        handles = [*panels[0].get_legend_handles_labels()[0], Line2D([], [], color="0.3", lw=1.0)]
         names = [*panels[0].get_legend_handles_labels()[1], "balance of friction and drag"]
         figure.legend(
-            shown, names, loc="outside upper left", ncols=len(names), handlelength=1.5, columnspacing=1.2
+            handles, names, loc="outside upper left", ncols=len(names), handlelength=1.5, columnspacing=1.2
         )
         figure.savefig(target)
 

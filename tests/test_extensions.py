@@ -94,7 +94,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def said(site: Path) -> Outputs:
+def command_outputs(site: Path) -> Outputs:
     """What most commands of this file say; they are typed in one process, which starts and compiles once."""
     checks = [("check", f"{name}.yaml") for name in TOY_STUDIES | WRONG_STUDIES]
     return type_commands(
@@ -107,10 +107,10 @@ def results(site: Path, name: str) -> pd.DataFrame:
     return pd.read_csv(site / "out" / name / "results.csv", comment="#")
 
 
-def table(site: Path, said: Outputs, name: str) -> pd.DataFrame:
+def table(site: Path, command_outputs: Outputs, name: str) -> pd.DataFrame:
     """The results of a study of the toys that was checked and run."""
     for command in (("check", f"{name}.yaml"), run(name)):
-        code, *output = said[command]
+        code, *output = command_outputs[command]
         assert code == 0, output
     results_ = results(site, name)
     assert (results_["status"] == "done").all()
@@ -119,9 +119,9 @@ def table(site: Path, said: Outputs, name: str) -> pd.DataFrame:
 
 
 @pytest.fixture(scope="module")
-def before(site: Path, said: Outputs) -> pd.DataFrame:
+def before(site: Path, command_outputs: Outputs) -> pd.DataFrame:
     """The results with the contact law as it is."""
-    return table(site, said, "contact law")
+    return table(site, command_outputs, "contact law")
 
 
 def test_a_study_runs_with_a_contact_law(before: pd.DataFrame) -> None:
@@ -130,48 +130,48 @@ def test_a_study_runs_with_a_contact_law(before: pd.DataFrame) -> None:
     assert soft / stiff == pytest.approx(2.0, rel=0.1)
 
 
-def test_a_study_runs_with_a_damping_law(site: Path, said: Outputs) -> None:
+def test_a_study_runs_with_a_damping_law(site: Path, command_outputs: Outputs) -> None:
     """An explicit and an implicit method call different parts of it, and find the same."""
     explicit, implicit = (
-        table(site, said, name)["velocity.rms"][:2] for name in ("damping law", "damping law, implicit")
+        table(site, command_outputs, name)["velocity.rms"][:2] for name in ("damping law", "damping law, implicit")
     )
     assert abs(explicit[1] / explicit[0] - 1.0) > 0.03
     assert list(implicit) == pytest.approx(list(explicit), rel=0.01)
 
 
-def test_a_study_runs_with_a_method_and_a_model(site: Path, said: Outputs) -> None:
+def test_a_study_runs_with_a_method_and_a_model(site: Path, command_outputs: Outputs) -> None:
     """The push of 1 N once a ball pass has an answer that is known; another method is not wholly the same."""
-    leapfrog, verlet = table(site, said, "method and model")["velocity.rms"][:2]
+    leapfrog, verlet = table(site, command_outputs, "method and model")["velocity.rms"][:2]
     omega = 2.0 * pi * 30.0 * 13 / 2 * (1.0 - 12.0 / 65.0)
     assert leapfrog == pytest.approx(omega / sqrt(2.0) / hypot(1e8 - omega**2, 1e3 * omega), rel=0.01)
     assert leapfrog != verlet
     assert leapfrog == pytest.approx(verlet, rel=1e-3)
 
 
-def test_a_study_runs_with_a_shape(site: Path, said: Outputs) -> None:
+def test_a_study_runs_with_a_shape(site: Path, command_outputs: Outputs) -> None:
     """Its defect is neither the program's own nor none at all."""
-    wedge, rectangular, healthy = table(site, said, "shape")["velocity.rms"]
+    wedge, rectangular, healthy = table(site, command_outputs, "shape")["velocity.rms"]
     assert wedge != pytest.approx(rectangular, rel=0.01)
     assert wedge > 2.0 * healthy
 
 
-def test_the_schema_knows_them(said: Outputs) -> None:
-    _, schema, _ = said["check", "--schema"]
+def test_the_schema_knows_them(command_outputs: Outputs) -> None:
+    _, schema, _ = command_outputs["check", "--schema"]
     assert json.loads(schema)["properties"]["model"]["enum"][-1] == "one-mass"
     assert all(word in schema for word in ("quadratic", "viscous", "leapfrog", "wedge", "velocity.span"))
 
 
-def test_a_wrong_word_is_answered_with_them(said: Outputs) -> None:
-    code, _, answer = said["check", "word.yaml"]
+def test_a_wrong_word_is_answered_with_them(command_outputs: Outputs) -> None:
+    code, _, answer = command_outputs["check", "word.yaml"]
     assert code != 0
     assert "leapfrog" in answer
 
 
-def test_a_law_without_its_derivatives_is_refused_by_name(said: Outputs) -> None:
-    code, *refused = said["check", "unfinished, implicit.yaml"]
+def test_a_law_without_its_derivatives_is_refused_by_name(command_outputs: Outputs) -> None:
+    code, *refused = command_outputs["check", "unfinished, implicit.yaml"]
     assert code != 0
     assert "the damping law `unfinished` lacks `derivatives`, which rodas" in "".join(refused)
-    assert said["check", "unfinished.yaml"][0] == 0
+    assert command_outputs["check", "unfinished.yaml"][0] == 0
 
 
 @pytest.fixture(scope="module")
@@ -202,13 +202,13 @@ def test_a_figure_draws_a_feature(site: Path, edited: Outputs) -> None:
     assert list((site / "out" / "figure" / "figures").glob("*.png"))
 
 
-def test_a_feature_without_a_finite_value_is_named(site: Path, said: Outputs) -> None:
+def test_a_feature_without_a_finite_value_is_named(site: Path, command_outputs: Outputs) -> None:
     """A healthy bearing has no depth: the number is left out, not stored as inf, and the run says so."""
-    results_ = table(site, said, "shape")
+    results_ = table(site, command_outputs, "shape")
     healthy = results_["healthy"].isna()
     assert results_["velocity.per_depth"].isna().equals(healthy)
     assert f"feature `velocity.per_depth` has no value in {healthy.sum()} of 3 jobs: computed as inf" in "".join(
-        said[run("shape")][1:]
+        command_outputs[run("shape")][1:]
     )
 
 

@@ -153,8 +153,10 @@ def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
             names = {f"defect.{part}", f"defects.{number}.{part}"}
             value = _single(parameters, f"defects.{number}.{part}")
             if value is not None and not names & drawn and (part, value) != ("offset", 0.0):
-                shown = units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
-                text = labels.value_text(f"defect.{part}", value, shown)
+                described = (
+                    units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
+                )
+                text = labels.value_text(f"defect.{part}", value, described)
                 which = f" {number}" if count > 1 else ""
                 yield (
                     f"{text} defect{which}{_position(parameters, number)}"

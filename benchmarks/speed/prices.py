@@ -100,15 +100,15 @@ def section(report: Section) -> None:
     adaptive = {
         name: [Steps(name, instants=n) for n in INSTANTS] for name in METHOD_NAMES if METHODS[name].adaptive
     }
-    tasks: dict[str, Task] = {f"evaluation/{name}": one for name, one in evaluations.items()}
+    tasks: dict[str, Task] = {f"evaluation/{name}": task for name, task in evaluations.items()}
     tasks |= {"run/static": static, "run/verlet": verlet, "power/without": plain[0], "power/with": powered[0]}
     tasks["run/rodas planar"] = planar = Steps("rodas", "planar", cage={"motion": "kinematic"})
     tasks |= {
-        f"run/{name}, {n}": one for name, pair in adaptive.items() for n, one in zip(INSTANTS, pair, strict=True)
+        f"run/{name}, {n}": task for name, pair in adaptive.items() for n, task in zip(INSTANTS, pair, strict=True)
     }
     measures = measure_in_turns(tasks, ROUNDS)
     report.measures |= measures
-    seconds = {name: one.seconds for name, one in measures.items()}
+    seconds = {name: task.seconds for name, task in measures.items()}
 
     new: Prices = {("evaluation", name): seconds[f"evaluation/{name}"] for name in evaluations}
     new["evaluation", ""] = new["evaluation", "planar"]

@@ -175,9 +175,9 @@ def test_keys_of_planar_are_refused_by_simpler_models(fields: dict[str, Any], mo
 def test_insufficient_model_is_refused_with_the_simplest_sufficient_one(
     fields: dict[str, Any], messages: list[str], hint: str
 ) -> None:
-    found = refusals(**fields)
-    assert len(found) == len(messages)
-    for (message, advice), part in zip(found, messages, strict=True):
+    reported = refusals(**fields)
+    assert len(reported) == len(messages)
+    for (message, advice), part in zip(reported, messages, strict=True):
         assert part in message
         assert hint in str(advice)
 

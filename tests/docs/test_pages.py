@@ -81,8 +81,8 @@ def evaluate(example: Example) -> str | None:
             Path(title).write_text(source, encoding="utf-8")
             example.namespace["study"] = title
         case "yaml":
-            whole = yaml.safe_load(Path(example.namespace["study"]).read_text(encoding="utf-8"))
-            Path("part.yaml").write_text(yaml.safe_dump(whole | yaml.safe_load(source)), encoding="utf-8")
+            study = yaml.safe_load(Path(example.namespace["study"]).read_text(encoding="utf-8"))
+            Path("part.yaml").write_text(yaml.safe_dump(study | yaml.safe_load(source)), encoding="utf-8")
             load_study("part.yaml").cases()
         case "console":
             return next(filter(None, map(difference, re.split(r"^\$ ", source, flags=re.MULTILINE)[1:])), None)
@@ -95,13 +95,13 @@ def evaluate(example: Example) -> str | None:
 
 def difference(command_and_output: str) -> str | None:
     """Run a command; return how its output differs from that shown, if any is shown or the command fails."""
-    command, _, shown = command_and_output.partition("\n")
+    command, _, expected = command_and_output.partition("\n")
     code, output = run(command)
-    if not shown.strip():
+    if not expected.strip():
         return f"{command}: exit code {code}\n{output}" if code else None
-    if OutputChecker().check_output(shown, output, OPTIONS):
+    if OutputChecker().check_output(expected, output, OPTIONS):
         return None
-    return f"{command}: exit code {code}, shown\n{shown}\nprinted\n{output}"
+    return f"{command}: exit code {code}, shown\n{expected}\nprinted\n{output}"
 
 
 def run(command: str) -> tuple[int, str]:

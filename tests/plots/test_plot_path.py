@@ -112,10 +112,10 @@ def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
 
 
 def test_the_path_taken_lies_over_the_sections(results, monkeypatch):
-    def made(given):
-        time = np.arange(round(given.duration * given.sampling)) / given.sampling
+    def made(test_case):
+        time = np.arange(round(test_case.duration * test_case.sampling)) / test_case.sampling
         worth = {"roller.2.radial": 3e-6, "ring.displacement.x": 0.0, "ring.displacement.y": 0.0}
-        series = {name: np.full(len(time), worth[name]) for c in given.record for name in dataset_names(c)}
+        series = {name: np.full(len(time), worth[name]) for c in test_case.record for name in dataset_names(c)}
         return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": -0.6})
 
     monkeypatch.setattr("tests.plots.test_plots.record", made)

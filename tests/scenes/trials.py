@@ -103,14 +103,14 @@ def _log(event: str, case: Case) -> None:
 
 
 def try_out(
-    case: Case, asked: Sequence[str], passes: int, turn: float, against: ReferenceValues | None = None
+    case: Case, features: Sequence[str], passes: int, turn: float, against: ReferenceValues | None = None
 ) -> tuple[Trial, Any]:
     _log("try" if against is None else "rub", case)
     time.sleep(float(os.environ.get(SECONDS, "0")))
     if DEATHS in os.environ:
         os._exit(3)
     free = case.cage is not None and case.cage.motion == "free"
-    return trial(case.load * MODEL_FACTORS[case.model] * (1.0 + FRICTION * free), passes, names=asked), None
+    return trial(case.load * MODEL_FACTORS[case.model] * (1.0 + FRICTION * free), passes, names=features), None
 
 
 def simulate(case: Case) -> SimpleNamespace:

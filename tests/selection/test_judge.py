@@ -34,10 +34,10 @@ def test_a_trial_is_nothing_off_itself(feature: str) -> None:
 
 @pytest.mark.parametrize("feature", ALL)
 def test_what_each_pass_adds_alike_is_off_by_just_that(feature: str) -> None:
-    one, other = trial(3.3, names=NAMES), trial(3.0, names=NAMES)
-    assert value(feature, one, None).value == pytest.approx(3.3, rel=1e-12)
-    assert off(feature, one, other) == pytest.approx(0.3, rel=1e-9)
-    assert off(feature, other, one) == pytest.approx(0.3, rel=1e-9)
+    shifted, other = trial(3.3, names=NAMES), trial(3.0, names=NAMES)
+    assert value(feature, shifted, None).value == pytest.approx(3.3, rel=1e-12)
+    assert off(feature, shifted, other) == pytest.approx(0.3, rel=1e-9)
+    assert off(feature, other, shifted) == pytest.approx(0.3, rel=1e-9)
 
 
 def windowed(noise: np.ndarray) -> Trial:
@@ -80,5 +80,5 @@ def test_a_healthy_twin_is_taken_off_part_by_part() -> None:
 
 @pytest.mark.parametrize("turns", [1, 2])
 def test_one_part_tells_nothing_of_scatter_so_nothing_is_sure(turns: int) -> None:
-    one = trial(3.0, turns, names=NAMES)
-    assert all(math.isinf(off(feature, one, one)) for feature in (NAMES if turns == 2 else ALL))
+    short = trial(3.0, turns, names=NAMES)
+    assert all(math.isinf(off(feature, short, short)) for feature in (NAMES if turns == 2 else ALL))

@@ -67,7 +67,7 @@ def numbers(**fields: Any) -> list[float]:
 
 DEFECT_RACES: list[dict[str, Any]] = [{}, {"race": "inner"}, {"race": "roller", "roller": 2}]
 DAMPED = {"contact": {"damping": {"chi": 5.0}}}
-FIELDS = [DAMPED | {"defect": SLOT | {"width": "3 mm"} | one} for one in DEFECT_RACES]
+FIELDS = [DAMPED | {"defect": SLOT | {"width": "3 mm"} | race} for race in DEFECT_RACES]
 
 
 @pytest.fixture(scope="module")

@@ -184,7 +184,7 @@ def test_interrupted_map_keeps_its_rows(small, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(mapping, "map_unordered", interrupted_spread)
-    monkeypatch.setattr(mapping, "_compile", lambda *given: None)
+    monkeypatch.setattr(mapping, "_compile", lambda *arguments: None)
     _, stderr = type_(*small, code=130)
     assert "has 2 of 8 cells" in stderr
     assert len(pd.read_csv("results/stability-quick/stability.csv")) == 2

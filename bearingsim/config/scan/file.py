@@ -143,9 +143,9 @@ def _columns(heads: Sequence[str], wording: Wording) -> dict[str, tuple[int, flo
     missing = [name for name in ("s", "z") if name not in columns]
     if missing or ("depth" in columns) == ("height" in columns):
         required = "`s`, `z` and either `depth` or `height`"
-        shown = heads[:6]
-        limit = max(MAX_ECHO // max(len(shown), 1), MIN_ECHO)
-        listing = ", ".join(_echo(head, limit) for head in shown) or "none"
+        first_heads = heads[:6]
+        limit = max(MAX_ECHO // max(len(first_heads), 1), MIN_ECHO)
+        listing = ", ".join(_echo(head, limit) for head in first_heads) or "none"
         raise ScanError(f"expected {wording.columns} {required}, got {listing}", wording.example)
     return columns
 

@@ -42,10 +42,10 @@ def sjovall(epsilon, n):
     return quad(zone, 0.0, edge)[0] / pi
 
 
-def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **given):
+def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **fields):
     """Return the static model with massless rollers and without bracket, the first roller at ``first``."""
     base = weightless(
-        assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **given))
+        assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **fields))
     )
     support = base.support._replace(k_b=0.0)
     return base._replace(bearing=base.bearing._replace(Z=Z), support=support)
@@ -157,9 +157,9 @@ def test_a_slot_unloads_its_roller():
 # The centrifugal load of `static`
 
 
-def static_state(speed, model="static", **given):
+def static_state(speed, model="static", **fields):
     """Return a model at ``speed`` (rpm), 150 N and 20 um of clearance, its static buffer, and its forces."""
-    static_model = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **given))
+    static_model = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **fields))
     y = assemble.empty_buffer(static_model)
     assert solve_initial_equilibrium(assemble.static_model(static_model), 0.0, y) < 1e-7
     return static_model, y, y[lay.Q_O : lay.Q_O + 13], y[lay.Q_I : lay.Q_I + 13]

@@ -84,9 +84,9 @@ def bodies_at(model, y, t):
     return bodies.scene(model, np.array([t]), y[bodies.state_rows(model.bearing.Z)][:, np.newaxis])
 
 
-def random_contact_state(setup, seed, **given):
+def random_contact_state(setup, seed, **fields):
     """Return a model and a random state with all contacts closed and accelerations filled in."""
-    model = assemble.model(case(**ALL_EFFECTS, **SETUPS[setup], **given))
+    model = assemble.model(case(**ALL_EFFECTS, **SETUPS[setup], **fields))
     y = random_state(model, seed)
     align_defects(model, y, BALANCE_TIME, outwards=seed % 2 == 0)
     start_at_rest(model, BALANCE_TIME, y)

@@ -123,7 +123,7 @@ def test_each_contact_has_its_own_curvature():
 # Closing rates
 
 
-def model_over_defect(carrier, offset, **given):
+def model_over_defect(carrier, offset, **fields):
     """Return a model with the first roller ``offset`` (m) from the middle of a defect, and its side."""
     side = OUTER if carrier.get("race", "outer") == "outer" else INNER
     defect = SLOT | {"width": "2 mm"} | carrier
@@ -133,7 +133,7 @@ def model_over_defect(carrier, offset, **given):
         del defect["side"]
     else:
         defect["angle"] = -offset / (38.5e-3 if side == OUTER else 26.5e-3)
-    return assemble.model(case(defect=defect, start_angle=0.0, **given)), side
+    return assemble.model(case(defect=defect, start_angle=0.0, **fields)), side
 
 
 CONTACTS = ({"race": "inner"}, {"race": "roller", "side": OUTER}, {"race": "roller", "side": INNER})

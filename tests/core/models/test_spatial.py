@@ -35,9 +35,9 @@ ELASTIC = ElasticMount(1.0, 1e-3, 1e-3, 1e7, 100.0, 1e4, 1.0, 0.0, 0.0)
 """Mount of rings that can tilt, but are aligned."""
 
 
-def in_space_state(model, slicing, y, **given):
+def in_space_state(model, slicing, y, **fields):
     """Return the model in space, and its buffer at the planar state in ``y``."""
-    space = spatial_model(model, slicing, **given)
+    space = spatial_model(model, slicing, **fields)
     x = empty(space)
     x[: lay.BUFFER_SIZE] = y[: lay.BUFFER_SIZE]
     x[lay.ACCELERATION : lay.ACCELERATION + lay.STATE] = 0.0
