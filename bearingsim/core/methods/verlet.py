@@ -75,12 +75,12 @@ def count_touch_downs(h, y, n):
 @jit
 def first_touch_down(h, y, n):
     """Return the time (s) until the next contact closes, at most ``h`` (s)."""
-    first = h
+    closing_time = h
     for j in range(n):
         for delta, v in ((lay.DELTA_O, lay.V_O), (lay.DELTA_I, lay.V_I)):
             if closes(y[delta + j], y[v + j], h):
-                first = min(first, -y[delta + j] / y[v + j])
-    return first
+                closing_time = min(closing_time, -y[delta + j] / y[v + j])
+    return closing_time
 
 
 @jit
@@ -89,10 +89,10 @@ def step_over_touch_downs(model, t, end, y):
     n = lanes(model.bearing)
     for _ in range(MAX_PARTS):
         h = end - t
-        first = first_touch_down(h, y, n)
-        is_early = first < TOUCH_DOWN * h
-        part = first / TOUCH_DOWN if is_early else (first - TOUCH_DOWN * h) / (1.0 - TOUCH_DOWN)
-        if first >= h or part <= 0.0:
+        closing_time = first_touch_down(h, y, n)
+        is_early = closing_time < TOUCH_DOWN * h
+        part = closing_time / TOUCH_DOWN if is_early else (closing_time - TOUCH_DOWN * h) / (1.0 - TOUCH_DOWN)
+        if closing_time >= h or part <= 0.0:
             break
         evaluate(model, Verlet(part), t + part, y)
         t += part
