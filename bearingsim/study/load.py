@@ -14,6 +14,7 @@ from bearingsim.config.fields import describe_value
 from bearingsim.study.figures import Figure, band_features, check_computed, check_recorded, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
+from bearingsim.study.paths import intended_paths
 from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
 from bearingsim.text import files_read
@@ -105,9 +106,10 @@ def _settings(file: "_StudyFile") -> _Settings:
     problems, plans, entries = list(file.syntax_problems), file.plans, file.root.mapping
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     parameters = parse_uncertainty(entries.get("uncertainty"), problems)
-    # Invalid paths are reported with the sweep.
+    # Invalid and misspelt paths are reported with the sweep.
     invalid = sorted({path for plan in plans for path in plan.named_paths} - swept.keys())
-    figures = parse_figures(entries.get("figures"), [*swept, *invalid], problems)
+    intended = [path for entry in (*swept, *invalid) for path in intended_paths(entry)]
+    figures = parse_figures(entries.get("figures"), [*swept, *invalid, *intended], problems)
     name = _name(file.root, problems)
     goal = parse_goal(file.source.mapping.get("accuracy"), figures, problems)
     models = {model for plan in plans for model in plan.models()}

@@ -10,7 +10,7 @@ from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import Path, Quantity, Section
 from bearingsim.config.sections.ring import SupportPoint
 from bearingsim.config.vocabulary import explanation
-from bearingsim.text.units import Dimension, suggestion
+from bearingsim.text.units import Dimension, nearest_words, suggestion
 from bearingsim.text.yamlfile import Node
 
 SYNONYMS: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
@@ -79,6 +79,16 @@ def parse_path(text: str, defects: int) -> Path:
     if head == "defects" and rest:
         return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
     return SYNONYMS.get((head, *rest), (head, *rest))
+
+
+def intended_paths(text: str) -> list[str]:
+    """List the valid paths that an unknown path may misspell; empty for a valid path."""
+    plain = _without_number(text)
+    if plain in known_paths():
+        return []
+    number = text.removesuffix(plain.removeprefix("defect"))  # `defects.1` of `defects.1.widht`
+    paths = nearest_words(plain, known_paths())
+    return paths if plain == text else [number + path.removeprefix("defect") for path in paths]
 
 
 MAX_SECTIONS = 4  # limit of the sections with the same key that a hint lists

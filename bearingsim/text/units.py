@@ -257,12 +257,12 @@ def common_dimension(unit: str, other: str) -> Dimension | None:
 
 def nearest_word(word: str, words: Collection[str]) -> str | None:
     """Return the element of `words` most similar to a misspelt `word`, ignoring case; None if none is similar."""
-    return next(iter(_nearest_words(word, words)), None)
+    return next(iter(nearest_words(word, words)), None)
 
 
 def suggestion(word: str, words: Collection[str]) -> str:
     """Suggest the elements of `words` most similar to a misspelt `word`; empty if none is similar."""
-    quoted = [f"`{similar}`" for similar in _nearest_words(word, words)[:MAX_SUGGESTIONS]]
+    quoted = [f"`{similar}`" for similar in nearest_words(word, words)[:MAX_SUGGESTIONS]]
     return f"did you mean {' or '.join(quoted)}?" if quoted else ""
 
 
@@ -272,7 +272,7 @@ ERROR_LENGTHS = (3, 9, 14)
 _SIMILAR_CHARACTERS = str.maketrans("01", "ol")
 
 
-def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
+def nearest_words(typed: str, words: Collection[str]) -> list[str]:
     """List the words with the fewest typing errors, or else the only word with this prefix."""
     folded = typed.lower()
     distances = {

@@ -224,6 +224,11 @@ excitation: soft-edge
         # a wrong sweep of what the base does not say
         (BASE.replace("load: 150 N\n", "") + "sweep: {load: 1 N}\n", 1),
         (BASE.replace("load: 150 N\n", "") + "sweep: {zip: {load: [1 N], settle: [1 s, 2 s]}}\n", 1),
+        # a figure of the path that the sweep misspells
+        (BASE + "sweep: {defect.widht: [1 mm]}\nfigures: [{y: velocity@BPFO, x: defect.width}]\n", 1),
+        (BASE + "sweep: {defects.1.widht: [1 mm]}\nfigures: [{y: velocity@BPFO, x: defects.1.width}]\n", 1),
+        (BASE + "sweep: {lod: [1 N]}\nfigures: [{y: velocity@BPFO, x: lod, by: load}]\n", 1),
+        (BASE + "sweep: {lod: [1 N]}\nfigures: [{y: velocity@BPFO, x: defect.width}]\n", 2),
     ],
 )
 def test_mistake_causes_no_further_problems(write: Write, text: str, count: int) -> None:
