@@ -14,3 +14,9 @@ def shipped_folder(name: str) -> Path:
 def shipped_studies() -> dict[str, Path]:
     """List the files of the studies by name (that of the file, without its ending), sorted."""
     return dict(sorted((path.stem, path) for path in shipped_folder("studies").rglob("*.yaml")))
+
+
+def matching_studies(name: str) -> list[str]:
+    """List the names of the shipped studies that begin with ``name``, or only that which is ``name``."""
+    word, studies = name.replace("-", "_").removesuffix(".yaml"), shipped_studies()
+    return [word] if word in studies else [study for study in studies if study.startswith(word)]

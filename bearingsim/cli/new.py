@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
-from bearingsim.shipped import shipped_studies
+from bearingsim.shipped import matching_studies, shipped_studies
 from bearingsim.study import NEW_STUDY, SCHEMA_COMMENT, SCHEMA_FILE, outline, schema_text
 from bearingsim.text.terminal import say
 from bearingsim.text.units import suggestion
@@ -45,13 +45,11 @@ def write_copy(name: str, path: Path | None) -> list[Path]:
 
 def find_study(name: str) -> Path:
     """Find the only shipped study whose name begins with ``name``, or is ``name``. Raises UserError."""
-    studies = shipped_studies()
-    word = name.replace("-", "_").removesuffix(".yaml")
-    matches = [stem for stem in studies if stem == word] or [stem for stem in studies if stem.startswith(word)]
+    studies, matches = shipped_studies(), matching_studies(name)
     if len(matches) == 1:
         return studies[matches[0]]
     first_words = {stem.partition("_")[0] for stem in studies}
-    hint = " or ".join(f"`{stem}`" for stem in matches) or suggestion(word, {*studies, *first_words})
+    hint = " or ".join(f"`{stem}`" for stem in matches) or suggestion(Path(name).stem, {*studies, *first_words})
     raise UserError(f"no study `{name}`{f' ({hint})' if hint else ''}: `bearingsim new --list` lists all")
 
 

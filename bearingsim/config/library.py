@@ -1,5 +1,6 @@
 """Library of bearings, rigs and materials: files found by name or path."""
 
+from contextlib import suppress
 from functools import lru_cache
 from os.path import isfile
 from pathlib import Path
@@ -27,7 +28,7 @@ def find(kind: Kind, name: str, base_folder: Path | None = None) -> Path:
 
     Raises ValueError, whose message lists the existing names.
     """
-    if name.endswith((".yaml", ".yml")) or "/" in name:
+    if _is_path(name):
         candidates = [base / name for base in (Path(), base_folder) if base is not None]
     else:
         candidates = [folder / f"{name}.yaml" for folder in folders(kind)]
@@ -63,7 +64,21 @@ def _display_path(path: Path) -> str:
     return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
 
 
+def _is_path(name: str) -> bool:
+    return name.endswith((".yaml", ".yml")) or "/" in name
+
+
+def similar_file(name: str) -> str:
+    """Suggest files in the folder of a missing file with a similar name; empty if there are none."""
+    path, files = Path(_display_path(Path(name))), list[str]()
+    with suppress(OSError):  # a name too long for a file
+        files += map(str, path.parent.glob("*.y*ml") if _is_path(name) else ())
+    return suggestion(str(path), files)
+
+
 def _not_found(kind: Kind, name: str) -> str:
+    if similar := similar_file(name):
+        return f"no {kind[:-1]} `{_display_path(Path(name))}` ({similar})"
     names = library_names(kind)
     choices = f"there are: {', '.join(names)}; or give the path of a file"
     if kind == "bearings":  # a similar number is another bearing

@@ -121,15 +121,19 @@ class RunSummary:
         return (*map(str, self.failures), *self.notes)
 
     @property
+    def statements(self) -> tuple[str, ...]:
+        """All statements on the results."""
+        return () if self.findings is None else self.findings.statements
+
+    @property
     def details(self) -> tuple[str, ...]:
         """All statements on the results, and the share of CPU time spent in the integrator."""
-        texts = () if self.findings is None else self.findings.statements
         if not self.cpu_s > 0.0:
-            return texts
-        start_up = f"{self.start_cpu_s:.1f} s of start-up apart"
+            return self.statements
         return (
-            *texts,
-            f"{self.integrator_share:.0%} of the workers' CPU time, {start_up}, went into the runs' steps",
+            *self.statements,
+            f"CPU time of the workers: {self.start_cpu_s:.1f} s to start, {self.cpu_s:.1f} s to compute"
+            f" ({self.integrator_share:.0%} of which in the time integration)",
         )
 
 
@@ -138,5 +142,7 @@ class Interrupted(KeyboardInterrupt):
 
     def __init__(self, summary: RunSummary) -> None:
         advice = f"results so far: {summary.folder}; run the same command to continue"
-        super().__init__(f"interrupted: {summary}\n{advice}")
+        super().__init__(
+            "\n".join([f"interrupted: {summary.headline}", *summary.events, *summary.statements, advice])
+        )
         self.summary, self.number = summary, summary.interrupted

@@ -6,7 +6,7 @@ from os.path import isfile
 from pathlib import Path as FilePath
 
 from bearingsim.config.case import LAWS
-from bearingsim.config.library import Kind, find, read
+from bearingsim.config.library import Kind, find, read, similar_file
 from bearingsim.study.paths import put
 from bearingsim.text.files_read import record
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
@@ -69,7 +69,9 @@ def _open_file(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]
     try:
         document = read(kind, node.value, folder)
     except ValueError:
-        return node
+        path = str(folder.absolute() / node.value)
+        # With the absolute path the validation of the case suggests files beside the study.
+        return replace(node, value=path) if similar_file(path) and not similar_file(node.value) else node
     except StudyError as error:
         problems += [entry for entry in error.problems if entry not in problems]
         # With the absolute path the validation of the case reads the file too, and rejects it in the same way.

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from os.path import exists
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import describe_value
+from bearingsim.shipped import matching_studies
 from bearingsim.study.figures import Figure, band_features, check_computed, check_recorded, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
@@ -18,7 +20,7 @@ from bearingsim.study.paths import intended_paths
 from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
 from bearingsim.text import files_read
-from bearingsim.text.yamlfile import Node, Problem, StudyError, argument_mark, parse, problem, read_text
+from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 PATH_KEYS = ("x", "by", "panels")
@@ -183,9 +185,17 @@ class _StudyFile(NamedTuple):
     files: Mapping[str, str | None]
 
 
+def _shipped_hint(path: FilePath) -> str:
+    """Return a hint to the only shipped study with the name of a missing file; empty if there is none."""
+    matches = matching_studies(path.name)
+    return f"a shipped study has this name: `bearingsim new --from {matches[0]}`" if len(matches) == 1 else ""
+
+
 def _open(path: FilePath, overrides: Mapping[str, str]) -> _StudyFile:
     with files_read.recorded_files() as files:
         files_read.record(path)
+        if not exists(path) and (hint := _shipped_hint(path)):
+            raise StudyError([problem(Mark(str(path)), "no such file", hint)])
         text = read_text(path)
         root, syntax_problems = parse(text, str(path))
         if not isinstance(root.value, dict):

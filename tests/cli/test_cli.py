@@ -311,6 +311,12 @@ def test_missing_study_file(here):
     assert type_("run", "none.yaml", code=2)[1] == "none.yaml: no such file\n"
 
 
+@pytest.mark.parametrize("name", ["fig16", "fig16_angle.yaml", "studies/fig16-angle"])
+def test_missing_file_named_as_a_shipped_study(here, name):
+    hint = "a shipped study has this name: `bearingsim new --from fig16_angle`"
+    assert type_("run", name, code=2)[1] == f"{name}: no such file ({hint})\n"
+
+
 def test_unwritable_output_folder(here):
     Path("file").write_text("")
     _, stderr = type_("run", "small.yaml", "--jobs", "1", "--out", "file/results", code=2)
@@ -326,6 +332,7 @@ def test_interrupt_exits_with_130_and_counts_done_jobs(here, monkeypatch):
     monkeypatch.setattr(runner, "run", interrupted)
     _, stderr = type_("run", "small.yaml", code=130)
     assert "3 of 8 jobs done in 0.5 s, 1 of them before, 5 left" in stderr
+    assert "CPU time" not in stderr
 
 
 def test_detail_shows_the_traceback_of_an_error(here):

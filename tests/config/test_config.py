@@ -107,6 +107,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"contact": {"length_nodes": "6.0"}}, "whole number from 1 to 64"),
         ({"contact": {"length_nodes": "0"}}, "whole number from 1 to 64"),
         ({"bearing": "nf309"}, "no bearing `nf309` (there are: 6203, 6205, 6309, nf308, "),
+        ({"bearing": "x" * 5000 + "/own.yaml"}, "there are: 6203"),
         ({"rig": "xyz"}, "there are: bvt5"),
         ({"defect": SLOT | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
         (

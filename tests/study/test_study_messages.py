@@ -249,6 +249,9 @@ def test_mistake_in_a_bearing_file_is_reported_in_that_file(write: Write, tmp_pa
     ]
     with pytest.raises(StudyError, match="wdth"):
         load_rolling_parts(str(own))
+    own.rename(tmp_path / "owm.yaml")
+    (problem,) = problems(write(BASE.replace("nf308", "own.yaml")))
+    assert problem.message == f"bearing: no bearing `{own}` (did you mean `{tmp_path / 'owm.yaml'}`?)"
     own.write_text(bearing.read_text().replace("bore: 40 mm", "bore: 60 mm"))
     (problem,) = problems(write(BASE.replace("nf308", "own.yaml")))
     assert (problem.file, problem.message) == (str(own), "bearing.bore: the inner race (53 mm) is inside the bore")
