@@ -126,7 +126,7 @@ def _job_counts(plan: Plan) -> str:
     refusal_count = len(plan.refusals)
     cases, baselines, variations = plan.job_counts
     total = cases + baselines + variations
-    kinds = [f"{cases} case{'s' * (cases != 1)}", f"{baselines} healthy twin{'s' * (baselines != 1)}"]
+    kinds = [f"{cases} case{'s' * (cases != 1)}", f"{baselines} healthy baseline{'s' * (baselines != 1)}"]
     kinds += [f"{variations} variation{'s' * (variations != 1)}"] if variations else []
     refusals = f", {refusal_count} refused" if refusal_count else ""
     return f"{total} job{'s' * (total != 1)} ({', '.join(kinds)}){refusals}"

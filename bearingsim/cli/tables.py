@@ -122,11 +122,13 @@ def _stack_heading(head: str) -> str:
 
 
 def _check_columns(names: Sequence[str], columns: Sequence[str]) -> None:
+    from bearingsim.store import ERROR_PARTS
     from bearingsim.text.units import suggestion
 
+    of_accuracy = {"error", *ERROR_PARTS}
     for name in names:
         if name not in columns:
-            hint = suggestion(name, columns)
+            hint = "needs `accuracy` in the study" if name in of_accuracy else suggestion(name, columns)
             raise UserError(f"no column `{name}`" + (f" ({hint})" if hint else ""))
 
 

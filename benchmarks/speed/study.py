@@ -170,7 +170,7 @@ def peak_memory(duration: float) -> float:
 
 
 def run_study(model: str, duration: str, jobs: int, workers: int) -> int:
-    """Compute a new study; return its number of jobs, including healthy twins."""
+    """Compute a new study; return its number of jobs, including healthy baselines."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "study.yaml"
         path.write_text(STUDY.format(model=model, duration=duration, jobs=jobs))
@@ -194,7 +194,7 @@ def many_jobs(report: Section) -> None:
     report.measures |= {f"study/{size} jobs of ring, {SHORT}": measure for size, measure in least.items()}
     sizes = sorted(least)
     report.add_growth(
-        f"a study of `ring`, {SHORT} each, twins counted,", "jobs", sizes, [least[n].seconds for n in sizes]
+        f"a study of `ring`, {SHORT} each, baselines counted,", "jobs", sizes, [least[n].seconds for n in sizes]
     )
     per_job = 1e3 * least[sizes[-1]].seconds / sizes[-1]
     report.targets.append(
@@ -211,7 +211,7 @@ def two_workers(report: Section) -> None:
         loads.append(load)
     rows = [[1, walls[0], loads[0]], [2, walls[1], loads[1]]]
     columns = ["workers", "wall s", "processors that others kept busy"]
-    report.add_table(f"{SHARED_JOBS} jobs of `rollers`, 1 s each, and their twins", columns, rows)
+    report.add_table(f"{SHARED_JOBS} jobs of `rollers`, 1 s each, and their baselines", columns, rows)
     max_load = max(loads)
     doubt = "" if max_load < 0.1 else f"others kept {max_load:.1f} processors busy, so it says nothing"
     name = f"wall time of {SHARED_JOBS} jobs by one worker over that by two"

@@ -28,15 +28,16 @@ def features_page() -> str:
     """Return the page of features and channels."""
     lines = ", ".join(names.LINES)
     return page(
-        "Features and channels",
+        "List of features and channels",
         "The results table has a column for each feature. X is `displacement`, `velocity` or `acceleration` in the"
-        f" direction of the sensor; LINE is {lines}. [Features of a run](../lines.md) defines them, and"
-        " [results](../results.md#the-table) lists the other columns. Values are in SI, and NaN if the model does"
-        " not compute the quantity.",
+        f" direction of the sensor; LINE is {lines}. [Definitions of the features](../lines.md) explains"
+        " them, and [results](../results.md#the-table) lists the other columns. Amplitudes of lines are zero-to-peak;"
+        " `X.peak` is the largest magnitude, not peak-to-peak. Values are in SI, and NaN if the model does not compute"
+        " the quantity.",
         "## Features",
         table(("feature", "unit", "meaning"), _features()),
         "Features of [frequency bands](../lines.md#bands) are computed if a figure, `accuracy` or `features` names"
-        " them, such as `velocity.rms@2-5kHz` or `envelope@BPFO`.",
+        " them, such as `velocity.rms@2000-5000Hz` or `envelope@BPFO`.",
         "## Channels",
         "`record` lists the channels whose time signals are stored. `roller.KIND` is that of the first roller,"
         " `roller.7.KIND` of the seventh. Components `.x` are along the load line, `.y` across.",

@@ -73,7 +73,7 @@ def test_new_writes_a_study_that_checks(here):
     stdout, _ = type_("new", "mine.yaml")
     assert "mine.yaml" in stdout
     stdout, _ = type_("check", "mine.yaml")
-    assert stdout.startswith("defect-length: 15 jobs (12 cases, 3 healthy twins)")
+    assert stdout.startswith("defect-length: 15 jobs (12 cases, 3 healthy baselines)")
 
 
 def test_new_writes_the_schema_that_the_study_names(here):
@@ -110,7 +110,7 @@ def test_new_overwrites_nothing(here):
 
 def test_check_prints_the_plan(here):
     stdout, _ = type_("-v", "check", "small.yaml", "--jobs", "2")
-    assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in stdout
+    assert "8 jobs (4 cases, 4 healthy baselines); sweeps load, model" in stdout
     rows = {line[: line.find("  ")].strip(): line.split() for line in stdout.splitlines() if "  " in line}
     assert rows["cases"][-2:] == ["2", "2"]
     assert rows["crossing of the defect (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
@@ -200,7 +200,7 @@ def test_check_lists_cases_when_asked(here):
 
 def test_set_and_quick_change_the_plan(here):
     stdout, _ = type_("check", "small.yaml", "--quick", "--set", "load=[100 N, 150 N, 200 N]")
-    assert "6 jobs (3 cases, 3 healthy twins)" in stdout
+    assert "6 jobs (3 cases, 3 healthy baselines)" in stdout
 
 
 def test_check_shows_every_mistake_at_once(here):
@@ -214,7 +214,7 @@ def test_check_shows_every_mistake_at_once(here):
 
 def test_a_step_over_the_limit_is_refused_once(here):
     stdout, stderr = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
-    assert stdout == "small: 4 jobs (2 cases, 2 healthy twins), 4 refused; sweeps load, model\n"
+    assert stdout == "small: 4 jobs (2 cases, 2 healthy baselines), 4 refused; sweeps load, model\n"
     [line] = stderr.splitlines()
     assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
     assert "of the method's limit" in line

@@ -86,6 +86,7 @@ def test_show_columns(done):
     stdout, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
     assert stdout.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
     assert "did you mean `velocity.rms`?" in type_("show", done, "--columns", "velocity.rmse", code=2)[1]
+    assert "`error` (needs `accuracy` in the study)" in type_("show", done, "--columns", "error", code=2)[1]
 
 
 def test_show_json(done):

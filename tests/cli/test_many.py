@@ -43,7 +43,7 @@ def test_some_jobs_stand_for_all(study_file, monkeypatch):
 def test_sampled_estimate_is_reported(study_file):
     stdout, _ = type_("check", study_file)
     assert "estimated from 20 of 55 jobs" in stdout
-    assert "55 jobs (50 cases, 5 healthy twins)" in stdout
+    assert "55 jobs (50 cases, 5 healthy baselines)" in stdout
     plan_json = json.loads(type_("check", study_file, "--json")[0])
     assert (plan_json["cases"], len(plan_json["jobs"])) == (50, 20)
 
@@ -77,7 +77,7 @@ def test_fewer_jobs_are_priced_with_tilting_rollers(study_file, monkeypatch):
     assert len(plan.sample_jobs(jobs)) == 55 // plan.UNEVEN_LOAD_WEIGHT
 
 
-def test_cases_share_the_healthy_twin(study_file):
+def test_cases_share_the_healthy_baseline(study_file):
     twins = [job.baseline for job in load_study(study_file).jobs() if job.baseline is not None]
     assert (len(twins), len({id(twin) for twin in twins})) == (50, 5)
 

@@ -97,7 +97,7 @@ def test_limits_depend_on_the_outcome_of_check() -> None:
         result = hostile.CommandResult(code, text, cpu, memory)
         return check_limits.row_of(1, "", Path("a.yaml"), result).wrong
 
-    valid, refused = "a: 500 jobs (400 cases, 100 healthy twins)", "a.yaml:1:1: no"
+    valid, refused = "a: 500 jobs (400 cases, 100 healthy baselines)", "a.yaml:1:1: no"
     assert [exceeded(0, valid, cpu) for cpu in (1.4, 1.6)] == ["", "1.6 s"]
     assert [exceeded(2, refused, cpu) for cpu in (1.9, 2.1)] == ["", "2.1 s"]
     assert exceeded(2, refused, 0.5, 3.1e8) == "310 MB"
