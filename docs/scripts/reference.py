@@ -31,9 +31,9 @@ def features_page() -> str:
         "List of features and channels",
         "The results table has a column for each feature. X is `displacement`, `velocity` or `acceleration` in the"
         f" direction of the sensor; LINE is {lines}. [Definitions of the features](../lines.md) explains"
-        " them, and [results](../results.md#the-table) lists the other columns. Amplitudes of lines are zero-to-peak;"
-        " `X.peak` is the largest magnitude, not peak-to-peak. Values are in SI, and NaN if the model does not compute"
-        " the quantity.",
+        " them, and [results](../results.md#the-table) lists the other columns. Amplitudes of lines are"
+        " zero-to-peak; `X.peak` is the largest magnitude, not peak-to-peak. Values are in SI, and NaN if the"
+        " model does not compute the quantity.",
         "## Features",
         table(("feature", "unit", "meaning"), _features()),
         "Features of [frequency bands](../lines.md#bands) are computed if a figure, `accuracy` or `features` names"
