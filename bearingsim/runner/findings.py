@@ -169,7 +169,9 @@ def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the number of jobs whose initial transient changes line or RMS by more than ``STEP_ACCURACY``.
+    """Yield the number of jobs in which parts of the record differ in line or RMS by more than ``STEP_ACCURACY``.
+
+    The initial transient is one reason, a record of few turns of a defect another.
 
     Jobs with random scatter (a standard error, or cage slip) are left out.
     """
@@ -180,10 +182,10 @@ def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     errors = frame.loc[~is_random, columns].max(axis=1)
     errors = errors[errors > STEP_ACCURACY]
     if len(errors):
-        jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
+        jobs = f"{len(errors)} job{'s' * (len(errors) > 1)}"
         yield (
-            f"{jobs} not settled, with an error of up to {100.0 * errors.max():.2g} % (`error.start`);"
-            " use a longer `settle`"
+            f"{jobs}: parts of the record differ, with an error of up to {100.0 * errors.max():.2g} %"
+            " (`error.start`); use a longer `duration`, or a longer `settle`"
         )
 
 

@@ -1,9 +1,9 @@
-"""Warnings of chaotic results, above 0.5 % or half of the requested accuracy."""
+"""Warnings at the end of a run: chaotic results, and records whose parts differ."""
 
 import pandas as pd
 import pytest
 
-from bearingsim.runner.findings import findings
+from bearingsim.runner.findings import findings, transient_warnings
 
 JOB = "0" * 16
 
@@ -31,3 +31,16 @@ def test_chaotic_result_is_reported_relative_to_the_accuracy(
     within: float | None, error: float, is_flagged: bool
 ) -> None:
     assert any("chaotic" in text for text in warnings(within, error)) == is_flagged
+
+
+def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
+    """A longer record helps a short one with a turning defect, where a longer `settle` does not."""
+    frame = pd.DataFrame(
+        {"features/error.start": [0.03, 0.002, 0.02], "features/error.start.rms": [0.0, 0.001, 0.05]}
+    )
+    assert list(transient_warnings(frame)) == [
+        "2 jobs: parts of the record differ, with an error of up to 5 % (`error.start`);"
+        " use a longer `duration`, or a longer `settle`"
+    ]
+    frame["features/cage.slip.mean"] = 0.1  # scatter of a free cage is reported as a standard error
+    assert not list(transient_warnings(frame))
