@@ -195,7 +195,7 @@ def is_level(name: str) -> bool:
 
 def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
     """Describe the uncertainty bands of a figure, if it has any: `bands and bars: damping 0.5 to 10 us`."""
-    if not any(str(column).startswith("least ") for column in rows):
+    if not any(rows[name].notna().any() for name in rows if str(name).startswith("least ")):
         return []
     drawn = set(rows["job"])
     tried = group_by_kind(

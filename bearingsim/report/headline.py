@@ -1,6 +1,6 @@
 """Main results of a study: the range, error and extreme cases of the features that its figures name."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -49,13 +49,34 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     text = _range(name, values, unit, factor)
     has_extremes = paths and " to " in text
     extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if has_extremes else {}
+    bands, jobs = _bands(results, name, unit, factor), dict(rows["job"])
     extremes = [
-        f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
+        "; ".join([f"{kind}: {described({path: rows[path][row] for path in paths}, units)}", *bands(jobs[row])])
         for kind, row in extreme_rows.items()
     ]
     texts = [text, _error(rows, name)]
-    remarks = [*_healthy(results, name, unit, factor), *extremes]
+    of_one_case = [] if extremes else ["; ".join(bands(jobs[values.idxmax()]))]
+    remarks = [*filter(None, of_one_case), *_healthy(results, name, unit, factor), *extremes]
     return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks, feature_text(name))
+
+
+def _bands(results: "Results", name: str, unit: str, factor: float) -> Callable[[str], Iterator[str]]:
+    """Return a function that yields the range of a feature in a case over the variations of each quantity.
+
+    Example: `damping: 183 to 723 m/s²`; factor: from SI to the unit.
+    """
+    quantities = dict.fromkeys(variation["what"] for variation in results.variations)
+    ranges = {quantity: results.spread(name, quantity) for quantity in quantities}
+    varied = {(variation["of"], variation["what"]) for variation in results.variations}
+
+    def texts(job: str) -> Iterator[str]:
+        for quantity, band in ranges.items():
+            if (job, quantity) not in varied or name.endswith(".phase"):
+                continue
+            ends = band[["least", "largest"]].astype(float).reindex([job]).iloc[0]
+            yield f"{quantity}: {_range(name, ends, unit, factor) if ends.notna().all() else 'range unknown'}"
+
+    return texts
 
 
 def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:

@@ -10,15 +10,14 @@ from bearingsim.config.rules import damping
 from bearingsim.runner.progress import duration
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.summary import Findings
-from bearingsim.store import NOTABLE_ERROR, errors, is_uncertain, relative_error
+from bearingsim.runner.variations import variation_effects
+from bearingsim.store import NOTABLE_ERROR, has_error_estimate, is_uncertain, relative_error
 from bearingsim.study import stored_figure
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
-    PARAMETER_KINDS,
     RIGID_RING,
     damping_remark,
-    group_by_kind,
     sweeps_damping,
 )
 
@@ -40,7 +39,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
         withdrawn=tuple(withdrawals(plan, frame)),
         accuracy=(
             *(accuracy_notes(plan, frame) if plan.get("accuracy") else _largest_step_errors(cases)),
-            *variation_effects(plan, frame),
+            *variation_effects(plan, frame, drawn_features),
         ),
         warnings=(
             *damping_warnings,
@@ -61,7 +60,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
 
 def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
     """Yield the largest step errors of the jobs whose time step was checked."""
-    names = {"line": "line amplitude", "rms": "RMS", "force": "largest force"}
+    names = {"line": "velocity line", "rms": "velocity RMS", "force": "largest force"}
     errors = {
         text: cases[f"features/step_error.{name}"].max() for name, text in names.items() if _has(cases, name)
     }
@@ -139,8 +138,11 @@ def scatter_warnings(
         factor = ceil((worst / notable) ** 2)
         remedy = f"{100.0 * notable:.2g} % needs {factor} times the `duration`"
         yield f"{_job_counts(known_errors > 0.0)} has standard error {100.0 * worst:.2g} %; {remedy}"
-    if unknown.to_numpy().any():
-        yield f"{_job_counts(unknown)} has unknown standard error; try a longer `duration`"
+    is_estimated = pd.Series({name: has_error_estimate(table, name) for name in names})
+    if (unknown & is_estimated).to_numpy().any():
+        yield f"{_job_counts(unknown & is_estimated)} has unknown standard error; try a longer `duration`"
+    if (unknown & ~is_estimated).to_numpy().any():
+        yield f"{_job_counts(unknown & ~is_estimated)} has no standard error (not estimated for this feature)"
 
 
 def _job_counts(flags: "pd.DataFrame") -> str:
@@ -219,68 +221,12 @@ def _range_text(values: "pd.Series[float]", template: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-FEATURE_TEXTS = {"": "line amplitude", ".rms": "RMS", ".force": "largest force"}
-"""Names of the features with `error.*` columns, by suffix of the column."""
-
-
-def variation_effects(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the change of the results over the variations of each uncertain quantity.
-
-    plan: from ``store.read_plan``; frame: from ``store.build_table``.
-    """
-    changes = errors(plan, frame)
-    values = group_by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
-    for quantity, tried_values in values.items():
-        columns = {text: f"error.{quantity}{suffix}" for suffix, text in FEATURE_TEXTS.items()}
-        by_feature = {text: changes[name].dropna() for text, name in columns.items() if name in changes}
-        yield from _missing_variations(plan, frame, quantity)
-        ranges = ", ".join(f"{text} by {_percent(column.max())}" for text, column in by_feature.items())
-        if ranges:
-            preposition = "by up to" if max(len(column) for column in by_feature.values()) > 1 else "by"
-            values_text = (
-                ""
-                if PARAMETER_KINDS[quantity].choices
-                else f" {PARAMETER_KINDS[quantity].range_text(tried_values)}"
-            )
-            yield f"{quantity}{values_text} changes {ranges.replace('by', preposition, 1)}"
-            yield from _chaotic_variations(plan, frame, quantity)
-
-
 def assumption_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the assumptions of a study, and the cost of varying the damping if it is not varied."""
     values = {variation["what"] for variation in plan.get("variations", ())}
     if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
         yield from _damping_note(plan, frame)
     yield from plan.get("assumptions", ())
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
-
-
-def _variations(plan: Mapping[str, Any], quantity: str) -> list[str]:
-    """List the ids of the jobs in which a quantity is varied."""
-    return list(
-        {variation["job"]: None for variation in plan.get("variations", ()) if variation["what"] == quantity}
-    )
-
-
-def _missing_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> Iterator[str]:
-    """Yield the number of variations without a result, if any."""
-    jobs = _variations(plan, quantity)
-    count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
-    if count:
-        yield f"{count} of {len(jobs)} variations of the {quantity} have no result; their jobs have no error band"
-
-
-def _chaotic_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> Iterator[str]:
-    """Yield the number of chaotic variations, if any."""
-    jobs = _variations(plan, quantity)
-    if "features/chaotic" not in frame:
-        return
-    count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
-    if count:
-        yield f"{count} of {len(jobs)} {quantity} variations are chaotic; the change includes their standard error"
 
 
 def _damping_note(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

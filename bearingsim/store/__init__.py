@@ -44,7 +44,16 @@ from bearingsim.store.prune import RemovableFiles, find_removable, prune
 from bearingsim.store.results import Results, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import read_scans, store_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
-from bearingsim.store.spread import NOTABLE_ERROR, errors, is_uncertain, relative_error, spread
+from bearingsim.store.spread import (
+    NOTABLE_ERROR,
+    default_ranges,
+    errors,
+    has_error_estimate,
+    is_uncertain,
+    relative_error,
+    relative_range,
+    spread,
+)
 from bearingsim.store.table import (
     build_table,
     info,
@@ -101,12 +110,14 @@ __all__ = [
     "claim",
     "claim_results",
     "clear_failure",
+    "default_ranges",
     "discard",
     "error_bounds",
     "errors",
     "find_removable",
     "flat_parameters",
     "full_disk_errors",
+    "has_error_estimate",
     "holdings",
     "in_use",
     "info",
@@ -134,6 +145,7 @@ __all__ = [
     "refuse_links",
     "refuse_own_study_file",
     "relative_error",
+    "relative_range",
     "results_folder",
     "sealed_units",
     "spread",

@@ -109,9 +109,12 @@ class Results:
         """Return the solver statistics of finished jobs (step, CPU time, error estimates), indexed by job."""
         return info(self._frame)
 
-    def spread(self, feature: str) -> "pd.DataFrame":
-        """Return ``least`` and ``largest`` (SI) of a feature over the variations of `uncertainty:`, by job."""
-        return spread(self.plan, self._frame, feature)
+    def spread(self, feature: str, quantity: str | None = None) -> "pd.DataFrame":
+        """Return ``least`` and ``largest`` (SI) of a feature over the variations of `uncertainty:`, by job.
+
+        quantity: the varied quantity, None for all. NaN where a standard error is unknown.
+        """
+        return spread(self.plan, self._frame, feature, quantity)
 
     def failures(self) -> dict[str, Failure]:
         """Return the planned jobs that failed, by id, with reason, advice and traceback."""

@@ -25,8 +25,8 @@ def spread(
     """Return ``least`` and ``largest`` of a feature (SI) over a job and its variations.
 
     quantity: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs whose variations all
-    have a result. The column ``chaotic`` is True if any of the motions is chaotic. Empty for a phase, which has no
-    range.
+    have a result; the range is NaN if one of their standard errors is unknown. The column ``chaotic`` is True if
+    any of the motions is chaotic. Empty for a phase, which has no range.
     """
     import numpy as np
     import pandas as pd
@@ -51,7 +51,7 @@ def spread(
     pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
     ranges = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
     unknown = pairs["of"][np.isnan(standard_errors)]  # chaotic, and the record is too short
-    ranges = ranges[~ranges.index.isin(unknown)]
+    ranges.loc[ranges.index.isin(unknown), ["least", "largest"]] = np.nan
     return ranges if (value < 0.0).any() else ranges.assign(least=ranges["least"].clip(lower=0.0))
 
 
@@ -106,10 +106,10 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     import pandas as pd
 
     frame = table.add_prefix("features/")
-    base = feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
-    reference = base if is_line(base) else "velocity.rms"
-    if f"features/{reference}" not in frame or (is_line(base) and f"features/{base}-scatter" not in frame):
+    if not has_error_estimate(table, feature):
         return pd.Series(float("nan"), frame.index)
+    base = _base(feature)
+    reference = _reference(base)
     relative = standard_error(frame, reference) / frame[f"features/{reference}"].abs()
     block_errors = frame.get(f"features/{BLOCK_ERRORS.get(reference, '')}")
     if block_errors is not None:
@@ -117,6 +117,21 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if base != feature.removesuffix(".phase") and f"features/{base}-healthy" in frame:  # the change may be small
         relative = relative * (frame[f"features/{reference}"] / frame[f"features/{base}-healthy"]).abs()
     return relative
+
+
+def has_error_estimate(table: "pd.DataFrame", feature: str) -> bool:
+    """Check if a table has an estimate of the standard error of a feature, for jobs with a long enough record."""
+    reference = _reference(_base(feature))
+    return reference in table and (not is_line(reference) or f"{reference}-scatter" in table)
+
+
+def _base(feature: str) -> str:
+    return feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
+
+
+def _reference(base: str) -> str:
+    """Return the feature whose relative standard error holds for a feature: its own for a spectral line."""
+    return base if is_line(base) else "velocity.rms"
 
 
 def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
@@ -139,10 +154,26 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     table = pd.DataFrame(index=frame.index)
     for quantity in dict.fromkeys(variation["what"] for variation in plan.get("variations", ())):
         for suffix in ERROR_FEATURES:
-            features = _features(frame, suffix)
-            parts = [_relative(plan, frame, name, quantity)[features == name] for name in features.unique()]
-            table[f"error.{quantity}{suffix}"] = pd.concat(parts)
+            parts = list(_ranges(plan, frame, suffix, quantity).values())
+            table[f"error.{quantity}{suffix}"] = pd.concat(parts).reindex(frame.index)
     return table.dropna(how="all", axis=1)
+
+
+def default_ranges(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> "dict[str, pd.Series[float]]":
+    """Return ``relative_range`` of the features of ``errors``, each line for jobs with a defect on its race."""
+    return {
+        name: column
+        for suffix in ERROR_FEATURES
+        for name, column in _ranges(plan, frame, suffix, quantity).items()
+    }
+
+
+def _ranges(
+    plan: Mapping[str, Any], frame: "pd.DataFrame", suffix: str, quantity: str
+) -> "dict[str, pd.Series[float]]":
+    features = _features(frame, suffix)
+    columns = {name: relative_range(plan, frame, name, quantity) for name in features.unique()}
+    return {name: column[features.reindex(column.index) == name] for name, column in columns.items()}
 
 
 def _features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
@@ -155,11 +186,17 @@ def _features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
     return "velocity@" + races.map(FAULT_LINES).fillna(FAULT_LINES["outer"])
 
 
-def _relative(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, quantity: str) -> "pd.Series[float]":
-    """Return (largest - least)/value of a feature by job; NaN for jobs without variations."""
+def relative_range(
+    plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, quantity: str
+) -> "pd.Series[float]":
+    """Return (largest - least)/|value| of a feature for the jobs with a value and a result of all variations.
+
+    NaN if the range is unknown, or the value is zero.
+    """
     import numpy as np
     import pandas as pd
 
-    ranges = spread(plan, frame, feature, quantity).reindex(frame.index)
-    value = frame.get(f"features/{feature}", pd.Series(np.nan, frame.index))
-    return (ranges["largest"] - ranges["least"]) / value.abs()
+    ranges = spread(plan, frame, feature, quantity)
+    value = frame.get(f"features/{feature}", pd.Series(np.nan, frame.index)).reindex(ranges.index).dropna()
+    widths = (ranges["largest"] - ranges["least"]).reindex(value.index).astype(float)
+    return (widths / value.abs()).replace(np.inf, np.nan)

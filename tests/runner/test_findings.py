@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from bearingsim.runner.findings import findings, transient_warnings
+from bearingsim.runner.findings import findings, scatter_warnings, transient_warnings
 
 JOB = "0" * 16
 
@@ -44,3 +44,19 @@ def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
     ]
     frame["features/cage.slip.mean"] = 0.1  # scatter of a free cage is reported as a standard error
     assert not list(transient_warnings(frame))
+
+
+@pytest.mark.parametrize(
+    ("features", "statement"),
+    [
+        ({"velocity@BPFO-scatter": float("inf")}, "has unknown standard error; try a longer `duration`"),
+        ({}, "has no standard error (not estimated for this feature)"),
+    ],
+)
+def test_longer_duration_is_advised_only_where_the_error_is_estimated(
+    features: dict[str, float], statement: str
+) -> None:
+    row = {"velocity@BPFO": 1.0, "chaotic": 1.0, **features}
+    frame = pd.DataFrame([row], index=[JOB]).add_prefix("features/")
+    [text] = scatter_warnings(frame, ["velocity@BPFO"])
+    assert text == f"1 of 1 jobs chaotic: velocity@BPFO {statement}"

@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.findings import variation_effects
+from bearingsim.runner.variations import variation_effects
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.store.table import job_frame
 from bearingsim.study import StudyError, case_id, json_schema, load_study
@@ -260,11 +260,8 @@ def test_run_reports_the_effect_of_the_variations(finished_run: tuple[Path, str]
     folder, output = finished_run
     assert "10 of 10 jobs done" in output
     table = store.open_results(folder / "out").table()
-    line, rms, force = (
-        f"{100.0 * table[name].max():.2g} %"
-        for name in ("error.damping", "error.damping.rms", "error.damping.force")
-    )
-    ranges = f"line amplitude by up to {line}, RMS by {rms}, largest force by {force}"
+    line, rms = (f"{100.0 * table[name].max():.2g} %" for name in ("error.damping", "error.damping.rms"))
+    ranges = f"velocity@BPFO by up to {line}, velocity.rms by {rms}"
     assert f"damping 0.5 to 10 us changes {ranges}" in " ".join(output.split())
     assert "damping not varied" not in output
 
@@ -402,7 +399,7 @@ def test_line_is_that_of_the_defective_element() -> None:
 def test_effect_on_a_single_job_is_no_maximum() -> None:
     plan, frame = synthetic_plan(**CHAOTIC)
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
-    text = "damping 1 to 10 us changes line amplitude by 37 %, RMS by 24 %, largest force by 10 %"
+    text = "damping 1 to 10 us changes velocity@BPFO by 37 %, velocity.rms by 24 %, outer_force.max by 10 %"
     chaotic = "1 of 2 damping variations are chaotic; the change includes their standard error"
     assert list(variation_effects(plan, frame)) == [text, chaotic]
     frame["features/chaotic"] = 0.0
@@ -413,3 +410,23 @@ def test_value_without_a_valid_case_is_refused(write: Write) -> None:
     with pytest.raises(StudyError) as error:
         load_study(write(BASE + "uncertainty: {clearance: [0 um, 5 mm]}\n"))
     assert "uncertainty.clearance: a clearance of 2500 um is beyond" in str(error.value)
+
+
+DRAWN = CHAOTIC | {"acceleration.rms": [100.0, 90.0, 105.0]}
+
+
+def test_effect_is_that_on_the_features_of_the_figures() -> None:
+    plan, frame = synthetic_plan(**DRAWN)
+    text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO", "velocity@FTF"])
+    assert text == "damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 %"
+
+
+def test_effect_counts_the_cases_of_unknown_range() -> None:
+    """The RMS of `b` has an unknown standard error; case `d`, with one variation, has a range of 50 %."""
+    plan, frame = synthetic_plan(**DRAWN | {"rms_scatter": [0.0, math.inf, 0.0]})
+    text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO"])
+    assert text == "damping 1 to 10 us changes acceleration.rms by an unknown amount, velocity@BPFO by 37 %"
+    frame.loc["d"], frame.loc["e"] = frame.loc["a"], frame.loc["a"] * 1.5
+    plan["variations"].append({"of": "d", "what": "damping", "value": 1e-5, "job": "e"})
+    text, _ = variation_effects(plan, frame, ["acceleration.rms"])
+    assert text == "damping 1 to 10 us changes acceleration.rms by up to 50 % (range unknown in 1 of 2 cases)"

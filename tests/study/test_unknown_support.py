@@ -128,7 +128,7 @@ def test_run_reports_the_effect_of_the_support(finished_run: tuple[Path, str]) -
     rms = table["error.support.rms"].dropna()
     assert len(rms) == 2
     assert (rms > 0.0).all()
-    assert "support changes line amplitude by up to" in output
+    assert "support changes velocity.rms by up to" in output
     assert f"`uncertainty`: {NAMES}, in each case" in command_output("check", folder / "unheld.yaml")
 
 

@@ -1,0 +1,86 @@
+"""Effect of the variations of `uncertainty:` on the results, in words."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from bearingsim.store import default_ranges, relative_range
+from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def variation_effects(
+    plan: Mapping[str, Any], frame: "pd.DataFrame", features: Sequence[str] = ()
+) -> Iterator[str]:
+    """Yield the relative change of features over the variations of each uncertain quantity.
+
+    plan: from ``store.read_plan``; frame: from ``store.job_frame``; features: those of the figures; without any,
+    the line of the defect, the RMS of the velocity and the largest force.
+    """
+    values = group_by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
+    for quantity, tried_values in values.items():
+        ranges = (
+            {name: relative_range(plan, frame, name, quantity) for name in features if f"features/{name}" in frame}
+            if features
+            else default_ranges(plan, frame, quantity)
+        )
+        effects = [_Effect.of(name, changes) for name, changes in ranges.items() if len(changes)]
+        yield from _missing_variations(plan, frame, quantity)
+        if effects:
+            preposition = "by up to" if max(effect.cases for effect in effects) > 1 else "by"
+            values_text = (
+                ""
+                if PARAMETER_KINDS[quantity].choices
+                else f" {PARAMETER_KINDS[quantity].range_text(tried_values)}"
+            )
+            yield f"{quantity}{values_text} changes {', '.join(map(str, effects)).replace('by', preposition, 1)}"
+            yield from _chaotic_variations(plan, frame, quantity)
+
+
+class _Effect(NamedTuple):
+    """Largest relative change of a feature (NaN if unknown), number of cases, and of those with unknown range."""
+
+    feature: str
+    change: float
+    cases: int
+    unknown: int
+
+    @classmethod
+    def of(cls, feature: str, changes: "pd.Series[float]") -> "_Effect":
+        return cls(feature, float(changes.max()), len(changes), int(changes.isna().sum()))
+
+    def __str__(self) -> str:
+        if self.unknown == self.cases:
+            return f"{self.feature} by an unknown amount"
+        exception = f" (range unknown in {self.unknown} of {self.cases} cases)" if self.unknown else ""
+        return f"{self.feature} by {_percent(self.change)}{exception}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
+
+
+def _variations(plan: Mapping[str, Any], quantity: str) -> list[str]:
+    """List the ids of the jobs in which a quantity is varied."""
+    return list(
+        {variation["job"]: None for variation in plan.get("variations", ()) if variation["what"] == quantity}
+    )
+
+
+def _missing_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> Iterator[str]:
+    """Yield the number of variations without a result, if any."""
+    jobs = _variations(plan, quantity)
+    count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
+    if count:
+        yield f"{count} of {len(jobs)} variations of the {quantity} have no result; their jobs have no error band"
+
+
+def _chaotic_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> Iterator[str]:
+    """Yield the number of chaotic variations, if any."""
+    jobs = _variations(plan, quantity)
+    if "features/chaotic" not in frame:
+        return
+    count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
+    if count:
+        yield f"{count} of {len(jobs)} {quantity} variations are chaotic; the change includes their standard error"
