@@ -183,7 +183,10 @@ def run(
     max_failures: Annotated[int | None, typer.Option(min=1, metavar="N", help="stop after N failed jobs")] = None,
     max_cpu: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="limit of CPU time per job, such as `10 min`; longer jobs are skipped"),
+        typer.Option(
+            metavar="TIME",
+            help="limit of CPU time per job, such as `10 min`; jobs estimated longer, if periodic, are skipped",
+        ),
     ] = None,
 ) -> None:
     """Compute and store the jobs of a study that are not done yet.

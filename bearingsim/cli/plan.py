@@ -64,7 +64,10 @@ class Plan:
         from bearingsim.runner.packing import Cost
 
         estimates = [priced.estimate for priced in self.priced_jobs]
-        return [Cost(price.cpu_seconds, price.bytes, price.most_memory) for price in estimates]
+        return [
+            Cost(price.cpu_seconds, price.bytes, price.most_memory, most_seconds=price.most_seconds)
+            for price in estimates
+        ]
 
     @property
     def workers(self) -> int:
@@ -99,6 +102,11 @@ class Plan:
     def cpu_seconds(self) -> float:
         """Estimated CPU time (s) of all jobs."""
         return self.scale * sum(priced.estimate.cpu_seconds for priced in self.priced_jobs)
+
+    @property
+    def most_cpu_seconds(self) -> float:
+        """Estimated CPU time (s) of all jobs if no response is periodic and no record ends early."""
+        return self.scale * sum(priced.estimate.most_seconds for priced in self.priced_jobs)
 
     @property
     def wall_seconds(self) -> float:

@@ -63,8 +63,7 @@ FRICTION_ROWS: tuple[Row, ...] = (
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: also a row per case."""
     from bearingsim.config.scan.repair import notes
-    from bearingsim.runner.packing import worker_note
-    from bearingsim.runner.progress import duration
+    from bearingsim.runner.packing import cost_text, worker_note
 
     study, screen = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
@@ -95,10 +94,8 @@ def show(plan: Plan, verbose: bool) -> None:
     if verbose:
         _show_cases(plan)
         screen.print()
-    time = f"{duration(plan.cpu_seconds)} of CPU time, {duration(plan.wall_seconds)} on {plan.workers}"
-    screen.print(
-        f"about {time} worker{'s' * (plan.workers > 1)}, at most {byte_text(plan.bytes)} of series", markup=False
-    )
+    time = cost_text([priced.job.case for priced in plan.priced_jobs], plan.costs, plan.workers, plan.scale)
+    screen.print(f"about {time}, at most {byte_text(plan.bytes)} of series", markup=False)
 
 
 def is_adaptive(priced: PricedJob) -> bool:
@@ -179,6 +176,7 @@ def as_json(plan: Plan) -> str:
         "twins": baselines,
         "variations": variations,
         "cpu_seconds": plan.cpu_seconds,
+        "most_cpu_seconds": plan.most_cpu_seconds,
         "wall_seconds": plan.wall_seconds,
         "workers": plan.workers,
         "bytes": plan.bytes,

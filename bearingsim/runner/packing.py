@@ -23,13 +23,48 @@ UNIT_BYTES = 64e6  # a unit is complete when its series reach this size (bytes)
 class Cost(NamedTuple):
     """Estimated cost of a job: CPU time in s, size of its series in bytes, and peak memory in bytes.
 
-    spent: CPU time in s of the estimate itself.
+    spent: CPU time in s of the estimate itself; most_seconds: CPU time in s if the response is not periodic or the
+    record does not end early, although ``seconds`` assumes so.
     """
 
     seconds: float
     bytes: float
     memory: float = 0.0
     spent: float = 0.0
+    most_seconds: float = 0.0
+
+
+NOTABLE_RATIO = 1.1  # of largest to expected CPU time of a study, from which both are reported
+CONDITIONS = {False: "the responses are periodic", True: "the records end early"}
+"""Conditions of an expected CPU time, by whether the record of the case has `until`."""
+
+
+def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: float = 1.0) -> str:
+    """Format the CPU time of jobs and the time on the workers, expected and at most.
+
+    scale: ratio of the number of jobs in the study to that of ``costs``. Example: `2.5 s of CPU time if the
+    responses are periodic, up to 30 s if not; 1.3 s to 15 s on 2 workers`.
+    """
+    expected, most = (
+        [scale * sum(seconds), max(max(seconds, default=0.0), scale * sum(seconds) / workers)]
+        for seconds in (
+            [cost.seconds for cost in costs],
+            [max(cost.seconds, cost.most_seconds) for cost in costs],
+        )
+    )
+    place = f"on {workers} worker{'s' * (workers > 1)}"
+    if most[0] < NOTABLE_RATIO * expected[0]:
+        return f"{duration(expected[0])} of CPU time, {duration(expected[1])} {place}"
+    has_until = [
+        getattr(case, "until", None) is not None
+        for case, cost in zip(cases, costs, strict=True)
+        if cost.most_seconds > cost.seconds
+    ]
+    condition = " and ".join(text for value, text in CONDITIONS.items() if value in has_until)
+    return (
+        f"{duration(expected[0])} of CPU time if {condition}, up to {duration(most[0])} if not;"
+        f" {duration(expected[1])} to {duration(most[1])} {place}"
+    )
 
 
 def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
@@ -169,4 +204,4 @@ def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
     except ValueError:
         return Cost(0.0, 0.0)
     quantities = float(price.cpu_seconds), float(price.bytes), float(price.most_memory)
-    return Cost(*quantities, spent=cpu_time.now() - start)
+    return Cost(*quantities, spent=cpu_time.now() - start, most_seconds=float(price.most_seconds))

@@ -17,6 +17,7 @@ from bearingsim.runner.findings import findings
 from bearingsim.runner.packing import (
     AffordableJobs,
     check_limits,
+    cost_text,
     costs,
     early_end_note,
     pack,
@@ -177,7 +178,9 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
         with connect() as cluster:  # before the estimates, which may compile code
             todo = affordable_jobs()
             notes += todo.notes
-            works = _make_works(setting, todo, cluster.wait_for_workers(), plan.holdings.units)
+            workers = cluster.wait_for_workers()
+            works = _make_works(setting, todo, workers, plan.holdings.units)
+            _announce_cost(todo, workers, options.progress)
             _track(works, cluster.outcomes(works), tally, options.progress)
         return
     with announcer(options.progress) as patience:
@@ -187,7 +190,16 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
         workers = workers_in_memory(todo.costs, workers)
         works = _make_works(setting, todo, workers, plan.holdings.units)
         _warm(root, options.engine, todo.jobs, patience)
+    _announce_cost(todo, workers, options.progress)
     _track(works, outcomes(works, workers), tally, options.progress)
+
+
+def _announce_cost(todo: AffordableJobs, workers: int, shown: bool | None) -> None:
+    """Print the estimated cost of the remaining jobs; shown: False to print nothing."""
+    jobs = len(todo.jobs)
+    if jobs and shown is not False:
+        cost = cost_text([job.case for job in todo.jobs], todo.costs, workers)
+        say(f"{jobs} job{'s' * (jobs > 1)}: about {cost}", err=True)
 
 
 def with_models(

@@ -191,6 +191,7 @@ def test_check_json(here):
     assert [0.0 < job["step"] < job["limits"]["at_impact"] for job in ring] == 4 * [True]
     assert plan["cpu_seconds"] == pytest.approx(sum(job["estimate"]["cpu_seconds"] for job in plan["jobs"]))
     assert plan["cpu_seconds"] / 2 <= plan["wall_seconds"] <= plan["cpu_seconds"]
+    assert plan["most_cpu_seconds"] > plan["cpu_seconds"]
 
 
 def test_check_lists_cases_when_asked(here):

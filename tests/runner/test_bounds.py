@@ -3,12 +3,14 @@
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from bearingsim import cpu_time, simulation, store
 from bearingsim.runner import RunSummary, run
+from bearingsim.runner.packing import Cost, cost_text
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.work import Work
 from tests.scenes.commands import type_
@@ -97,6 +99,35 @@ def test_expensive_jobs_are_reported_and_skipped(tmp_path: Path, capsys: pytest.
     assert (second.done, second.exit_code) == (4, 0)
 
 
+@pytest.mark.parametrize(
+    ("until", "costs", "text"),
+    [
+        ([None, None], [Cost(1.0, 0.0), Cost(2.0, 0.0, most_seconds=2.1)], "3 s of CPU time, 2 s on 2 workers"),
+        (
+            [None, None],
+            [Cost(1.0, 0.0, most_seconds=12.0), Cost(1.0, 0.0)],
+            "2 s of CPU time if the responses are periodic, up to 13 s if not; 1 s to 12 s on 2 workers",
+        ),
+        (
+            [0.01, None],
+            [Cost(1.0, 0.0, most_seconds=4.0), Cost(1.0, 0.0, most_seconds=4.0)],
+            "2 s of CPU time if the responses are periodic and the records end early, up to 8 s if not; 1 s to 4 s"
+            " on 2 workers",
+        ),
+    ],
+)
+def test_cost_is_a_range_where_it_depends_on_the_response(
+    until: list[float | None], costs: list[Cost], text: str
+) -> None:
+    assert cost_text([SimpleNamespace(until=value) for value in until], costs, workers=2) == text
+
+
+def test_run_announces_its_cost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study: Any = FakeStudy(seconds=0.001)
+    run(study, tmp_path, jobs=1, engine=ENGINE)
+    assert "4 jobs: about 0.004 s of CPU time, 0.004 s on 1 worker\n" in capsys.readouterr().err
+
+
 def test_job_that_exceeds_its_cpu_limit_fails(tmp_path: Path) -> None:
     study = FakeStudy(deeds={1: "spin"}, seconds=0.3)
     optimistic_engine = ENGINE.__class__(ENGINE.simulate, "tests.runner.test_bounds:cheap", ENGINE.warm)
@@ -109,7 +140,7 @@ def test_job_that_exceeds_its_cpu_limit_fails(tmp_path: Path) -> None:
 
 
 def cheap(case: Any) -> Any:
-    return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "most_memory": 0.0})
+    return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "most_memory": 0.0, "most_seconds": 0.0})
 
 
 def test_cpu_time_of_the_estimate_counts_for_the_job(tmp_path: Path) -> None:

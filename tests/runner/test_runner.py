@@ -143,7 +143,8 @@ def test_progress_lines_report_counts_and_remaining_time(
     monkeypatch.setattr("bearingsim.runner.progress.LINE_INTERVAL_S", 0.0)
     study: Any = FakeStudy(deeds={1: "raise"}, seconds=0.3)
     run(study, tmp_path, jobs=1, engine=ENGINE)
-    lines = capsys.readouterr().err.splitlines()
+    cost, *lines = capsys.readouterr().err.splitlines()
+    assert cost.startswith("4 jobs: about ")
     assert len(lines) == 2  # units
     assert "left" in lines[0]
     assert lines[-1] == "4/4 jobs, 1 failed"

@@ -112,7 +112,10 @@ def estimate(case: FakeCase) -> SimpleNamespace:
     if case.deed == "raise refused":
         raise ValueError("the step is over the limit")
     return SimpleNamespace(
-        cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling, most_memory=0.0
+        cpu_seconds=max(case.seconds, 0.001),
+        bytes=8 * case.duration * case.sampling,
+        most_memory=0.0,
+        most_seconds=0.0,
     )
 
 
