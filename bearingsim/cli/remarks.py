@@ -19,6 +19,7 @@ def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
         yield from periodic_jobs(plan)
     yield from (text for text in damping(plan) if verbose or text.startswith(WARNING))
     yield from unreached_floors(plan)
+    yield from reached_floors(plan)
     yield from varied_parameters(plan)
     if verbose:
         yield from unvaried_damping(plan)
@@ -34,24 +35,63 @@ WALL_CLEARANCE_RATIO = 0.5
 
 def unreached_floors(plan: Plan) -> Iterator[str]:
     """Yield a remark if rollers rest on the rims of all defects, so that depth has no influence."""
-    envelope_jobs = [
-        priced for priced in plan.cases if priced.job.case.defects and priced.job.case.excitation == "envelope"
-    ]
-    depths = [min(defect.depth for defect in priced.job.case.defects) for priced in envelope_jobs]
+    envelope_jobs = _envelope_jobs(plan)
+    depths = [_least_depth(priced) for priced in envelope_jobs]
     same_result = all(
         defect.shape in ("rectangular", "triangular") and priced.roller_drop < WALL_CLEARANCE_RATIO * defect.depth
         for priced in envelope_jobs
         for defect in priced.job.case.defects
     )
-    if envelope_jobs and all(
-        priced.roller_drop < HANGING_RATIO * depth for priced, depth in zip(envelope_jobs, depths, strict=True)
-    ):
+    if envelope_jobs and not any(map(_reaches_floor, envelope_jobs)):
         drops, depth_range = (
             span(1e6 * d for d in values) for values in ([priced.roller_drop for priced in envelope_jobs], depths)
         )
-        note = "; rectangle and triangle give equal results" if same_result else ""
-        element = envelope_jobs[0].job.case.bearing.element
+        note = "; rectangle and triangle agree" if same_result else ""
+        element = _element(envelope_jobs)
         yield f"by geometry, {element}s drop {drops} um and do not reach the floor at {depth_range} um{note}"
+
+
+def reached_floors(plan: Plan) -> Iterator[str]:
+    """Yield the depths at which rollers reach the floor of a defect, and the cases in which they do."""
+    envelope_jobs = _envelope_jobs(plan)
+    reaching = [priced for priced in envelope_jobs if _reaches_floor(priced)]
+    if reaching:
+        others = [priced for priced in envelope_jobs if not _reaches_floor(priced)]
+        depth_range, element = span(1e6 * _least_depth(priced) for priced in reaching), _element(reaching)
+        scope = f" {_distinction(reaching, others, plan)}" if others else ""
+        place = " there" if others else ""
+        yield f"by geometry, {element}s reach the floor at {depth_range} um{scope}: the depth matters{place}"
+
+
+def _envelope_jobs(plan: Plan) -> list[PricedJob]:
+    cases = [(priced, priced.job.case) for priced in plan.cases]
+    return [priced for priced, case in cases if case.defects and case.excitation == "envelope"]
+
+
+def _element(jobs: list[PricedJob]) -> str:
+    return str(jobs[0].job.case.bearing.element)
+
+
+def _least_depth(priced: PricedJob) -> float:
+    return min(defect.depth for defect in priced.job.case.defects)
+
+
+def _reaches_floor(priced: PricedJob) -> bool:
+    return priced.roller_drop >= HANGING_RATIO * _least_depth(priced)
+
+
+def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> str:
+    """Describe jobs by the values of a swept path that the others do not have, or else by their number."""
+    from bearingsim.plots.labels import described, value_text
+
+    for path in jobs[0].job.swept:
+        values = list(dict.fromkeys(priced.job.swept[path] for priced in jobs))
+        if not {priced.job.swept[path] for priced in others} & set(values):
+            ends = sorted(values) if all(isinstance(value, float) for value in values) else values
+            texts = [value_text(path, value, plan.study.units) for value in ends]
+            range_text = f" to {texts[-1]}" if len(texts) > 2 else "".join(f" and {text}" for text in texts[1:])
+            return f"for {described({path: ends[0]}, plan.study.units)}{range_text}"
+    return f"in {len(jobs)} of {len(jobs) + len(others)} cases"
 
 
 def model_choices(plan: Plan) -> list[str]:

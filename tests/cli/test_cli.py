@@ -133,12 +133,36 @@ def test_check_prints_frequencies_and_drop(here):
     assert "plausible" not in stdout
 
 
+@pytest.mark.parametrize(
+    ("sweep", "remark"),
+    [
+        ("load: [150 N]", None),
+        ("defect.depth: [5 um, 10 um]", "reach the floor at 5 .. 10 um: the depth matters\n"),
+        ("defect.depth: [10 um, 20 um]", "reach the floor at 10 um for depth 10 µm: the depth matters there\n"),
+        ("defect.width: [0.8 mm, 2 mm]", "reach the floor at 50 um for width 2 mm: the depth matters there\n"),
+        (
+            "defect.width: [0.8 mm, 2 mm, 3 mm, 4 mm]",
+            "reach the floor at 50 um for width 2 mm to 4 mm: the depth matters there\n",
+        ),
+        (
+            "defect.depth: [10 um, 50 um], defect.width: [0.8 mm, 2 mm]",
+            "reach the floor at 10 .. 50 um in 3 of 4 cases: the depth matters there\n",
+        ),
+    ],
+)
+def test_check_names_the_cases_in_which_rollers_reach_the_floor(here, sweep, remark):
+    """A roller sinks 11.3 um between the rims of a slot of 0.8 mm, and 70 um in one of 2 mm."""
+    Path("floor.yaml").write_text(f"{STUDY.partition('sweep:')[0]}sweep: {{{sweep}}}\n")
+    stdout, _ = type_("check", "floor.yaml")
+    assert (f"by geometry, rollers {remark}" in stdout) if remark else ("rollers reach" not in stdout)
+
+
 @pytest.mark.parametrize(("depth", "same"), [("25 um", True), ("20 um", False)])
 def test_triangle_equals_rectangle_only_with_steep_walls(here, depth, same):
     """A roller sinks 11.3 um between the rims, and touches the walls of a V less than twice as deep."""
     stdout, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
     assert "rollers drop 11.3 um" in stdout
-    assert ("rectangle and triangle give equal results" in stdout) == same
+    assert ("rectangle and triangle agree" in stdout) == same
 
 
 def test_check_shows_the_design(here):
