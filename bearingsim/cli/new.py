@@ -1,5 +1,6 @@
 """`bearingsim new`: a template or a shipped study, and the schema; existing files are not changed."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -54,14 +55,16 @@ def find_study(name: str) -> Path:
 
 
 def show_studies() -> None:
-    """Print a table of the shipped studies: name, title and number of cases."""
+    """Print a table of the shipped studies, fewest cases first: name, title and number of cases."""
+    outlines = {name: outline(path, {}, quick=False) for name, path in shipped_studies().items()}
+    counts = {name: study.cases if study else math.inf for name, study in outlines.items()}
     rows = []
-    for name, path in shipped_studies().items():
+    for name, path in sorted(shipped_studies().items(), key=lambda item: counts[item[0]]):
         title = path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")
-        study = outline(path, {}, quick=False)
-        rows.append((name, title, str(study.cases) if study else "-"))
+        rows.append((name, title, str(counts[name]) if outlines[name] else "-"))
     print_table(("name", "study", "cases"), rows, text_columns=2)
-    say("\nA case is one simulation. `bearingsim check` counts those of healthy bearings and other damping, too.")
+    say("\nA case is one simulation. `bearingsim check` counts those of healthy bearings and other damping, too,")
+    say("and estimates the CPU time of a copied study.")
     say("To copy a study: bearingsim new --from NAME (the beginning of a name is enough)")
 
 

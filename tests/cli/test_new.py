@@ -91,3 +91,5 @@ def test_the_list_has_a_title_and_the_cases_of_each_study() -> None:
         assert len(title) <= 82, f"{name}: the title is longer than a line of a terminal"
         assert title.strip("# .") in lines[name]
     assert lines["fig16_angle"].split()[-1] == "156"
+    counts = [int(line.split()[-1]) for name, line in lines.items() if name in shipped_studies()]
+    assert counts == sorted(counts)
