@@ -31,7 +31,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     with suppress(ResultsError):  # raised if another run has replaced the plan
         results = open_results(summary.folder)
         feature_list, quick = list(feature_results(results)), results.plan["quick"]
-    for name, values, remarks, _ in feature_list[:MAX_FEATURES]:
+    for name, values, remarks, *_ in feature_list[:MAX_FEATURES]:
         say(f"  {name}: {values}")
         for remark in remarks:
             say(f"    {remark}")

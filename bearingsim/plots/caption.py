@@ -73,11 +73,23 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
 
     drawn: swept paths shown by the figure and omitted from the caption.
     """
-    parameters = results.parameters()
-    parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
-    units = SMALL | dict(results.plan["units"])
-    texts = [*_defects(parameters, drawn, units), *_machine(parameters, drawn, units)]
+    texts = [*defect_values(results, rows, drawn), *machine_values(results, rows, drawn)]
     return [*texts, "quick grid"] if results.plan["quick"] else texts
+
+
+def defect_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
+    """Describe the shape and sizes of the defects that do not vary; arguments: those of ``fixed_values``."""
+    return list(_defects(_of_jobs(results, rows), drawn, SMALL | dict(results.plan["units"])))
+
+
+def machine_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
+    """Describe the other parameters that do not vary; arguments: those of ``fixed_values``."""
+    return list(_machine(_of_jobs(results, rows), drawn, SMALL | dict(results.plan["units"])))
+
+
+def _of_jobs(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
+    parameters = results.parameters()
+    return parameters.loc[parameters.index.intersection(list(rows["job"]))]
 
 
 def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> list[str]:

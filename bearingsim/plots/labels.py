@@ -69,6 +69,12 @@ def pretty(unit: str) -> str:
     return PRINTED_UNITS.get(unit, unit)
 
 
+def printed(quantity: str) -> str:
+    """Return a quantity with its unit as printed: `0.5 to 10 µs` for `0.5 to 10 us`."""
+    number, space, unit = quantity.rpartition(" ")
+    return f"{number}{space}{pretty(unit)}"
+
+
 def name_text(path: str) -> str:
     """Return a path in words: `defect length` for ``defect.length``, `defect 2 width` for ``defects.2.width``."""
     if path in NAMES:

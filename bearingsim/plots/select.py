@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.config import CHANNELS, FEATURES
 from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
-from bearingsim.plots.labels import COST, NONE, PlotError, described, unit_of, value_text
+from bearingsim.plots.labels import COST, NONE, PlotError, described, printed, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension, stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
@@ -194,19 +194,23 @@ def is_level(name: str) -> bool:
 
 
 def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
-    """Describe the uncertainty bands of a figure, if it has any: `bands and bars: damping 0.5 to 10 us`."""
-    if not any(rows[name].notna().any() for name in rows if str(name).startswith("least ")):
+    """Describe the uncertainty bands of a figure, if it has any: `bands and bars: damping 0.5 to 10 µs`."""
+    ends = [name for name in rows if str(name).startswith("least ")]
+    if not ends:
         return []
     drawn = set(rows["job"])
     tried = group_by_kind(
         (variation["what"], variation["value"]) for variation in results.variations if variation["of"] in drawn
     )
     band = " and ".join(
-        (f"{what} ({text})" if PARAMETER_KINDS[what].choices else f"{what} {text}")
+        (f"{what} ({text})" if PARAMETER_KINDS[what].choices else f"{what} {printed(text)}")
         for what, text in ((what, PARAMETER_KINDS[what].range_text(values)) for what, values in tried.items())
     )
     chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
-    return [f"bands and bars: {band}" + ", in part chaotic (with its standard error)" * chaotic]
+    varied = rows[rows["job"].isin({variation["of"] for variation in results.variations})]
+    unknown = int((varied[ends].isna().any(axis=1) & (varied["status"] == "done")).sum())
+    exception = f", range unknown in {unknown} of {len(varied)} cases" if unknown else ""
+    return [f"bands and bars: {band}{exception}" + ", in part chaotic (with its standard error)" * chaotic]
 
 
 def completed(

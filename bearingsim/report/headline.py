@@ -17,12 +17,16 @@ STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, fo
 
 
 class Result(NamedTuple):
-    """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words."""
+    """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words.
+
+    has_error: the range includes a bound of the numerical error.
+    """
 
     name: str
     values: str
     remarks: list[str]
     title: str
+    has_error: bool
 
 
 def feature_results(results: "Results") -> Iterator[Result]:
@@ -57,7 +61,9 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     texts = [text, _error(rows, name)]
     of_one_case = [] if extremes else ["; ".join(bands(jobs[values.idxmax()]))]
     remarks = [*filter(None, of_one_case), *_healthy(results, name, unit, factor), *extremes]
-    return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks, feature_text(name))
+    return Result(
+        _describe(results, name), ", ".join(filter(None, texts)), remarks, feature_text(name), bool(texts[1])
+    )
 
 
 def _bands(results: "Results", name: str, unit: str, factor: float) -> Callable[[str], Iterator[str]]:

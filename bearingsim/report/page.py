@@ -5,15 +5,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bearingsim.plots import labels, select
-from bearingsim.plots.caption import fixed_values
+from bearingsim.plots import labels
 from bearingsim.plots.points import relative_bounds
 from bearingsim.report.charts import Chart
 from bearingsim.report.columns import Column, column_of, main_features
 from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
 from bearingsim.report.influence import Influence
-from bearingsim.report.statements import FailedJob, assumption_texts, failures_of
+from bearingsim.report.statements import FailedJob, assumption_texts, failures_of, plain
+from bearingsim.report.studied import Fact, studied
 from bearingsim.text.numbers import significant
 
 if TYPE_CHECKING:
@@ -23,13 +23,8 @@ if TYPE_CHECKING:
 
 MAX_ROWS = 2000
 """Largest number of rows of the table; 100 000 rows take 20 MB."""
-MAX_VALUES = 6
-"""Largest number of values of a swept parameter that are listed; of more, the range and the number."""
 MAX_TEXT = 200_000
 """Largest number of characters of the study file that are shown."""
-
-Fact = tuple[str, str]
-"""Name of a fact, and its value."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +99,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         complete=bool((table["status"] != "missing").all()),
         written=f"Written {now()[:16].replace('T', ' ')} UTC.",
         quick=bool(results.plan["quick"]),
-        studied=list(_studied(results)),
+        studied=list(studied(results)),
         results=list(feature_results(results)) if done else [],
         accuracy=[*found.withdrawn, *found.accuracy],
         warnings=list(found.warnings),
@@ -113,7 +108,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         influences=figures.influences,
         omissions=[*figures.omissions, *([shown.omission()] if len(shown.rows) < len(table) else [])],
         table=shown,
-        assumptions=[text for text in assumptions if text not in found.warnings],
+        assumptions=[plain(text) for text in assumptions if text not in found.warnings],
         failures=failures_of(results),
         computed=list(_computed(results)),
         text=_study_text(results),
@@ -131,37 +126,13 @@ def _counts(results: "Results", table: "pd.DataFrame") -> str:
     return ", ".join([f"{done} of {total} job{'s' * (total != 1)}{more} done", *others])
 
 
-def _studied(results: "Results") -> Iterator[Fact]:
-    """Yield the swept parameters with their values, and all others of interest."""
-    rows, units = select.case_rows(results), results.plan["units"]
-    varied = select.varied(rows, list(units))
-    texts = [f"{labels.name_text(path)} {_values_text(path, rows, units)}" for path in varied]
-    if texts:
-        yield "Varied", "; ".join(texts)
-    if results.plan["design"]:
-        from bearingsim.plots.design import description
-
-        yield "Design", description(results.plan["design"])
-    fixed = fixed_values(results, rows, set(varied))
-    if fixed:
-        yield "Fixed", ", ".join(fixed)
-
-
-def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
-    distinct = select.values(rows, path)
-    if len(distinct) > MAX_VALUES and select.is_numeric(distinct):
-        ends = [labels.value_text(path, value, units) for value in (distinct[0], distinct[-1])]
-        return f"{ends[0]} to {ends[1]}, {len(distinct)} values"
-    texts = [labels.value_text(path, value, units) for value in distinct[: 3 * MAX_VALUES]]
-    return ", ".join(texts + ["and more"] * (len(distinct) > len(texts)))
-
-
 def _table(results: "Results", table: "pd.DataFrame") -> Table:
     """Choose the columns of the table: swept paths, features of the figures, error bound and state of a job."""
     rows = table[:MAX_ROWS]
     paths = [path for path in results.plan["units"] if path in table]
     names = list(dict.fromkeys([*paths, *(name for name in main_features(results, table) if name in table)]))
-    columns = [("job", [job[:8] for job in rows["job"]]), *(column_of(results, rows, name) for name in names)]
+    described = [_in_words(results, column_of(results, rows, name), name, rows) for name in names]
+    columns = [("job", [job[:8] for job in rows["job"]]), *described]
     numeric = [False, *(rows[name].dtype.kind == "f" for name in names)]
     bounds = relative_bounds(rows)
     if bounds is not None:
@@ -170,6 +141,19 @@ def _table(results: "Results", table: "pd.DataFrame") -> Table:
     is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
     states = [state + ", chaotic" * bool(so) for state, so in zip(rows["status"], is_chaotic, strict=True)]
     return Table([*columns, ("status", states)], [*numeric, False], len(table))
+
+
+def _in_words(results: "Results", column: Column, name: str, rows: "pd.DataFrame") -> Column:
+    """Return a column of a swept parameter with its name in words, and a healthy bearing named as such."""
+    if name not in results.plan["units"]:
+        return column
+    healthy_jobs = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
+    is_healthy = rows["job"].isin(healthy_jobs) & name.startswith("defect")
+    cells = [
+        "healthy" if healthy and cell in ("", "none") else cell
+        for cell, healthy in zip(column[1], is_healthy, strict=True)
+    ]
+    return labels.name_text(name), cells
 
 
 def _computed(results: "Results") -> Iterator[Fact]:

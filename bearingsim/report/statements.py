@@ -1,14 +1,17 @@
 """Statements on results: assumptions that were not varied, failed jobs."""
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.config.rules import damping
+from bearingsim.config.sections.clearance import class_limits
 
 if TYPE_CHECKING:
     from bearingsim.store import Results
 
-EXAMPLE_VALUES = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
-"""Example values of uncertain quantities without an assumption text of their own."""
+BRACKET_FACTORS = "0.5, 2"
+"""Example of the range of the factor of a bracket's stiffness."""
+CLEARANCE_MARGIN = 10.0  # um; example of the uncertainty of a clearance given as a length
 
 
 def assumption_texts(results: "Results") -> list[str]:
@@ -17,12 +20,34 @@ def assumption_texts(results: "Results") -> list[str]:
     from bearingsim.store import job_frame
 
     frame = job_frame(results.path)
-    texts = [*assumption_notes(results.plan, frame), *damping.result_remarks(results.info())]
-    unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in EXAMPLE_VALUES]
-    return texts + [
-        f"{name} has one value per case; `uncertainty: {{{name}: [{EXAMPLE_VALUES[name]}]}}` varies it"
+    is_damping_varied = any(variation["what"] == "damping" for variation in results.variations)
+    remarks = [] if is_damping_varied else damping.result_remarks(results.info())
+    examples = {"clearance": _clearance_range, "bracket": lambda _: BRACKET_FACTORS}
+    unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in examples]
+    return [*assumption_notes(results.plan, frame), *remarks] + [
+        f"{name} has one value per case; `uncertainty: {{{name}: [{examples[name](results)}]}}` varies it"
         for name in unvaried_names
     ]
+
+
+def plain(text: str) -> str:
+    """Return the sentence of an assumption without settings of a study file and pages of the documentation."""
+    return re.sub(r"[;:] `uncertainty: .*| \(docs/[^)]*\)$", "", text)
+
+
+def _clearance_range(results: "Results") -> str:
+    """Return an example of the range of clearance: of its class, else around the value, as `30 um, 60 um`."""
+    parameters = results.parameters()
+    ends = [float(parameters["clearance"].min()), float(parameters["clearance"].max())]
+    bores = set(parameters["bearing.bore"].dropna()) if "bearing.bore" in parameters else set()
+    elements = set(parameters["bearing.element"])
+    if ends[0] == ends[1] and len(bores) == len(elements) == 1:
+        limits = class_limits(ends[0], elements.pop(), bores.pop())
+        if limits is not None:
+            return ", ".join(f"{1e6 * limit:.4g} um" for limit in limits)
+    low, high = (1e6 * end for end in ends)
+    least = max(0.0, low - CLEARANCE_MARGIN) if low >= 0.0 else low - CLEARANCE_MARGIN
+    return f"{least:.4g} um, {high + CLEARANCE_MARGIN:.4g} um"
 
 
 class FailedJob(NamedTuple):

@@ -1,9 +1,15 @@
 """Uncertain parameters on the page: ranges of the features of the figures, and where they stand."""
 
+import re
+
 import numpy as np
 import pytest
 
 from bearingsim.report.headline import feature_results
+from bearingsim.report.page import page_of
+from bearingsim.report.render import html
+from bearingsim.report.statements import assumption_texts
+from bearingsim.text.numbers import significant
 from tests.plots.test_plots import STUDY, results
 
 __all__ = ["results"]
@@ -43,3 +49,76 @@ def test_unknown_range_is_named_in_the_card(uncertain):
     uncertain._frame["features/rms_scatter"] = np.inf
     [rms, _] = feature_results(uncertain)
     assert "; damping: range unknown; clearance: range unknown" in rms.remarks[-2]
+
+
+def test_varied_damping_is_stated_once(uncertain):
+    page = page_of(uncertain)
+    facts = dict(page.studied)
+    assert facts["Varied (uncertainty)"] == "damping 1 to 5 µs; clearance 0 to 5 µm"
+    others = [*(value for name, value in facts.items() if name != "Varied (uncertainty)"), *page.assumptions]
+    assert not any(word in text for text in others for word in ("damping", "beta", "c/k", "clearance"))
+
+
+def test_bearing_has_its_dimensions_and_frequencies(results):
+    """Frequencies from the textbook: half the shaft frequency times the rollers, less or more the ratio."""
+    opened = results()
+    facts = dict(page_of(opened).studied)
+    assert facts["Bearing"].startswith(
+        "NF308, Z = 13 rollers, D_w 12 mm, L 12 mm, pitch diameter 65 mm, bore 40 mm"
+    )
+    assert facts["Bearing"].endswith("clearance 5 µm")
+    parameters = opened.parameters().iloc[0]
+    ratio = parameters["bearing.roller_diameter"] / parameters["bearing.pitch_diameter"]
+    fr, z = 30.0, parameters["bearing.rollers"]
+    expected = {
+        "BPFO": z / 2 * fr * (1 - ratio),
+        "BPFI": z / 2 * fr * (1 + ratio),
+        "2BSF": fr / ratio * (1 - ratio**2),
+        "FTF": fr / 2 * (1 - ratio),
+        "fr": fr,
+    }
+    assert facts["Frequencies"] == ", ".join(f"{name} {value:.3g} Hz" for name, value in expected.items())
+    assert facts["Defect"].startswith("outer race, circular defect, width 0.8 mm")
+
+
+def test_assumptions_are_free_of_settings_and_pages_of_the_documentation(results):
+    page = page_of(results())
+    assert {"clearance has one value per case", "damping not varied"} & set(page.assumptions)
+    assert not any("uncertainty:" in text or "docs/" in text for text in page.assumptions)
+
+
+def test_healthy_bearing_is_named_in_the_table(results):
+    heads, cells = zip(*page_of(results()).table.columns, strict=True)
+    column = cells[heads.index("defect length")]
+    assert column.count("healthy") == 4
+    assert "" not in column
+
+
+@pytest.mark.parametrize(
+    ("clearance", "offered"),
+    [("C3", "45 um, 70 um"), ("40 um", "30 um, 50 um"), ("0 um", "0 um, 10 um"), ("-4 um", "-14 um, 6 um")],
+)
+def test_offered_range_of_clearance_contains_that_of_the_study(results, clearance, offered):
+    opened = results(re.sub("clearance: .*", f"clearance: {clearance}", STUDY))
+    assert f"`uncertainty: {{clearance: [{offered}]}}`" in "\n".join(assumption_texts(opened))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(352851.0, "353000"), (1234.0, "1230"), (12.34, "12.3"), (999.6, "1000"), (2e6, "2e+06")],
+)
+def test_numbers_have_three_significant_digits(value, text):
+    assert significant(value) == text
+
+
+def test_missing_error_bound_is_stated(results):
+    assert "numerical error: not estimated" in html(page_of(results()))
+
+
+def test_caption_counts_the_cases_of_unknown_range(uncertain):
+    uncertain._frame["features/chaotic"] = 0.0
+    uncertain._frame["features/rms_scatter"] = np.inf
+    uncertain._frame.loc[uncertain.variations[0]["of"], "features/chaotic"] = 1.0
+    [chart] = [chart for chart in page_of(uncertain).charts if chart.kind == "line"]
+    text = "shaded: damping 1 to 5 µs and clearance 0 to 5 µm, range unknown in 1 of 6 cases"
+    assert chart.names["band"].startswith(text)

@@ -302,7 +302,7 @@ def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:
         assert heights.min() == pytest.approx(1e6 * ends["least"].min(), rel=1e-9)
         assert heights.max() == pytest.approx(1e6 * ends["largest"].max(), rel=1e-9)
     (note,) = [text.get_text() for text in canvas.texts if "bars:" in text.get_text()]
-    assert "damping\u00a00.5\u00a0to\u00a010\u00a0us" in note
+    assert "damping\u00a00.5\u00a0to\u00a010\u00a0µs" in note
 
 
 def test_figures_have_bars_where_only_some_points_are_varied(

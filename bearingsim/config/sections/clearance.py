@@ -72,6 +72,18 @@ def mean_clearance(clearance_class: Class, element: str, bore: float) -> float:
     return round(0.5 * (low + high), 12)
 
 
+def class_limits(clearance: float, element: str, bore: float) -> tuple[float, float] | None:
+    """Return the limits (m) of the class whose mean is a clearance (m), None without such a class."""
+    for name in CLASSES:
+        try:
+            low, high = limits(name, element, bore)
+        except ValueError:
+            return None
+        if round(0.5 * (low + high), 12) == round(clearance, 12):
+            return low, high
+    return None
+
+
 @dataclass(frozen=True)
 class _ClearanceOrClass(Quantity):
     """Annotation of a clearance: a length, or a class. The section must define `bearing` before this field."""

@@ -1,0 +1,118 @@
+"""Subject of a study in words: bearing, defect, varied and fixed parameters."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from bearingsim.config.names import Line
+from bearingsim.plots import labels, select
+from bearingsim.plots.caption import CAPTION_FIELDS, SMALL, defect_values, machine_values
+from bearingsim.plots.lines import FAMILIES, SHAFT, frequency
+from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
+from bearingsim.text.numbers import significant
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+
+MAX_VALUES = 6
+"""Largest number of values of a swept parameter that are listed; of more, the range and the number."""
+DIMENSIONS = {
+    "bearing.roller_diameter": "D_w",
+    "bearing.roller_length": "L",
+    "bearing.pitch_diameter": "pitch diameter",
+    "bearing.bore": "bore",
+    "bearing.outside_diameter": "outside diameter",
+    "bearing.width": "width",
+    "clearance": "clearance",
+}
+"""Parameters of a bearing on the page, with their names."""
+FREQUENCIES = {family.line: family.fundamental for family in FAMILIES.values()} | {
+    "FTF": Line(cage=1),
+    "fr": SHAFT,
+}
+"""Characteristic frequencies of a bearing, by name."""
+
+Fact = tuple[str, str]
+"""Name of a fact, and its value."""
+
+
+def studied(results: "Results") -> Iterator[Fact]:
+    """Yield the bearing, the swept and uncertain parameters with their values, the defect, and all others."""
+    rows, units = select.case_rows(results), results.plan["units"]
+    parameters = results.parameters()
+    parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
+    tried = group_by_kind((variation["what"], variation["value"]) for variation in results.variations)
+    if len(parameters):
+        yield "Bearing", ", ".join(_bearing(parameters, units, "clearance" in tried))
+        yield "Frequencies", ", ".join(_frequencies(parameters))
+    varied = select.varied(rows, list(units))
+    texts = [f"{labels.name_text(path)} {_values_text(path, rows, units)}" for path in varied]
+    if texts:
+        yield "Varied", "; ".join(texts)
+    if tried:
+        ranges = [labels.printed(PARAMETER_KINDS[name].range_text(values)) for name, values in tried.items()]
+        texts = [f"{name} {text}" for name, text in zip(tried, ranges, strict=True)]
+        yield "Varied (uncertainty)", "; ".join(texts)
+    if results.plan["design"]:
+        from bearingsim.plots.design import description
+
+        yield "Design", description(results.plan["design"])
+    stated = set(varied) | {"bearing.name", "clearance"}
+    if "damping" in tried:
+        stated |= {path for path, _ in CAPTION_FIELDS if path.startswith("contact.damping.")}
+    defect = [*_races(parameters), *defect_values(results, rows, stated)]
+    if defect:
+        yield "Defect", ", ".join(defect)
+    fixed = [*machine_values(results, rows, stated), *["quick grid"] * bool(results.plan["quick"])]
+    if fixed:
+        yield "Fixed", ", ".join(fixed)
+
+
+def _bearing(parameters: "pd.DataFrame", units: dict[str, str], uncertain_clearance: bool) -> Iterator[str]:
+    """Yield name, number of rollers and dimensions of the bearing, or their ranges; empty ones are left out."""
+    yield " / ".join(dict.fromkeys(map(str, parameters["bearing.name"])))
+    elements = " / ".join(f"{element}s" for element in dict.fromkeys(parameters["bearing.element"]))
+    yield f"Z = {_span('bearing.rollers', parameters, units)} {elements}"
+    for path, name in DIMENSIONS.items():
+        shown = path in parameters and parameters[path].notna().any()
+        if shown and not (uncertain_clearance and path == "clearance"):
+            yield f"{name} {_span(path, parameters, SMALL | dict(units))}"
+
+
+def _span(path: str, parameters: "pd.DataFrame", units: dict[str, str]) -> str:
+    ends = (float(parameters[path].min()), float(parameters[path].max()))
+    return " to ".join(dict.fromkeys(labels.value_text(path, end, units) for end in ends))
+
+
+def _frequencies(parameters: "pd.DataFrame") -> Iterator[str]:
+    """Yield the characteristic frequencies, `BPFO 159 Hz`, or their ranges over the speeds, ramps included."""
+    names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
+    cases = parameters[names].drop_duplicates().to_dict("records")
+    if "ramp.to" in parameters:
+        ends = parameters.dropna(subset="ramp.to")
+        cases += ends[names].assign(speed=ends["ramp.to"]).drop_duplicates().to_dict("records")
+    for name, line in FREQUENCIES.items():
+        values = [abs(frequency(line, case)) for case in cases]
+        texts = dict.fromkeys(significant(pick(values)) for pick in (min, max))
+        yield f"{name} {' to '.join(texts)} Hz"
+
+
+def _races(parameters: "pd.DataFrame") -> list[str]:
+    """Name the elements that carry the defects, `outer race`."""
+    columns = [name for name in map(str, parameters) if name.startswith("defects.") and name.endswith(".race")]
+    races: Sequence[str] = [str(race) for name in columns for race in parameters[name].dropna()]
+    return (
+        [" and ".join(race if race == "roller" else f"{race} race" for race in dict.fromkeys(races))]
+        if races
+        else []
+    )
+
+
+def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
+    distinct = select.values(rows, path)
+    if len(distinct) > MAX_VALUES and select.is_numeric(distinct):
+        ends = [labels.value_text(path, value, units) for value in (distinct[0], distinct[-1])]
+        return f"{ends[0]} to {ends[1]}, {len(distinct)} values"
+    texts = [labels.value_text(path, value, units) for value in distinct[: 3 * MAX_VALUES]]
+    return ", ".join(texts + ["and more"] * (len(distinct) > len(texts)))
