@@ -40,7 +40,12 @@ def test_the_line_rises_with_the_defects_length_in_rollers_and_in_spatial_alike(
 
 
 def test_spatial_agrees_with_planar_without_tilt() -> None:
-    assert line("spatial", 12.0) == pytest.approx(line("planar", 12.0), rel=1e-3)
+    """At a short step, because Verlet divides steps at touch-downs of whole rollers only."""
+    spatial, planar = (
+        simulate(case(model, 12.0, 0.0).model_copy(update={"step": 2e-7})).features["velocity@BPFO"]
+        for model in ("spatial", "planar")
+    )
+    assert spatial == pytest.approx(planar, rel=1e-3)
     assert np.abs(run("spatial", 12.0).series["roller.10.tilt"]).max() < 1e-12
 
 

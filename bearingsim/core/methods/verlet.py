@@ -18,8 +18,9 @@ from typing import NamedTuple
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, inlined, jit
-from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
+from bearingsim.core.methods.interface import MethodKind, prepare, stability_ratio, step
 from bearingsim.core.models.by_roller import drift, evaluate, kick
+from bearingsim.core.models.interface import state_width
 from bearingsim.core.parameters import lanes
 
 TOUCH_DOWN = 4 / 9
@@ -27,7 +28,9 @@ TOUCH_DOWN = 4 / 9
 9/10 F t, and that of Verlet is F h/2. (1/2 for a force that jumps.)"""
 MAX_PARTS = 8  # of a step with several touch-downs
 
-(MIDDLE_V,) = lay.states(lay.STAGE, "m/s", "verlet", "step")  # velocity in the middle of a step
+# velocity in the middle of a step; velocity and acceleration at the start of a divided step, acceleration at its
+# end
+MIDDLE_V, START_V, START_A, END_A = lay.states(lay.STAGE, "m/s, m/s, m/s^2, m/s^2", "verlet", "step")
 
 
 class Verlet(NamedTuple):
@@ -51,9 +54,6 @@ def _drift(method, y, i):
 def _kick(method, y, i):
     """Complete the velocity step with the new acceleration."""
     y[lay.VELOCITY + i] = y[MIDDLE_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
-
-
-prepare.register(Verlet)(no_preparation)
 
 
 @inlined
@@ -101,12 +101,51 @@ def step_over_touch_downs(model, t, end, y):
     evaluate(model, Verlet(end - t), end, y)
 
 
+@jit
+def begin_division(y, n):
+    """Store velocity and acceleration at the start of a step that is to be divided."""
+    for k in range(n):
+        y[START_V + k], y[START_A + k] = y[lay.VELOCITY + k], y[lay.ACCELERATION + k]
+
+
+@jit
+def spread_acceleration(h, y, n):
+    """Replace the acceleration at the end of a divided step of ``h`` (s), to be recorded, so that the sum of
+    recorded accelerations is the change of velocity.
+
+    It is the true one plus what the trapezoidal rule over the whole step lacks. ``resume`` restores the true one.
+    """
+    for k in range(n):
+        end = y[lay.ACCELERATION + k]
+        y[END_A + k] = end
+        y[lay.ACCELERATION + k] += (y[lay.VELOCITY + k] - y[START_V + k]) / h - 0.5 * (y[START_A + k] + end)
+    y[lay.H_TAKEN] = h
+
+
+@jit
+def resume(y, n):
+    """Restore the acceleration at the end of a divided step."""
+    for k in range(n):
+        y[lay.ACCELERATION + k] = y[END_A + k]
+    y[lay.H_TAKEN] = 0.0
+
+
+@prepare.register(Verlet)
+def _prepare(method, model, t, y):
+    y[lay.H_TAKEN] = 0.0  # length of the last step if it was divided
+
+
 @step.register(Verlet)
 def _step(method, model, t, y):
-    if count_touch_downs(method.h, y, lanes(model.bearing)) > 0.0:
-        step_over_touch_downs(model, t, t + method.h, y)
+    h, n = method.h, state_width(model)
+    if y[lay.H_TAKEN] > 0.0:
+        resume(y, n)
+    if count_touch_downs(h, y, lanes(model.bearing)) > 0.0:
+        begin_division(y, n)
+        step_over_touch_downs(model, t, t + h, y)
+        spread_acceleration(h, y, n)
     else:
-        evaluate(model, method, t + method.h, y)
+        evaluate(model, method, t + h, y)
 
 
 @stability_ratio.register(Verlet)
