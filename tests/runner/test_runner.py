@@ -134,7 +134,7 @@ def test_workers_are_single_threaded_processes(tmp_path: Path) -> None:
 def test_summary_reports_the_integrator_share(tmp_path: Path) -> None:
     summary = compute(FakeStudy(seconds=0.3, deeds=dict.fromkeys(range(3), "spin")), tmp_path)
     assert 0.5 < summary.integrator_share < 1.0
-    assert "of the workers' CPU time, " in str(summary)
+    assert "CPU time of the workers: " in str(summary)
 
 
 def test_progress_lines_report_counts_and_remaining_time(
