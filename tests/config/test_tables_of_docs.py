@@ -37,7 +37,7 @@ NEEDS = {
     "balls": {"balls"},
 }
 """Abilities of each row of the table of needs."""
-PARTLY = {("spatial", "the contact's force at the defect"): ("but `pressure-share`", {"weakened contact"})}
+PARTLY = {("spatial", "the contact's force at the defect"): ("yes, except `pressure-share`", {"weakened contact"})}
 """What a cell says of a model that has some abilities of its row, and which."""
 
 
