@@ -54,8 +54,7 @@ class Page:
     """Content of the page.
 
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
-    omissions: what was left out, and why;
-    text: the study file; changes: overrides of the command line.
+    omissions: what was left out, and why; text: the study file; changes: overrides of the command line.
     """
 
     study: str
@@ -88,8 +87,8 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     from bearingsim.store import job_frame, now
 
     table = results.table()
-    found = findings(results.plan, job_frame(results.path))
-    shown = _table(results, table)
+    end_of_run = findings(results.plan, job_frame(results.path))
+    job_table = _table(results, table)
     done = bool((table["status"] == "done").any())
     figures = collect(results, jobs) if done else Figures()
     assumptions = assumption_texts(results) if done else list(results.plan.get("assumptions", ()))
@@ -101,14 +100,14 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         quick=bool(results.plan["quick"]),
         studied=list(studied(results)),
         results=list(feature_results(results)) if done else [],
-        accuracy=[*found.withdrawn, *found.accuracy],
-        warnings=list(found.warnings),
+        accuracy=[*end_of_run.withdrawn, *end_of_run.accuracy],
+        warnings=list(end_of_run.warnings),
         charts=figures.charts,
         pictures=figures.pictures,
         influences=figures.influences,
-        omissions=[*figures.omissions, *([shown.omission()] if len(shown.rows) < len(table) else [])],
-        table=shown,
-        assumptions=[plain(text) for text in assumptions if text not in found.warnings],
+        omissions=[*figures.omissions, *([job_table.omission()] if len(job_table.rows) < len(table) else [])],
+        table=job_table,
+        assumptions=[plain(text) for text in assumptions if text not in end_of_run.warnings],
         failures=failures_of(results),
         computed=list(_computed(results)),
         text=_study_text(results),
@@ -139,7 +138,9 @@ def _table(results: "Results", table: "pd.DataFrame") -> Table:
         columns.append(("error bound (%)", [significant(100.0 * bound, 2) for bound in bounds]))
         numeric.append(True)
     is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
-    states = [state + ", chaotic" * bool(so) for state, so in zip(rows["status"], is_chaotic, strict=True)]
+    states = [
+        state + ", chaotic" * bool(chaotic) for state, chaotic in zip(rows["status"], is_chaotic, strict=True)
+    ]
     return Table([*columns, ("status", states)], [*numeric, False], len(table))
 
 
