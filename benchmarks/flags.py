@@ -96,8 +96,8 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
         for n in range(count)
     ]
     features = [
-        ball_pass_lines(part, lines_of_passes(part, setup.model, setup.cut, raw))
-        | statistics(part, setup.cut, raw)
+        ball_pass_lines(part, lines_of_passes(part, setup.model, setup.grid, raw))
+        | statistics(part, setup.grid, raw)
         for part in parts
     ]
     table = pd.DataFrame(features)

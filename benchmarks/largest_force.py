@@ -62,7 +62,7 @@ def coverage(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, floa
 def compare_records(fields: dict[str, Any]) -> Coverage:
     """Compute a scene, and compare its records."""
     setup = set_up(choice.resolve(Case.model_validate(fields)))
-    case, grid = setup.case, setup.cut
+    case, grid = setup.case, setup.grid
     forces = integrate(setup).peaks[int(case.settle_s * grid.rate) + 1 :, FORCE]
     rollers = case.bearing.rollers
     short, long = (coverage(forces, int(duration * grid.rate), rollers) for duration in RECORDS_S)

@@ -46,7 +46,7 @@ RELATIVE_COST = {"static": 50, "spatial": 20}  # cost of a step relative to othe
 
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     """Prepare a variant for timing: labels for the table, method, model, static equilibrium."""
-    grid = time_grid.grid(case)
+    grid = time_grid.make_grid(case)
     model = assemble.with_friction_lag(model, grid.step)
     y, _ = assemble.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * grid.step, 3)}

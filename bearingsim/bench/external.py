@@ -128,13 +128,13 @@ def solve(case: Case, solver: Solver, tolerance: float) -> tuple[dict[str, float
     setup = set_up(case.model_copy(update=options))
     y, _ = assemble.start(setup.case, setup.model)
     update_extremes(setup.model, y)
-    count = setup.cut.passes * setup.cut.steps_per_pass
+    count = setup.grid.passes * setup.grid.steps_per_pass
     problem = Equations(
-        setup.model, y, setup.cut.step * np.arange(1, count + 1), setup.method, setup.case.settle_s
+        setup.model, y, setup.grid.step * np.arange(1, count + 1), setup.method, setup.case.settle_s
     )
     solution = solver(problem)
     values = _features(setup, y, solution.states) | {"outer_force.max": solution.force}
-    return values, solution.cpu, setup.cut.passes / setup.cut.rate
+    return values, solution.cpu, setup.grid.passes / setup.grid.rate
 
 
 @jit
@@ -162,7 +162,7 @@ def _observe(
 
 def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, float]:
     """Compute the features of a run from its states at the instants of the record."""
-    grid, model = setup.cut, setup.model
+    grid, model = setup.grid, setup.model
     recording = Recording(setup.case, grid, model.bearing.Z, y)
     steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
     times = grid.step * np.arange(1, grid.passes * steps + 1)

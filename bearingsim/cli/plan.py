@@ -186,7 +186,7 @@ def _price(job: "Job") -> PricedJob:
     from bearingsim.simulation import choice, time_grid
 
     case = job.case
-    grid, limits = time_grid.grid(case), choice.limits(case)
+    grid, limits = time_grid.make_grid(case), choice.limits(case)
     price, friction = time_grid.estimate(case), friction_scale(case, limits.rest_load)
     has_drop = case.defects and MODELS[case.model].loaded
     roller_drop = largest_roller_drop(assemble.model(case)) if has_drop else math.nan

@@ -31,7 +31,7 @@ class StandardErrors(NamedTuple):
 
 
 def standard_errors(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
+    case: Case, model: Any, grid: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
 ) -> StandardErrors:
     """Estimate the standard errors of the computed part of a record; infinite for too few passes.
 
@@ -39,8 +39,8 @@ def standard_errors(
     """
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
-    taps = sampling_kernel(cut.fine_rate / case.sampling)
-    record_windows = windows(case, cut, raw, reach=len(taps) // 2)
+    taps = sampling_kernel(grid.fine_rate / case.sampling)
+    record_windows = windows(case, grid, raw, reach=len(taps) // 2)
     M, n = record_windows.M, len(record_windows.index)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
@@ -50,13 +50,13 @@ def standard_errors(
     return StandardErrors(
         _error_from_passes(pass_lines, min_amplitude)
         if has_other_lines(case)
-        else _error_from_samples(case, model, cut, raw, record_windows, min_amplitude),
+        else _error_from_samples(case, model, grid, raw, record_windows, min_amplitude),
         float(0.5 * standard_error(powers) / (powers.mean() or 1.0)),
     )
 
 
 def _error_from_samples(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, record_windows: Windows, min_amplitude: float
+    case: Case, model: Any, grid: Grid, raw: RawRecord, record_windows: Windows, min_amplitude: float
 ) -> float:
     """Estimate the relative standard error of a line that is a plain mean, from all samples of its passes.
 

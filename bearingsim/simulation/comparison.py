@@ -96,8 +96,8 @@ def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
     """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann, kinematic cage)."""
-    start = recording.first_sample(setup.case, setup.cut)
-    angles = spectral_lines.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
+    start = recording.first_sample(setup.case, setup.grid)
+    angles = spectral_lines.sample_angles(setup.model, setup.grid, start, np.zeros(len(series)))
     phase = angles.phase(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(phase))
     kernel = 2.0 * window * np.exp(-1j * phase) / window.sum()
@@ -117,7 +117,7 @@ def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
 
 def steady_time(setup: Setup, raw: RawRecord) -> float:
     """Return the time (s) from which a periodic motion is steady."""
-    return (raw.repetition.computed - raw.repetition.period) / setup.cut.rate
+    return (raw.repetition.computed - raw.repetition.period) / setup.grid.rate
 
 
 def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
@@ -126,9 +126,9 @@ def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
     Raw rows are compared over the whole record from ``steady`` (s) on, because one period has samples at only a
     few of its phases.
     """
-    case, cut, model = setup.case, setup.cut, setup.model
-    M, period = cut.fine_per_pass, raw.repetition.period
-    taps = sampling_kernel(cut.fine_rate / case.sampling)
+    case, grid, model = setup.case, setup.grid, setup.model
+    M, period = grid.fine_per_pass, raw.repetition.period
+    taps = sampling_kernel(grid.fine_rate / case.sampling)
     turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # whole turns of the cage
     start = turns * raw.Z * M
     fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
@@ -176,13 +176,13 @@ def fault_lines(case: Case) -> list[str]:
 
 def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
     """Return the compared signals of a pilot over its ``passes`` ball passes after settling."""
-    case, cut = setup.case, setup.cut
-    start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
+    case, grid = setup.case, setup.grid
+    start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
     filtered = low_pass_rows(setup, raw, start, length) if case.antialias else None
-    raw_values = raw.raw_values[:, : floor(passes / cut.rate * case.sampling) + 1]
+    raw_values = raw.raw_values[:, : floor(passes / grid.rate * case.sampling) + 1]
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
-    settling_passes = floor(case.settle_s * cut.rate + 1e-6)
+    settling_passes = floor(case.settle_s * grid.rate + 1e-6)
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines, raw.peaks[settling_passes : settling_passes + passes]
     )
@@ -190,5 +190,5 @@ def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
 
 def low_pass_rows(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
     """Return all rows (C, ``length``) at fine samples from number ``start``, low-passed like the record."""
-    taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
+    taps = sampling_kernel(setup.grid.fine_rate / setup.case.sampling)
     return raw.low_pass(taps).read(start, length)

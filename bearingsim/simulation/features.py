@@ -1,7 +1,7 @@
 """Features of a run: lines, statistics, extremes, load zone, cage slip, bands, and features of other packages.
 
 Band features are computed from fine samples, which are not low-passed, so they do not depend on `sampling`. The
-fine rate is high enough to leave the bands unattenuated (``time_grid.grid``).
+fine rate is high enough to leave the bands unattenuated (``time_grid.make_grid``).
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -38,25 +38,25 @@ from bearingsim.simulation.time_grid import Grid
 
 
 def features(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
+    case: Case, model: Any, grid: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
     """Return every feature of a run; pass_lines: its ``lines_of_passes``."""
     return {
         **ball_pass_lines(case, pass_lines),
-        **other_lines(case, model, cut, raw),
-        **statistics(case, cut, raw),
-        **extremes(case, cut, raw),
-        **cage_and_load_zone(case, model, cut, raw),
+        **other_lines(case, model, grid, raw),
+        **statistics(case, grid, raw),
+        **extremes(case, grid, raw),
+        **cage_and_load_zone(case, model, grid, raw),
     }
 
 
-def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
+def statistics(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Return RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
 
     They are computed from the low-passed motion at fine samples, so peaks between two samples of the record count.
     A raw record (`antialias: false`) is evaluated at its own samples.
     """
-    motion = _low_passed_motion(case, cut, raw) if case.antialias else _raw_motion(case, cut, raw)
+    motion = _low_passed_motion(case, grid, raw) if case.antialias else _raw_motion(case, grid, raw)
     return {
         f"{quantity}.{name}": value
         for quantity in MOTION
@@ -68,22 +68,22 @@ Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
 """Function that returns the values (n,) of a quantity along the sensor, and their multiplicities (None: one)."""
 
 
-def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
-    passes = len(windows(case, cut, raw, reach=0).index)
-    raw_values = raw.raw_values[:, : round(passes / cut.rate * case.sampling)]
+def _raw_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
+    passes = len(windows(case, grid, raw, reach=0).index)
+    raw_values = raw.raw_values[:, : round(passes / grid.rate * case.sampling)]
     return lambda quantity: (sensor_series(case, raw_values, quantity), None)
 
 
-def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
+def _low_passed_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
     """Filter the motion along the sensor over the record's distinct passes."""
-    taps = sampling_kernel(cut.fine_rate / case.sampling)
-    record_windows, filtered = windows(case, cut, raw, reach=len(taps) // 2), raw.low_pass(taps)
+    taps = sampling_kernel(grid.fine_rate / case.sampling)
+    record_windows, filtered = windows(case, grid, raw, reach=len(taps) // 2), raw.low_pass(taps)
     count, weights = record_windows.distinct * record_windows.M, record_windows.weights
     multiplicities = np.repeat(weights, record_windows.M) if np.any(weights > 1) else None
     return lambda quantity: (sensor_samples(case, filtered, quantity, record_windows.start, count), multiplicities)
 
 
-def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
+def extremes(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the largest force (N), tilt (rad) and line load (N/m) of any roller in the record's whole passes.
 
     If the record has no whole pass, the first pass to begin at or after its start is used. Quantities that the
@@ -91,8 +91,8 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """
     entry = MODELS[case.model]
     available = (entry.loaded, entry.loaded, entry.slips, entry.sliced, entry.sliced)
-    first_pass = ceil(case.settle_s * cut.rate - 1e-6)
-    passes = np.arange(first_pass, max(first_pass + 1, floor((case.settle_s + case.duration) * cut.rate + 1e-6)))
+    first_pass = ceil(case.settle_s * grid.rate - 1e-6)
+    passes = np.arange(first_pass, max(first_pass + 1, floor((case.settle_s + case.duration) * grid.rate + 1e-6)))
     if raw.repetition.period == 0:
         passes = passes[passes < raw.repetition.computed]
     largest = raw.peaks[np.unique(raw.repetition.source(passes))].max(axis=0)
@@ -102,16 +102,16 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     }
 
 
-def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
+def cage_and_load_zone(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the mean extent of the load zone (rad) and the cage slip; NaN if the model does not compute them."""
-    record_windows, entry = windows(case, cut, raw, reach=0), MODELS[case.model]
+    record_windows, entry = windows(case, grid, raw, reach=0), MODELS[case.model]
     start, M = record_windows.start, record_windows.M
     slip, loaded_rollers = np.empty(record_windows.distinct * M), 0.0
     for begin, end in blocks(len(slip)):
         rollers, speed = raw.read(
             start + begin, end - begin, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
         )
-        time = (start + np.arange(begin, end)) / cut.fine_rate
+        time = (start + np.arange(begin, end)) / grid.fine_rate
         slip[begin:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
         loaded_rollers += rollers @ record_windows.weights[np.arange(begin, end) // M]
     weights = record_windows.weights
@@ -124,25 +124,25 @@ def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dic
     }
 
 
-def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
+def band_features(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the band features of a case over the whole ball passes of its record; NaN if there are none."""
     requested = {name: feature for name in case.features if (feature := read_band(name)) is not None}
-    record_windows = windows(case, cut, raw, reach=0)
+    record_windows = windows(case, grid, raw, reach=0)
     start, count = record_windows.start, len(record_windows.index) * record_windows.M
     if not requested or not count:
         return dict.fromkeys(requested, nan)
     series = {f.quantity: sensor_samples(case, raw, f.quantity, start, count) for f in requested.values()}
-    angles = angles_of_record(case, model, cut, raw, start, count)
+    angles = angles_of_record(case, model, grid, raw, start, count)
     values = {}
     for name, feature in requested.items():
         cpu_time.check()
         samples, band = series[feature.quantity], band_of(case, feature)
-        if not resolves(band, count / cut.fine_rate):
+        if not resolves(band, count / grid.fine_rate):
             values[name] = nan
         elif feature.line:
-            values[name] = _envelope_line(case, feature, band, samples, cut.fine_rate, angles)
+            values[name] = _envelope_line(case, feature, band, samples, grid.fine_rate, angles)
         else:
-            values[name] = signals.band_rms(samples, cut.fine_rate, band)
+            values[name] = signals.band_rms(samples, grid.fine_rate, band)
     return values
 
 

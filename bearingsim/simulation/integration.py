@@ -114,9 +114,9 @@ def integrate(
     equilibrium; patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never;
     max_passes: largest number of ball passes; inspector: inspections that may end the run.
     """
-    case, cut, pace = setup.case, setup.cut, Pace()
+    case, grid, pace = setup.case, setup.grid, Pace()
     y = _start(setup, perturbation, _find_steady_start(setup, pace, start, closeness, max_passes))
-    recording = Recording(case, cut, setup.model.bearing.Z, y)
+    recording = Recording(case, grid, setup.model.bearing.Z, y)
     search, period, difference = _search(setup, recording.cells, closeness), 0, nan
     passes = 0
     initial_passages = _defect_passages(setup, 0.0, y)
@@ -135,7 +135,7 @@ def integrate(
         ):
             break
         if passes == patience:
-            raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
+            raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", passes / grid.rate)
     _check_end(setup, initial_passages, y, passes)
     raw = recording.raw_record(Repetition(passes, period, difference), y)
     if period > 0 and recording.stores_raw_values:
@@ -149,8 +149,8 @@ def _search(setup: Setup, cells: np.ndarray, closeness: Closeness) -> Search | N
     if not may_repeat(setup.case):
         return None
     memoryless = MODELS[setup.case.model].memoryless
-    slowest_ratio = exp(-slowest_decay(setup.case) / setup.cut.rate)
-    return Search(cells, setup.cut.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio)
+    slowest_ratio = exp(-slowest_decay(setup.case) / setup.grid.rate)
+    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio)
 
 
 def _start(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:
@@ -188,7 +188,7 @@ def _find_steady_start(
     rotated back. max_passes: largest number of ball passes.
     """
     slow_modes = SlowModes.from_case(
-        setup.case, setup.model, setup.cut.rate, STEADY_TOLERANCE * closeness.sum_limit
+        setup.case, setup.model, setup.grid.rate, STEADY_TOLERANCE * closeness.sum_limit
     )
     if slow_modes is None:
         return start
@@ -198,13 +198,13 @@ def _find_steady_start(
         slow_modes.set_initial_change(y[motion], _start(setup, 0.0)[motion])
     cells = channels.recorded_cells(setup.case)
     short_setup = replace(
-        setup, cut=replace(setup.cut, passes=min(slow_modes.passes, max_passes or slow_modes.passes))
+        setup, grid=replace(setup.grid, passes=min(slow_modes.passes, max_passes or slow_modes.passes))
     )
     with suppress(MethodFailure):  # unless the extrapolation caused it, the run itself fails in the same way
         for _ in _ball_passes(short_setup, NoSamples(), y, cells, pace):
             passes += 1
             if slow_modes.extrapolate(y):
-                _restart_at(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
+                _restart_at(setup, passes * setup.grid.steps_per_pass * setup.grid.step, y)
             if slow_modes.converged:
                 break
     state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW)
@@ -218,8 +218,8 @@ def _ball_passes(
 
     The array is the same every time. ``pace`` sums the CPU time of the integrator.
     """
-    case, cut = setup.case, setup.cut
-    steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
+    case, grid = setup.case, setup.grid
+    steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
     window = np.empty((len(cells), tail + steps))
     window[:] = y[cells][:, np.newaxis]
     _warm_up(setup, samples, y, cells)
@@ -227,18 +227,18 @@ def _ball_passes(
         lead_in = window[:, steps:]
         _record_steps(setup, NoSamples(), -tail, y, cells, lead_in, pace)
         pop_peaks(y)
-    for p in range(cut.passes):
+    for p in range(grid.passes):
         window[:, :tail] = window[:, steps:].copy()
         _record_steps(setup, samples, p * steps, y, cells, window[:, tail:], pace)
         if assemble.is_adaptive(case):
             for motion in MOTIONS if case.rig.ring is not None else MOTIONS[:1]:
-                differentiate(window, motion, tail, cut.step)
+                differentiate(window, motion, tail, grid.step)
         yield window
 
 
 def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passes: int) -> None:
     """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or steps missed a defect."""
-    end = passes * setup.cut.steps_per_pass * setup.cut.step
+    end = passes * setup.grid.steps_per_pass * setup.grid.step
     if not np.isfinite(_defect_passages(setup, end, y)).all():
         raise run_failure(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
     missed = missed_crossings(setup.model, end, initial_passages, y) if initial_passages else 0
@@ -280,7 +280,7 @@ def _record_steps(
         if outcome == outcomes.SUCCESS and pace.cpu_s > setup.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
         if outcome != outcomes.SUCCESS:
-            raise run_failure(setup, outcome, body, (start + n) * setup.cut.step)
+            raise run_failure(setup, outcome, body, (start + n) * setup.grid.step)
 
 
 MOTIONS = (

@@ -65,7 +65,7 @@ class Setup:
 
     case: Case
     step_fraction: float
-    cut: time_grid.Grid
+    grid: time_grid.Grid
     limits: Limits
     model: Any
     method: Any
@@ -76,21 +76,21 @@ class Setup:
 def set_up(case: Case, step_fraction: float = 1.0, max_cpu: float | None = None) -> Setup:
     """Prepare a case with a named method; max_cpu: allowed CPU time (s). Raises ``Refused``."""
     case = resolve_settling(case)
-    cut, limits = time_grid.grid(case, step_fraction, max_cpu or 0.0), choice.limits(case)
-    time_grid.refuse_too_large(case, cut)
+    grid, limits = time_grid.make_grid(case, step_fraction, max_cpu or 0.0), choice.limits(case)
+    time_grid.refuse_too_large(case, grid)
     kind = assemble.method_kind(case)
-    lag = kind.lag * cut.step
+    lag = kind.lag * grid.step
     model = assemble.with_friction_lag(assemble.model(case), lag)
     if not assemble.is_adaptive(case):
-        model = assemble.align_with_cusp(model, cut.steps_per_pass, kind.cusp)
+        model = assemble.align_with_cusp(model, grid.steps_per_pass, kind.cusp)
     return Setup(
         case,
         step_fraction,
-        cut,
+        grid,
         limits,
         model,
-        assemble.method(case, cut.step, step_fraction),
-        make_monitor(cut, limits),
+        assemble.method(case, grid.step, step_fraction),
+        make_monitor(grid, limits),
         max_cpu or time_grid.MAX_CPU,
     )
 
@@ -98,10 +98,10 @@ def set_up(case: Case, step_fraction: float = 1.0, max_cpu: float | None = None)
 MAX_EVALUATIONS = 2e4  # model evaluations of an adaptive method after which it returns early to read the clock
 
 
-def make_monitor(cut: time_grid.Grid, limits: Limits) -> Monitor:
+def make_monitor(grid: time_grid.Grid, limits: Limits) -> Monitor:
     """Return a monitor that checks the motion at least every quarter of a contact period and defect crossing."""
     patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
-    stride = int(min(patience, limits.crossing / 2.0) / (2.0 * cut.step))
+    stride = int(min(patience, limits.crossing / 2.0) / (2.0 * grid.step))
     return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
 
 
@@ -153,7 +153,7 @@ def advice(setup: Setup, outcome: int) -> str:
     if needs_roller_mass(setup, outcome):
         return f"use `model: {simplest_model('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:
-        return f"use a step under {1e6 * setup.cut.step / 2:.2g} us"
+        return f"use a step under {1e6 * setup.grid.step / 2:.2g} us"
     too_tight = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)
     return f"use a {'looser' if too_tight else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
 

@@ -234,7 +234,7 @@ def _try_out(
     )
     if may_end:
         raw = integrate(setup, max_passes=max(max_passes, min(inspections.passes)), inspector=inspections)
-        passes = min(passes, recording.whole_passes(inspections.ended_setup(raw).case, setup.cut))
+        passes = min(passes, recording.whole_passes(inspections.ended_setup(raw).case, setup.grid))
     else:
         raw = integrate(setup, max_passes=max_passes, inspector=inspection)
     if inspection is not None and raw.repetition.computed in inspection.passes:
@@ -271,17 +271,17 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
     full_setup, setup = inspections.setup, inspections.ended_setup(raw)
     case = setup.case
     rows = channels.requested_rows(case, raw.cells)
-    samples = recording.sample_rows(case, setup.cut, raw, rows)
+    samples = recording.sample_rows(case, setup.grid, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, samples, raw.cells[rows], case.settle_s + instants)
-    pass_lines = lines_of_passes(case, setup.model, setup.cut, raw)
-    values = features(case, setup.model, setup.cut, raw, pass_lines) | band_features(
-        case, setup.model, setup.cut, raw
+    pass_lines = lines_of_passes(case, setup.model, setup.grid, raw)
+    values = features(case, setup.model, setup.grid, raw, pass_lines) | band_features(
+        case, setup.model, setup.grid, raw
     )
     is_random = _is_random(setup, raw, check.chaotic)
     errors = no_errors = StandardErrors(nan, nan)
     if is_random or check.chaotic:
-        errors = accuracy.standard_errors(case, setup.model, setup.cut, raw, pass_lines)
+        errors = accuracy.standard_errors(case, setup.model, setup.grid, raw, pass_lines)
     values |= _check_features(
         check, _pass_ratio(inspections.earliest, setup), errors if check.chaotic else no_errors
     )
@@ -319,7 +319,7 @@ def _refuse_start_error(case: Case, error: float) -> None:
 
 def _pass_ratio(checked: Setup, record: Setup) -> float:
     """Return the ratio of a record's ball passes to those of the shortest record, whose step was checked."""
-    return recording.whole_passes(record.case, record.cut) / recording.whole_passes(checked.case, checked.cut)
+    return recording.whole_passes(record.case, record.grid) / recording.whole_passes(checked.case, checked.grid)
 
 
 def _check_features(check: StepCheck, pass_ratio: float, chaos_errors: StandardErrors) -> dict[str, float]:
@@ -342,15 +342,15 @@ def _check_features(check: StepCheck, pass_ratio: float, chaos_errors: StandardE
 
 def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, float | int | str]:
     """Return facts on the computation of a run; record_errors: of a record with `until`, else NaN."""
-    case, cut, y = setup.case, setup.cut, raw.y
-    steps = raw.repetition.computed * cut.steps_per_pass
+    case, grid, y = setup.case, setup.grid, raw.y
+    steps = raw.repetition.computed * grid.steps_per_pass
     adaptive = assemble.is_adaptive(case)
     return {
         "method": case.method or "",
-        "step_s": cut.step,
+        "step_s": grid.step,
         "step_part": setup.step_fraction,
         "settle_s": case.settle_s,
-        "passes": cut.passes,
+        "passes": grid.passes,
         "passes_computed": raw.repetition.computed,
         "period_passes": raw.repetition.period,
         "last_difference": raw.repetition.difference,
@@ -372,7 +372,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
 
 def _is_random(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
     """Check if line and RMS may scatter at random, and the record has enough ball passes to show it."""
-    has_enough_passes = len(recording.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
+    has_enough_passes = len(recording.windows(setup.case, setup.grid, raw, reach=0).index) > accuracy.MIN_PASSES
     return has_enough_passes and (chaotic or may_be_periodic(setup.case) or has_free_cage(setup.case))
 
 
@@ -394,7 +394,7 @@ def _damping(setup: Setup) -> dict[str, float]:
 
 def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     """Return the angle (rad) of the first roller's pocket at the start of the record, cage slip included."""
-    bearing, position = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
+    bearing, position = setup.model.bearing, setup.case.settle_s * setup.grid.fine_rate
     before, after = raw.read(floor(position), 2, np.array([FEATURE_CELLS.index(CAGE_ANGLE)]))[0]
     slip = before + (position - floor(position)) * (after - before)
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slip)

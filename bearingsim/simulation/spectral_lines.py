@@ -78,21 +78,21 @@ def sensor_samples(case: Case, raw: RawRecord | LowPassed, quantity: str, start:
     return out
 
 
-def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
+def sample_angles(model: Any, grid: Grid, start: int, slip: np.ndarray) -> SampleAngles:
     """Return the angles at fine samples from number ``start`` on; slip: (n,) cage angle (rad) minus kinematic."""
     b = model.bearing
-    t = kinematic_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
+    t = kinematic_times(model, (start + np.arange(len(slip))) / grid.fine_rate)
     return SampleAngles(
         b.theta_0 + b.omega_c * t + slip, b.omega_i * t, b.omega_b * t + b.omega_b / b.omega_c * slip
     )
 
 
-def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
+def angles_of_record(case: Case, model: Any, grid: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
     """Return the angles at ``count`` fine samples of a record from number ``start`` on, cage slip included."""
     slip = np.zeros(count)
     if has_free_cage(case):
         (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
-    return sample_angles(model, cut, start, slip)
+    return sample_angles(model, grid, start, slip)
 
 
 def ball_pass_lines(case: Case, pass_lines: Mapping[str, np.ndarray]) -> dict[str, float]:
@@ -111,29 +111,29 @@ def has_other_lines(case: Case) -> bool:
     return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
 
 
-def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+def lines_of_passes(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Return the lines (harmonics, passes) of each quantity; empty if the record is too short for a free cage."""
-    return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, cut, raw)
+    return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, grid, raw)
 
 
-def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+def _lines_at_equal_times(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Return the lines (harmonics, passes) of each quantity for a kinematic cage, with passes of equal length."""
-    record_windows = windows(case, cut, raw, reach=1)
+    record_windows = windows(case, grid, raw, reach=1)
     M, start = record_windows.M, record_windows.start
     position, speed = (
         sensor_samples(case, raw, quantity, start, record_windows.distinct * M + 1) for quantity in MOTION[:2]
     )
-    lines = _lines_from_samples(position, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
+    lines = _lines_from_samples(position, speed, M, start, grid.rate, case.bearing.rollers * model.bearing.theta_0)
     return {quantity: amplitudes[:, record_windows.index] for quantity, amplitudes in lines.items()}
 
 
-def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+def _lines_at_equal_angles(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Return the lines by pass for a slipping cage, resampled at equal angles; empty for too short a record."""
-    M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
-    length = whole_passes(case, cut) * M + 1
+    M, start, Z = grid.fine_per_pass, first_sample(case, grid), case.bearing.rollers
+    length = whole_passes(case, grid) * M + 1
     (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
     angle = Z * model.bearing.theta_0
-    pass_angle = Z * sample_angles(model, cut, start, slip).cage - angle
+    pass_angle = Z * sample_angles(model, grid, start, slip).cage - angle
     min_angle = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # tolerates rounding
     if pass_angle[-1] - pass_angle[0] < min_angle or np.any(np.diff(pass_angle) <= 0.0):
         return {}
@@ -141,7 +141,7 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
     motion = np.stack([sensor_samples(case, raw, quantity, start, length) for quantity in MOTION[:2]])
     (position, speed), first_pass = signals.at_equal_angles(motion, pass_angle, M)
     passes = first_pass + np.arange((len(position) - 1) // M + 1)
-    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, pass_angle, np.arange(length) / cut.fine_rate))
+    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, pass_angle, np.arange(length) / grid.fine_rate))
     return _lines_from_samples(position, speed, M, 0, rate, angle)
 
 
@@ -163,16 +163,16 @@ def _ball_pass_names() -> list[str]:
     return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
 
 
-def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
+def other_lines(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Return amplitude and phase of the lines other than BPFO and its multiples; NaN if not resolved."""
-    length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
-    length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
+    length = max(2, floor(case.duration * grid.fine_rate + 1e-6))
+    length = length if raw.end is None else min(length, raw.end - first_sample(case, grid))
     compute_lines = (
         _lines_at_varying_speed if has_free_cage(case) or not is_steady(model) else _lines_at_constant_speed
     )
-    lines, frequencies = compute_lines(case, model, cut, raw, length)
+    lines, frequencies = compute_lines(case, model, grid, raw, length)
     resolved = dict(
-        zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)
+        zip(LINES, signals.resolvable(frequencies, min(case.duration, length / grid.fine_rate)), strict=True)
     )
     columns: dict[str, float] = {}
     for quantity, values in lines.items():
@@ -185,37 +185,37 @@ def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, 
 
 
 def _lines_at_constant_speed(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
+    case: Case, model: Any, grid: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
-    record_windows = windows(case, cut, raw, reach=0)
+    record_windows = windows(case, grid, raw, reach=0)
     M, start = record_windows.M, record_windows.start
     count = min(len(record_windows.index), length // M)
     window_count = min(record_windows.distinct, count)
     series = np.stack([sensor_samples(case, raw, q, start, window_count * M) for q in MOTION[:2]])
     tail = np.stack([sensor_samples(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
-    angles = sample_angles(model, cut, start, np.zeros(1))
+    angles = sample_angles(model, grid, start, np.zeros(1))
     phases = np.array([angles.phase(line, case.bearing.rollers) for line in LINES.values()])
-    initial_angles = sample_angles(model, cut, 0, np.zeros(2))  # small angles, for full precision
+    initial_angles = sample_angles(model, grid, 0, np.zeros(2))  # small angles, for full precision
     phase_step = np.diff([initial_angles.phase(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
     displacement, velocity = signals.lines_of_windows(
         series.reshape(2, window_count, M), count, record_windows.period, tail, phases[:, 0], phase_step
     )
     # from the velocity, integrated by parts, because impacts alias into the line less than from the acceleration
-    acceleration = 1j * phase_step * cut.fine_rate * velocity
+    acceleration = 1j * phase_step * grid.fine_rate * velocity
     lines = dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
-    return lines, phase_step / (2.0 * pi) * cut.fine_rate
+    return lines, phase_step / (2.0 * pi) * grid.fine_rate
 
 
 def _lines_at_varying_speed(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
+    case: Case, model: Any, grid: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return complex amplitudes and mean frequencies (Hz) of the lines at varying speed."""
-    start, Z = first_sample(case, cut), case.bearing.rollers
+    start, Z = first_sample(case, grid), case.bearing.rollers
 
     def angles(begin: int, end: int) -> np.ndarray:
         (slip,) = raw.read(start + begin, end - begin, np.array([ROW_OF[CAGE_ANGLE]]))
-        sample = sample_angles(model, cut, start + begin, slip)
+        sample = sample_angles(model, grid, start + begin, slip)
         return np.array([sample.phase(line, Z) for line in LINES.values()])
 
     def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
@@ -228,9 +228,9 @@ def _lines_at_varying_speed(
                 sensor_samples(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2]
             )
             motion = (np.broadcast_to(position, gradient.shape), np.broadcast_to(speed, gradient.shape))
-            yield np.stack([*motion, gradient * cut.fine_rate * speed], axis=1), extended[:, inside], gradient
+            yield np.stack([*motion, gradient * grid.fine_rate * speed], axis=1), extended[:, inside], gradient
 
     first_angles, last_angles = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
     displacement, velocity, weighted_velocity = signals.lines_of_blocks(parts(), first_angles, last_angles).T
     lines = dict(zip(MOTION, (displacement, velocity, 1j * weighted_velocity), strict=True))
-    return lines, (last_angles - first_angles) / (2.0 * pi * (length - 1)) * cut.fine_rate
+    return lines, (last_angles - first_angles) / (2.0 * pi * (length - 1)) * grid.fine_rate

@@ -61,10 +61,10 @@ def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) 
 
     standard_errors: standard errors of line and RMS if the motion scatters at random, else NaN.
     """
-    case, cut = setup.case, setup.cut
+    case, grid = setup.case, setup.grid
     if MODELS[case.model].memoryless:
         return StartErrors(0.0, 0.0, 0.0)
-    record_windows = windows(case, cut, raw, reach=len(sampling_kernel(cut.fine_rate / case.sampling)) // 2)
+    record_windows = windows(case, grid, raw, reach=len(sampling_kernel(grid.fine_rate / case.sampling)) // 2)
     if len(record_windows.index) < PARTS or not is_steady(setup.model):
         return StartErrors(nan, nan, nan)
     passes = _passes(setup, raw, record_windows)
@@ -72,15 +72,15 @@ def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) 
         last = np.zeros(record_windows.distinct)
         last[-raw.repetition.period :] = 1.0
         return _changes(passes.mean(record_windows.weights), passes.mean(last), passes)
-    return _decay_errors(case, passes, cut.rate, standard_errors)
+    return _decay_errors(case, passes, grid.rate, standard_errors)
 
 
 def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
-    case, cut, M, n = setup.case, setup.cut, record_windows.M, record_windows.distinct
+    case, grid, M, n = setup.case, setup.grid, record_windows.M, record_windows.distinct
     velocity = sensor_samples(case, raw, "velocity", record_windows.start, n * M)
-    taps = sampling_kernel(cut.fine_rate / case.sampling)
+    taps = sampling_kernel(grid.fine_rate / case.sampling)
     filtered = sensor_samples(case, raw.low_pass(taps), "velocity", record_windows.start, n * M)
-    angles = angles_of_record(case, setup.model, cut, raw, record_windows.start, n * M)
+    angles = angles_of_record(case, setup.model, grid, raw, record_windows.start, n * M)
     lines = np.stack(
         [
             2.0 * (velocity * np.exp(-1j * angles.phase(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)

@@ -194,7 +194,7 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
     """Return a finer run of a periodic motion, started from the end of the coarse run to become periodic soon."""
     fine = set_up(
-        coarse.case, coarse.step_fraction * step_ratio(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU
+        coarse.case, coarse.step_fraction * step_ratio(coarse.grid.decimation), MAX_COST_RATIO * time_grid.MAX_CPU
     )
     start = rewound_state(coarse, raw)
     return fine, integrate(fine, start=start, closeness=ORBIT_CLOSENESS, max_passes=max_finer_passes(raw))
@@ -248,7 +248,7 @@ def check_on_pilot(
     coarse = previous[0] if previous is not None else set_up(pilot_case, step_fraction, allowed)
     fine = set_up(
         with_finer_tolerance(pilot_case),
-        step_fraction * step_ratio(coarse.cut.decimation),
+        step_fraction * step_ratio(coarse.grid.decimation),
         MAX_COST_RATIO * allowed,
     )
     coarse_run = previous[1] if previous is not None else run_pilot(coarse, passes)
@@ -258,7 +258,8 @@ def check_on_pilot(
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
     step_changes = (
         pass_rms(
-            coarse_run.fine_velocity - shift(fine_run.fine_velocity, lead_time(coarse, fine) * fine.cut.fine_rate),
+            coarse_run.fine_velocity
+            - shift(fine_run.fine_velocity, lead_time(coarse, fine) * fine.grid.fine_rate),
             passes,
         )
         / scale
@@ -279,7 +280,7 @@ def check_on_pilot(
     is_measurable = covers_defect_turns(case, passes) and np.linalg.norm(
         perturbation_changes
     ) > MIN_CHANGE_RATIO * np.linalg.norm(step_changes)
-    record_passes = max(1.0, case.duration * coarse.cut.rate)
+    record_passes = max(1.0, case.duration * coarse.grid.rate)
     rms_uncertainty = confidence_factor * noise / sqrt(record_passes) if is_measurable else inf
     return PilotCheck(
         replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=rms_uncertainty), False, finer

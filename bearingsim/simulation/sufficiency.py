@@ -62,7 +62,7 @@ class Inspections:
         return self._with_passes(self.record_passes[computed])
 
     def _with_passes(self, passes: int) -> Setup:
-        update = {"duration": passes / self.setup.cut.rate}
+        update = {"duration": passes / self.setup.grid.rate}
         return replace(self.setup, case=self.setup.case.model_copy(update=update))
 
     def record_errors(self, raw: RawRecord) -> StandardErrors:
@@ -98,15 +98,15 @@ def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
 
 def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
     """Estimate the relative standard errors of the features of a non-periodic record, by name."""
-    case, cut = setup.case, setup.cut
-    passes = whole_passes(case, cut)
-    start, length = first_sample(case, cut), passes * cut.fine_per_pass + 1
-    spans = trial.turn_spans(passes, float(ending.unit(case)), cut.fine_per_pass)
+    case, grid = setup.case, setup.grid
+    passes = whole_passes(case, grid)
+    start, length = first_sample(case, grid), passes * grid.fine_per_pass + 1
+    spans = trial.turn_spans(passes, float(ending.unit(case)), grid.fine_per_pass)
     if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
-    filtered = raw.low_pass(sampling_kernel(cut.fine_rate / case.sampling))
+    filtered = raw.low_pass(sampling_kernel(grid.fine_rate / case.sampling))
     fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
-    angles = angles_of_record(case, setup.model, cut, raw, start, length)
+    angles = angles_of_record(case, setup.model, grid, raw, start, length)
     window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
     lines, powers = trial.feature_parts(
         setup,
@@ -116,7 +116,7 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
         angles,
         spans,
     )
-    pass_lines = {} if len(window_features) == len(requested) else lines_of_passes(case, setup.model, cut, raw)
+    pass_lines = {} if len(window_features) == len(requested) else lines_of_passes(case, setup.model, grid, raw)
     for name in set(requested).difference(window_features) if pass_lines else ():
         lines_by_pass = pass_lines[name.partition("@")[0]][_harmonic(name) - 1]
         weights = signals.pass_weights(len(lines_by_pass), neighbours=True)

@@ -99,7 +99,7 @@ def highest_band_limit(case: Case) -> float:
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
-def grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> Grid:
+def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """Compute the time grid of a case, with the step shortened to fit a whole number of steps into a ball pass.
 
     step_fraction: fraction of the requested step; max_cpu: CPU time (s) allowed for all steps, if more than
@@ -143,10 +143,10 @@ def estimate(case: Case) -> Estimate:
     """
     case = resolve(case)
     refuse_unsettled(case)
-    cut = grid(case)
-    costs = cost(case, cut.step, cut.passes)
-    expected, non_periodic_size = _sizes(case, cut, costs)
-    memory_expected, most_memory = _memory(case, cut, costs)
+    grid = make_grid(case)
+    costs = cost(case, grid.step, grid.passes)
+    expected, non_periodic_size = _sizes(case, grid, costs)
+    memory_expected, most_memory = _memory(case, grid, costs)
     _refuse_too_large(most_memory)
     unchecked_size = expected._replace(checked=0.0)
     seconds, unchecked, longest = (
@@ -155,7 +155,7 @@ def estimate(case: Case) -> Estimate:
     return Estimate(
         cpu_seconds=price("job") + costs.total + seconds,
         bytes=4 * expected.columns * expected.samples,
-        steps=costs.passes * cut.steps_per_pass,
+        steps=costs.passes * grid.steps_per_pass,
         check_seconds=costs.check + seconds - unchecked,
         most_seconds=price("job") + costs.non_periodic + longest,
         memory=memory_expected,
@@ -163,32 +163,32 @@ def estimate(case: Case) -> Estimate:
     )
 
 
-def _memory(case: Case, cut: Grid, costs: Cost) -> tuple[float, float]:
+def _memory(case: Case, grid: Grid, costs: Cost) -> tuple[float, float]:
     """Return the peak memory (bytes) of a case: expected, and if its response is not periodic.
 
     With `periodic: false` and a step check on a period, the search for the period may need more than the run.
     """
-    peaks = [pricing.memory(case, size) for size in _sizes(case, cut, costs)]
+    peaks = [pricing.memory(case, size) for size in _sizes(case, grid, costs)]
     if not case.periodic and searches_for_period(case):
         periodic = case.model_copy(update={"periodic": True})
-        search_sizes = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))
+        search_sizes = _sizes(periodic, grid, cost(periodic, grid.step, grid.passes))
         peaks = [max(run, pricing.memory(periodic, size)) for run, size in zip(peaks, search_sizes, strict=True)]
     return peaks[0], peaks[1]
 
 
-def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
+def _sizes(case: Case, grid: Grid, costs: Cost) -> tuple[Size, Size]:
     """Return the size of a case with a named method: expected, and if its response is not periodic."""
     expected = pricing.record_size(
-        case, cut.fine_per_pass, cut.decimation, costs.passes, costs.check / costs.one_pass
+        case, grid.fine_per_pass, grid.decimation, costs.passes, costs.check / costs.one_pass
     )
     if costs.non_periodic == costs.total:
         return expected, expected
-    return expected, expected.with_passes(cut.passes, costs.non_periodic / costs.one_pass - cut.passes)
+    return expected, expected.with_passes(grid.passes, costs.non_periodic / costs.one_pass - grid.passes)
 
 
-def refuse_too_large(case: Case, cut: Grid) -> None:
+def refuse_too_large(case: Case, grid: Grid) -> None:
     """Raise ``Refused`` if a case with a named method may need more memory than is available."""
-    _refuse_too_large(_memory(case, cut, cost(case, cut.step, cut.passes))[1])
+    _refuse_too_large(_memory(case, grid, cost(case, grid.step, grid.passes))[1])
 
 
 def _refuse_too_large(most_memory: float) -> None:

@@ -128,9 +128,9 @@ def defect_turn(case: Case) -> float:
 
 def last_pass(setup: Setup, passes: int) -> int:
     """Return the number of ball passes to compute so that ``passes`` after settling can be read."""
-    case, cut = setup.case, setup.cut
-    beyond = cut.passes - floor((case.settle_s + case.duration) * cut.rate)  # within the reach of filters
-    return min(cut.passes, ceil(case.settle_s * cut.rate) + passes + beyond)
+    case, grid = setup.case, setup.grid
+    beyond = grid.passes - floor((case.settle_s + case.duration) * grid.rate)  # within the reach of filters
+    return min(grid.passes, ceil(case.settle_s * grid.rate) + passes + beyond)
 
 
 def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
@@ -138,22 +138,22 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
 
     If the motion is not periodic, it has at most ``most_passes``. turn: period (s) of the slowest defect, or 0.
     """
-    case, cut = setup.case, setup.cut
+    case, grid = setup.case, setup.grid
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
-    start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
+    start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
     rows = low_pass_rows(setup, raw, start, length) if case.antialias else fine
-    angles = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
-    turn = max(1.0, turn * cut.rate)  # in ball passes
-    spans = turn_spans(passes, turn, cut.fine_per_pass)
+    angles = spectral_lines.sample_angles(setup.model, grid, start, np.zeros(length))
+    turn = max(1.0, turn * grid.rate)  # in ball passes
+    spans = turn_spans(passes, turn, grid.fine_per_pass)
     series = partial(spectral_lines.sensor_series, case)
     lines, powers = feature_parts(setup, requested, partial(series, fine), partial(series, rows), angles, spans)
-    start_pass = ceil(start / cut.fine_per_pass)
+    start_pass = ceil(start / grid.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
     sources = [
         int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(start_pass, start_pass + passes)
     ]
-    step = float(setup.method.rtol) if assemble.is_adaptive(case) else cut.step
+    step = float(setup.method.rtol) if assemble.is_adaptive(case) else grid.step
     method_and_step = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
     return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *method_and_step)
@@ -172,7 +172,7 @@ def feature_parts(
     fine, low: functions that return the series (n,) of a quantity along the sensor, unfiltered and low-passed;
     angles: angles (n,) at the same samples.
     """
-    case, fs = setup.case, setup.cut.fine_rate
+    case, fs = setup.case, setup.grid.fine_rate
     lines, powers = {}, {}
     for name in requested:
         quantity, _, line = name.partition("@")

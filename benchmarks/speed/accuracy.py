@@ -160,7 +160,7 @@ def rollers_start(method: str, h: float, cusp: float | None = None, steps_per_pa
     if cusp is not None:
         model = assemble.align_with_cusp(model, steps_per_pass, cusp)
     y, _ = assemble.start(rollers_case, model)
-    monitor = make_monitor(replace(time_grid.grid(rollers_case), step=h), choice.limits(rollers_case))
+    monitor = make_monitor(replace(time_grid.make_grid(rollers_case), step=h), choice.limits(rollers_case))
     return Start(model, y, monitor._replace(max_evaluations=np.inf))
 
 

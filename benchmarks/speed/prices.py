@@ -69,12 +69,12 @@ class Steps:
 
     def __init__(self, method: str, model: str = "rollers", instants: int = INSTANTS[0], **fields: Any) -> None:
         model_case = case(model, method=method if model != "static" else None, **fields)
-        cut = time_grid.grid(model_case)
+        grid = time_grid.make_grid(model_case)
         self.adaptive = assemble.is_adaptive(model_case)
-        h = DURATION / instants if self.adaptive else cut.step
+        h = DURATION / instants if self.adaptive else grid.step
         self.count = instants if self.adaptive else max(1, round(DURATION / h))
         self.model, self.method = assemble.model(model_case), assemble.method(model_case, h)
-        self.monitor = make_monitor(cut, choice.limits(model_case))._replace(max_evaluations=np.inf)
+        self.monitor = make_monitor(grid, choice.limits(model_case))._replace(max_evaluations=np.inf)
         self.y, _ = assemble.start(model_case, self.model)
         self.steps_taken = float(self.count)
 

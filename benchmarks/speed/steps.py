@@ -85,7 +85,7 @@ class SteppedBearing:
 
     def __init__(self, model: str, rollers: int | None = None, **fields: Any) -> None:
         model_case = case(model, method="verlet", **fields)
-        h = time_grid.grid(model_case).step
+        h = time_grid.make_grid(model_case).step
         self.model = assemble.with_friction_lag(assemble.model(model_case), h)
         if rollers is not None:  # for the arithmetic only: they would not all fit
             self.model = self.model._replace(bearing=self.model.bearing._replace(Z=rollers))

@@ -20,7 +20,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import choice, pricing, time_grid
 from bearingsim.simulation import limits as limiting
 from bearingsim.simulation.choice import limits
-from bearingsim.simulation.time_grid import grid, requested_step
+from bearingsim.simulation.time_grid import make_grid, requested_step
 from tests.scenes.nf308 import CHI
 from tests.scenes.oscillators import UNIT
 
@@ -216,7 +216,7 @@ def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
 def test_half_a_microsecond_is_accepted(method: str) -> None:
     test_case = case(defect=SLOT, method=method, step="0.5 us")
     assert requested_step(test_case) == 0.5e-6
-    assert grid(test_case).step <= 0.5e-6
+    assert make_grid(test_case).step <= 0.5e-6
 
 
 @pytest.mark.parametrize("defects", SLOTS)
@@ -257,39 +257,39 @@ def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, de
 @pytest.mark.parametrize("model", ["static", "ring"])
 def test_grid_divides_ball_passes_and_covers_the_record(sampling: float, model: str) -> None:
     test_case = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
-    cut = grid(test_case)
-    assert cut.step <= requested_step(test_case) * (1 + 1e-12)
-    assert cut.steps_per_pass * cut.step * 159.0 == pytest.approx(1.0, rel=1e-12)
-    assert cut.fine_rate >= 4.0 * sampling * (1 - 1e-12)
-    assert cut.fine_per_pass >= 64
-    assert cut.passes / 159.0 >= 0.311 + 13.0 / sampling
+    grid = make_grid(test_case)
+    assert grid.step <= requested_step(test_case) * (1 + 1e-12)
+    assert grid.steps_per_pass * grid.step * 159.0 == pytest.approx(1.0, rel=1e-12)
+    assert grid.fine_rate >= 4.0 * sampling * (1 - 1e-12)
+    assert grid.fine_per_pass >= 64
+    assert grid.passes / 159.0 >= 0.311 + 13.0 / sampling
 
 
 def test_step_that_divides_the_fine_sample_is_kept() -> None:
     """A step that divides the fine sample exactly is kept, rather than replaced by a shorter one."""
-    cut = grid(case(model="ring"))
-    again = grid(case(model="ring", step=cut.step))
-    assert again == cut
+    grid = make_grid(case(model="ring"))
+    again = make_grid(case(model="ring", step=grid.step))
+    assert again == grid
 
 
 def test_a_record_without_samples_is_refused() -> None:
     with pytest.raises(Refused, match="no sample"):
-        grid(case(duration="10 ms", sampling="50 Hz"))
+        make_grid(case(duration="10 ms", sampling="50 Hz"))
 
 
 def test_estimate_counts_steps_and_bytes() -> None:
     fields = {"duration": 0.29, "sampling": 10000.0, "record": ["ring.velocity", "roller.outer_force"]}
     test_case = case(model="ring", periodic=False, **fields)
-    result, cut = time_grid.estimate(test_case), grid(test_case)
+    result, grid = time_grid.estimate(test_case), make_grid(test_case)
     assert result.bytes == 3 * 4 * 2900
-    assert result.steps == cut.passes * cut.steps_per_pass
+    assert result.steps == grid.passes * grid.steps_per_pass
     assert time_grid.estimate(case(record=[])).bytes == 0
 
 
 def test_static_computes_one_pass_for_outer_race_defects() -> None:
     outer, inner = (case(model="static", defect=SLOT | {"race": race}) for race in ("outer", "inner"))
-    assert time_grid.estimate(outer).steps == grid(outer).steps_per_pass
-    assert time_grid.estimate(inner).steps == grid(inner).passes * grid(inner).steps_per_pass
+    assert time_grid.estimate(outer).steps == make_grid(outer).steps_per_pass
+    assert time_grid.estimate(inner).steps == make_grid(inner).passes * make_grid(inner).steps_per_pass
 
 
 def test_a_step_error_survives_pickling() -> None:
@@ -303,7 +303,7 @@ def test_contact_too_damped_for_explicit_steps_is_refused_before_allocation() ->
     """1e6 N s/mm as printed by the paper, with indentation exponent 0: steps of some picoseconds."""
     printed = {"law": "general", "coefficient": "1e6", "indentation_exponent": "0"}
     with pytest.raises(Refused, match=r"a ball pass would take .* steps") as caught:
-        grid(case(model="rollers", method="verlet", defect=SLOT, contact={"damping": printed}))
+        make_grid(case(model="rollers", method="verlet", defect=SLOT, contact={"damping": printed}))
     assert "contact.damping" in caught.value.advice
 
 
@@ -360,10 +360,10 @@ def test_static_costs_one_pass_unless_periodic_is_false() -> None:
     full = test_case.model_copy(update={"periodic": False})
     low_limit = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(test_case).cpu_seconds)
     with low_limit, pytest.raises(Refused, match="`static` would take about"):
-        grid(full)
+        make_grid(full)
     one_pass = time_grid.estimate(test_case).cpu_seconds - pricing.price("job")
     with mock.patch.object(time_grid, "MAX_CPU", 2.0 * one_pass):
-        grid(test_case)
+        make_grid(test_case)
 
 
 def test_cost_of_a_job_includes_the_step_check() -> None:

@@ -73,9 +73,9 @@ def test_evaluation_of_a_record_stops_at_the_cpu_limit(test_case: Case) -> None:
     setup = set_up(test_case)
     raw = integrate(setup)
     for compute in (
-        lambda: spectral_lines.lines_of_passes(test_case, setup.model, setup.cut, raw),
-        lambda: features.features(test_case, setup.model, setup.cut, raw, {}),
-        lambda: features.statistics(test_case, setup.cut, raw),
+        lambda: spectral_lines.lines_of_passes(test_case, setup.model, setup.grid, raw),
+        lambda: features.features(test_case, setup.model, setup.grid, raw, {}),
+        lambda: features.statistics(test_case, setup.grid, raw),
         lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
     ):
         stack_at_timeout(compute)

@@ -147,7 +147,7 @@ def test_failure_reports_reason_time_body_and_advice(outcome: int) -> None:
         simulate(test_case)
     reason, advice = (MESSAGES | ADAPTIVE_MESSAGES)[outcome]
     caught.match(reason)
-    assert caught.value.time == pytest.approx(4000 * time_grid.grid(test_case).step, rel=1e-9)
+    assert caught.value.time == pytest.approx(4000 * time_grid.make_grid(test_case).step, rel=1e-9)
     assert f"{1e3 * float(caught.value.time or 0.0):.4g} ms into the run" in caught.value.reason
     assert advice in caught.value.advice
     assert "or `method: " in caught.value.advice
@@ -207,9 +207,9 @@ def test_job_over_the_cpu_limit_is_refused_before_the_run() -> None:
     test_case = case(model="rollers", defect=SLOT)
     with mock.patch.object(time_grid, "MAX_CPU", 1e-3):
         with pytest.raises(Refused, match="h of CPU time, over") as caught:
-            time_grid.grid(test_case)
+            time_grid.make_grid(test_case)
         assert "shorter `duration`" in caught.value.advice
-        time_grid.grid(test_case.model_copy(update={"step": 5e-7}))  # a given step is accepted
+        time_grid.make_grid(test_case.model_copy(update={"step": 5e-7}))  # a given step is accepted
 
 
 def test_too_slow_method_is_not_repeated_with_shorter_steps() -> None:
@@ -236,7 +236,7 @@ def test_cpu_time_is_checked_within_a_ball_pass() -> None:
     setup = set_up(choice.resolve(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
     with pytest.raises(SIMULATION.TooSlow) as caught:
         INTEGRATION.integrate(replace(setup, max_cpu=1e-9))
-    assert caught.value.time == pytest.approx(INTEGRATION.FIRST_STEPS * setup.cut.step)
+    assert caught.value.time == pytest.approx(INTEGRATION.FIRST_STEPS * setup.grid.step)
 
 
 def test_advance_returns_after_a_number_of_evaluations() -> None:
@@ -278,7 +278,7 @@ def test_run_limits_the_evaluations_of_a_call() -> None:
     ):
         INTEGRATION.integrate(set_up(test_case))
     columns = sum(call.args[6].shape[1] for call in mocked.call_args_list)
-    assert columns > setup.cut.passes * setup.cut.steps_per_pass + 1000  # many calls returned early
+    assert columns > setup.grid.passes * setup.grid.steps_per_pass + 1000  # many calls returned early
 
 
 def test_all_calls_of_the_step_loop_have_one_array_layout() -> None:

@@ -80,10 +80,10 @@ def test_features_of_a_long_record_need_little_memory(
     simulation = import_module("bearingsim.simulation.simulate")
 
     def traced(compute: Callable[..., Any]) -> Callable[..., Any]:
-        def run(case: Case, model: Any, cut: Any, raw: Any, *others: Any) -> Any:
+        def run(case: Case, model: Any, grid: Any, raw: Any, *others: Any) -> Any:
             tracemalloc.start()
             try:
-                return compute(case, model, cut, raw, *others)
+                return compute(case, model, grid, raw, *others)
             finally:
                 peak = tracemalloc.get_traced_memory()[1] / raw.fine.nbytes
                 result["peak"] = max(peak, result.get("peak", 0.0))

@@ -139,15 +139,15 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
 def integrate_steps(test_case: Case, passes: int) -> tuple[np.ndarray, float]:
     """Recording (8, steps + 1) of every step from the start at rest (the rows of ROW), and the step (s)."""
     test_case = choice.resolve(test_case)
-    cut, model = time_grid.grid(test_case), assemble.model(test_case)
+    grid, model = time_grid.make_grid(test_case), assemble.model(test_case)
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     begin(model, 0.0, y)
     cells = np.array([channels.cell(name) for name in ROW])
-    wide = np.empty((len(ROW), passes * cut.steps_per_pass + 1))
+    wide = np.empty((len(ROW), passes * grid.steps_per_pass + 1))
     record(y, cells, 0, wide)
-    advance(assemble.method(test_case, cut.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
-    return wide, cut.step
+    advance(assemble.method(test_case, grid.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
+    return wide, grid.step
 
 
 ROW = {name: row for row, name in enumerate(name for channel in RING + FORCES for name in dataset_names(channel))}
@@ -172,9 +172,9 @@ def test_lines_equal_those_of_the_raw_steps(model: str) -> None:
     times = {"settle": 0.03, "duration": 0.04, "sampling": 2048.0}
     test_case = case(model=model, defect=SLOT, step=4e-7, step_check=False, **times)
     raw, h = integrate_steps(test_case, 11)
-    cut = time_grid.grid(test_case)
-    start = math.ceil(0.03 * cut.fine_rate - 1e-6) * cut.decimation
-    steps = start + np.arange(6 * cut.steps_per_pass)
+    grid = time_grid.make_grid(test_case)
+    start = math.ceil(0.03 * grid.fine_rate - 1e-6) * grid.decimation
+    steps = start + np.arange(6 * grid.steps_per_pass)
     theta = 13 * test_case.start_angle + 2 * np.pi * RATE * h * steps
     result = simulate(test_case).features
     for quantity, row in (("displacement", 0), ("velocity", 2), ("acceleration", 4)):
@@ -366,14 +366,14 @@ def test_peak_forces_are_those_within_the_record(settle: str, is_counted: bool) 
 def test_info_describes_the_computation() -> None:
     test_case = case(defect=SLOT)
     info = simulate(test_case).info
-    cut = time_grid.grid(test_case, float(info["step_part"]))
-    assert info["step_s"] == cut.step
-    assert info["steps"] == info["passes_computed"] * cut.steps_per_pass
-    assert info["passes"] == cut.passes
+    grid = time_grid.make_grid(test_case, float(info["step_part"]))
+    assert info["step_s"] == grid.step
+    assert info["steps"] == info["passes_computed"] * grid.steps_per_pass
+    assert info["passes"] == grid.passes
     cage = 2 * np.pi * RATE / 13
     requested = test_case.start_angle + cage * 0.03
     moved = float(info["cage_angle_start_rad"]) - requested  # to put the cusp in step
-    assert 0.0 <= moved <= cage * cut.step
+    assert 0.0 <= moved <= cage * grid.step
     assert 0.0 < float(info["integrator_cpu_s"]) <= float(info["cpu_s"])
 
 

@@ -105,8 +105,8 @@ def test_line_error_of_a_kinematic_cage_uses_samples_in_phase() -> None:
     damping = {"damping": {"law": "kraemer", "beta": "1 us"}}
     setup = set_up(case(**fields, contact=damping, record=[], duration="0.3 s", method="verlet"), 1.0)
     raw = integrate(setup)
-    start, M = first_sample(setup.case, setup.cut), setup.cut.fine_per_pass
-    pass_lines = lines_of_passes(setup.case, setup.model, setup.cut, raw)
+    start, M = first_sample(setup.case, setup.grid), setup.grid.fine_per_pass
+    pass_lines = lines_of_passes(setup.case, setup.model, setup.grid, raw)
     passes = len(pass_lines["velocity"][0])
     velocity = sensor_samples(setup.case, raw, "velocity", start, passes * M)
     angle = (
@@ -114,16 +114,16 @@ def test_line_error_of_a_kinematic_cage_uses_samples_in_phase() -> None:
     )
     terms = (2.0 * velocity * np.exp(-1j * angle)).reshape(passes, M)
     in_phase = (terms / terms.mean()).real
-    result = standard_errors(setup.case, setup.model, setup.cut, raw, pass_lines).line
+    result = standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
     assert result == pytest.approx(standard_error(in_phase), rel=1e-6)
 
 
 def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     setup = set_up(case(model="planar", defect=SLOT, record=[], duration="0.25 s", method="verlet"), 1.0)
     raw = integrate(setup)
-    pass_lines = lines_of_passes(setup.case, setup.model, setup.cut, raw)
+    pass_lines = lines_of_passes(setup.case, setup.model, setup.grid, raw)
     lines = pass_lines["velocity"][0]
-    result = standard_errors(setup.case, setup.model, setup.cut, raw, pass_lines).line
+    result = standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
     weights = signals.pass_weights(len(lines), neighbours=True)
     line = np.average(lines, weights=weights)
     in_phase = (lines / line).real[:, np.newaxis]

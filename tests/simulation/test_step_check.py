@@ -176,7 +176,9 @@ def test_line_change_is_at_least_the_root_sum_of_squares() -> None:
 @pytest.mark.parametrize("signal", ["fine_velocity", "recorded_velocity"])
 def test_rms_change_is_the_larger_of_record_and_wide_band(signal: str) -> None:
     test_case = rollers(method="verlet")
-    fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(test_case).fine_per_pass + 1))
+    fine, recorded = np.random.default_rng(1).normal(
+        size=(2, 4 * time_grid.make_grid(test_case).fine_per_pass + 1)
+    )
     rows = recorded[np.newaxis]
     signals = comparison.RunSignals(fine, recorded, rows, rows[:0], np.ones((1, 4), dtype=complex), 1.0)
     changed = signals._replace(**{signal: 1.02 * getattr(signals, signal)})
@@ -484,7 +486,7 @@ def test_step_check_may_exceed_the_cpu_limit_of_a_run() -> None:
     """The finer pilot of a strict check takes more than twice the CPU time of its run."""
     test_case = choice.resolve(rollers(step_check="strict"))
     cpu_time = (test_case.settle_s + test_case.duration) * pricing.cpu_per_second(
-        test_case, time_grid.grid(test_case).step
+        test_case, time_grid.make_grid(test_case).step
     )
     stopped_pilot = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * cpu_time), stopped_pilot, pytest.raises(InterruptedError):
@@ -531,7 +533,7 @@ def test_friction_does_not_count_as_roller_damping() -> None:
 def test_half_the_step_has_a_tenth_of_the_automatic_tolerance() -> None:
     """An adaptive method whose automatic tolerance follows the step."""
     test_case = rollers(method="rodas")
-    h = time_grid.grid(test_case).step
+    h = time_grid.make_grid(test_case).step
     normal, fine = (assemble.method(test_case, h, part) for part in (1.0, 0.5))
     assert fine.rtol == pytest.approx(0.1 * normal.rtol)
     assert fine.atol_q == pytest.approx(0.1 * normal.atol_q)
@@ -547,7 +549,7 @@ def test_pilot_of_a_ramp_runs_at_the_highest_speed() -> None:
     test_case = choice.resolve(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
     short, passes = pilot.pilot(test_case)
     assert short.ramp is None
-    assert time_grid.grid(short).rate == time_grid.grid(test_case).rate == pytest.approx(10.0 * RATE)
+    assert time_grid.make_grid(short).rate == time_grid.make_grid(test_case).rate == pytest.approx(10.0 * RATE)
     assert passes == pytest.approx(pilot.PILOT_FRACTION * 2.03 * 10.0 * RATE, abs=1.0)
 
 

@@ -100,7 +100,7 @@ def test_a_high_band_raises_the_rate_of_fine_samples() -> None:
         )
         for names in ([], [HIGH])
     )
-    assert time_grid.grid(plain).fine_rate < 20e3 / 0.15 < time_grid.grid(high).fine_rate
+    assert time_grid.make_grid(plain).fine_rate < 20e3 / 0.15 < time_grid.make_grid(high).fine_rate
 
 
 def test_bands_are_stored_and_drawn_with_the_healthy_value(tmp_path: Path) -> None:

@@ -349,7 +349,7 @@ def test_static_is_periodic_only_with_fixed_defects(carrier):
         model="static", defect=SLOT | carrier, duration="40 ms", settle="0 s", record=["ring.velocity"]
     )
     is_fixed = carrier == {}
-    grid, result = time_grid.grid(bearing_case), simulate(bearing_case)
+    grid, result = time_grid.make_grid(bearing_case), simulate(bearing_case)
     assert time_grid.estimate(bearing_case).steps == (1 if is_fixed else grid.passes) * grid.steps_per_pass
     x = result.series["ring.velocity.x"]
     next_pass = np.interp(result.time[:300] + 1 / 159.0, result.time, x)
