@@ -73,8 +73,8 @@ def write(tmp_path: Path) -> Write:
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    """An empty working folder with a small study in it."""
+def study_folder(tmp_path, monkeypatch):
+    """A working folder that contains only a small study."""
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY)
     return tmp_path

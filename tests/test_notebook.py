@@ -15,7 +15,7 @@ HOSTILE = "<script>alert('&')</script>"
 
 
 @pytest.fixture
-def study(here: Path) -> Study:
+def study(study_folder: Path) -> Study:
     return bs.load_study("small.yaml")
 
 

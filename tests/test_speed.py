@@ -34,40 +34,40 @@ def measure(seconds: float, yardstick: float = 1.0, noise: float = 0.01) -> Meas
 class TestCompare:
     """A loss is one beyond noise, over the yardstick of its own run."""
 
-    def test_a_loss_beyond_noise_is_flagged(self) -> None:
+    def test_loss_beyond_noise_is_flagged(self) -> None:
         (change,) = compare.changes(run(step=measure(1.15)), run(step=measure(1.0)))
         assert change.is_loss
         assert not change.is_gain
         assert str(change).startswith("LOSS  step: 1.15")
 
-    def test_noise_is_not(self) -> None:
+    def test_noise_is_no_loss(self) -> None:
         (change,) = compare.changes(run(step=measure(1.15, noise=0.04)), run(step=measure(1.0, noise=0.04)))
         assert not change.is_loss
 
-    def test_a_change_that_is_too_small_is_not(self) -> None:
+    def test_small_change_is_no_loss(self) -> None:
         (change,) = compare.changes(run(step=measure(1.09, noise=0.0)), run(step=measure(1.0, noise=0.0)))
         assert not change.is_loss
 
-    def test_a_gain_is_told(self) -> None:
+    def test_gain_is_reported(self) -> None:
         (change,) = compare.changes(run(step=measure(0.8)), run(step=measure(1.0)))
         assert change.is_gain
         assert not change.is_loss
 
-    def test_a_slower_machine_is_no_loss(self) -> None:
+    def test_slower_machine_is_no_loss(self) -> None:
         (change,) = compare.changes(run(step=measure(2.0, yardstick=2.0)), run(step=measure(1.0)))
         assert change.ratio == pytest.approx(1.0)
         assert not change.is_loss
 
-    def test_a_loss_on_a_faster_machine_is_one(self) -> None:
+    def test_loss_on_faster_machine_is_flagged(self) -> None:
         (change,) = compare.changes(run(step=measure(0.8, yardstick=0.5)), run(step=measure(1.0)))
         assert change.is_loss
 
-    def test_a_measure_that_is_gone_is_told(self) -> None:
+    def test_missing_measure_is_reported(self) -> None:
         assert compare.missing_measures(run(step=measure(1.0)), run(step=measure(1.0), forces=measure(1.0))) == [
             "forces"
         ]
 
-    def test_the_exit_status_tells_of_a_loss(self, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    def test_exit_status_is_1_with_a_loss(self, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
         old, slow, same = (tmp_path / f"{name}.json" for name in ("old", "slow", "same"))
         old.write_text(json.dumps(run(step=measure(1.0), forces=measure(1.0))))
         slow.write_text(json.dumps(run("another", step=measure(1.3), forces=measure(1.0))))
@@ -78,7 +78,7 @@ class TestCompare:
         assert "2 measures: 1 lost, 0 won" in output
         assert compare.main([str(same), str(old)]) == 0
 
-    def test_the_committed_baseline_has_lost_nothing_against_itself(self) -> None:
+    def test_committed_baseline_has_no_loss_against_itself(self) -> None:
         assert compare.main([str(compare.BASELINE), str(compare.BASELINE)]) == 0
         assert len(compare.measures(json.loads(compare.BASELINE.read_text()))) > 50
 
@@ -87,39 +87,39 @@ class TestNumbers:
     """What is made of the times."""
 
     @pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
-    def test_the_exponent_is_that_of_the_law(self, power: float) -> None:
+    def test_exponent_of_power_law(self, power: float) -> None:
         sizes = np.array([8.0, 16.0, 32.0, 64.0])
         assert timing.exponent(sizes, 3e-7 * sizes**power) == pytest.approx(power)
 
-    def test_the_exponent_of_noisy_times_is_near(self) -> None:
+    def test_exponent_of_noisy_times(self) -> None:
         sizes = np.array([8.0, 16.0, 32.0, 64.0])
         assert timing.exponent(sizes, sizes * np.array([1.02, 0.98, 1.01, 0.99])) == pytest.approx(1.0, abs=0.03)
 
-    def test_growth_over_the_bound_is_missed(self) -> None:
+    def test_growth_above_bound_misses_target(self) -> None:
         section = Section()
         section.add_growth("a step", "rollers", [8, 16, 32], [1.0, 2.2, 4.84])
         (target,) = section.targets
         assert not target.met
         assert target.found == pytest.approx(np.log2(2.2))
 
-    def test_a_cost_between_two_points_is_straight_in_log_log(self) -> None:
+    def test_cost_between_points_is_interpolated_in_log_log(self) -> None:
         assert timing.cost_at(1e-3, [1e-2, 1e-4], [1.0, 100.0]) == pytest.approx(10.0)
 
-    def test_a_point_that_a_cheaper_one_beats_does_not_count(self) -> None:
+    def test_dominated_point_is_ignored(self) -> None:
         assert timing.cost_at(1e-3, [1e-2, 5e-2, 1e-4], [1.0, 5.0, 100.0]) == pytest.approx(10.0)
 
-    def test_all_points_below_the_error_cost_the_cheapest(self) -> None:
+    def test_cost_at_large_error_is_that_of_cheapest_point(self) -> None:
         assert timing.cost_at(1e-1, [1e-4, 1e-2], [100.0, 1.0]) == 1.0
 
-    def test_an_error_that_was_not_reached_has_no_cost(self) -> None:
+    def test_unreached_error_has_infinite_cost(self) -> None:
         assert timing.cost_at(1e-5, [1e-2, 1e-4], [1.0, 100.0]) == np.inf
 
-    def test_noise_is_how_far_the_least_times_lie_apart(self) -> None:
+    def test_noise_is_relative_difference_of_least_times(self) -> None:
         assert timing.noise(np.array([1.0, 1.1, 9.0, 1.0])) == pytest.approx(0.0)
         assert timing.noise(np.array([1.3, 1.0, 9.0])) == pytest.approx(0.3)
         assert timing.noise(np.array([1.0])) == 0.0
 
-    def test_each_task_takes_its_turn_beside_the_yardstick(self) -> None:
+    def test_tasks_are_timed_in_turns_with_yardstick(self) -> None:
         turns: list[str] = []
         times = iter([9.0, 5.0, 3.0, 4.0])  # the first is not counted
 
@@ -155,7 +155,7 @@ class TestAccuracy:
         points = enumerate(zip(errors, seconds, strict=True))
         return [accuracy.Run(method, k, partial(result, *point), float, ours) for k, point in points]
 
-    def test_costs_are_told_at_equal_error_and_a_peers_are_not_kept(self) -> None:
+    def test_costs_at_equal_error_without_measures_of_peers(self) -> None:
         section = Section()
         runs = self.runs("verlet", [1e-2, 1e-4], [1.0, 4.0], True) + self.runs("peer", [1e-3], [9.0], False)
         (costs,) = accuracy.costs_of(runs, "scene", 0.5, (1e-3,), section)
@@ -164,19 +164,19 @@ class TestAccuracy:
         assert section.measures["scene/verlet at 0.001"].seconds == pytest.approx(2.0)
         assert [curve.method for curve in section.curves] == ["verlet", "peer"]
 
-    def test_a_run_that_failed_is_no_point(self) -> None:
+    def test_failed_run_is_no_point(self) -> None:
         section = Section()
         accuracy.costs_of(self.runs("verlet", [np.nan, 1e-4], [np.nan, 4.0], True), "scene", 1.0, (1e-3,), section)
         assert section.curves[0].errors == [1e-4]
 
-    def test_the_best_automatic_method_is_neither_a_peer_nor_one_that_auto_never_takes(self) -> None:
+    def test_best_automatic_method_is_one_that_auto_takes(self) -> None:
         assert accuracy.best_automatic({"SciPy LSODA": 1.0, "rk4": 2.0, "verlet": 3.0}) == ("verlet", 3.0)
 
 
 class TestPeers:
     """All step the same equations; one that is not here is named."""
 
-    def test_they_are_handed_the_accelerations_of_the_model(self) -> None:
+    def test_problem_of_peers_has_accelerations_of_model(self) -> None:
         model = assemble.model(case("rollers"))
         y, _ = assemble.start(case("rollers"), model)
         y[lay.RADIAL_V : lay.RADIAL_V + 13] = np.linspace(-0.01, 0.01, 13)
@@ -191,7 +191,7 @@ class TestPeers:
         assert du[problem.ring] == pytest.approx(expected, rel=1e-9)
         assert np.abs(du[15:]).min() > 0.0
 
-    def test_a_missing_one_is_named_and_the_others_run(self) -> None:
+    def test_missing_peer_is_reported_and_others_run(self) -> None:
         def refuse(name: str) -> Any:
             raise ImportError(f"No module named '{name}'")
 
@@ -208,7 +208,7 @@ class TestPeers:
 class TestPrices:
     """A proposal stands beside the table, which stays as it is."""
 
-    def test_a_proposal_has_new_numbers_and_keeps_the_rest(self, tmp_path: Path) -> None:
+    def test_proposal_replaces_measured_prices_only(self, tmp_path: Path) -> None:
         content = TABLE.read_bytes()
         rows = prices.proposal({("evaluation", "ring"): 1e-7, ("step", "new"): 3.0})
         prices.write(rows, tmp_path / "prices.csv")
@@ -218,7 +218,7 @@ class TestPrices:
         assert by_key["step", "new"]["new/old"] == "new row"
         assert TABLE.read_bytes() == content
 
-    def test_its_ratio_is_to_the_committed_number(self) -> None:
+    def test_ratio_is_to_committed_price(self) -> None:
         committed = {(row["what"], row["name"]): float(row["value"]) for row in prices.proposal({})}
         doubled = prices.proposal({key: 2.0 * value for key, value in committed.items()})
         assert {row["new/old"] for row in doubled} == {"2.00"}

@@ -79,7 +79,7 @@ def test_study(monkeypatch):
     assert models == [model for model in study.MODELS for _ in range(study.CASES_PER_MODEL)]
 
 
-def test_a_study_is_computed_with_its_twins():
+def test_study_is_computed_with_healthy_cases():
     assert study.run_study("ring", "10 ms", 2, workers=1) == 4
 
 
@@ -114,7 +114,7 @@ def test_prices(monkeypatch):
     assert ("evaluation", "rollers") in report_of(prices.section).prices
 
 
-def test_what_is_found_is_written_after_each_section(monkeypatch, tmp_path: Path):
+def test_report_is_written_after_each_section(monkeypatch, tmp_path: Path):
     def fail(report: Section) -> None:
         raise RuntimeError("no such case")
 

@@ -31,11 +31,11 @@ def small_plan(monkeypatch):
     monkeypatch.setattr(plan, "plan_of", lambda case, quick: small)
 
 
-def test_chart_of_a_study(here, write, small_plan):
+def test_chart_of_a_study(study_folder, write, small_plan):
     path = write(STUDY)
     stdout, _ = type_("bench", path, "--out", "charted")
     assert "A small slot" in stdout
-    with (here / "charted/chart.csv").open() as file:
+    with (study_folder / "charted/chart.csv").open() as file:
         rows = list(csv.DictReader(file))
     models = list(dict.fromkeys(row["variant"] for row in rows))
     assert models == ["planar", "rollers", "ring", "static"]
@@ -47,7 +47,7 @@ def test_chart_of_a_study(here, write, small_plan):
     peer = next(row for row in rows if row["role"] == "peer")
     assert float(peer["numerical.line"]) < 0.01
     assert float(peer["cpu_per_s"]) > 0.0
-    text = (here / "charted/speed-accuracy.md").read_text()
+    text = (study_folder / "charted/speed-accuracy.md").read_text()
     assert "**Within 1 %:** `rollers`" in text
 
 

@@ -310,19 +310,19 @@ def test_a_step_over_the_limit_is_refused():
     assert "limit" in result["reason"]
 
 
-def test_unknown_scene_suggests_the_nearest(here):
+def test_unknown_scene_suggests_the_nearest(study_folder):
     _, err = type_("bench", "--scene", "slot-08", code=2)
     assert "unknown scene `slot-08`; did you mean `slot-0.8`?" in err
 
 
-def test_wrong_study_is_reported_as_by_check(here, write):
+def test_wrong_study_is_reported_as_by_check(study_folder, write):
     path = write("study: wrong\nbearing: nf308\nspeed: 1800 rpm\nload: 150 kg\n")
     expected = type_("check", path, code=2)[1]
     assert type_("bench", path, code=2)[1] == expected
     assert re.search(r"150 kg", expected)
 
 
-def test_study_and_scene_are_exclusive(here):
+def test_study_and_scene_are_exclusive(study_folder):
     assert "not both" in type_("bench", "small.yaml", "--scene", "healthy", code=2)[1]
 
 
@@ -334,8 +334,8 @@ def test_a_ramp_is_refused(write):
         scene.load_scenes(path, quick=False)
 
 
-def test_the_first_cases_of_a_study_are_scenes(here):
-    scenes = scene.load_scenes(here / "small.yaml", quick=False)
+def test_the_first_cases_of_a_study_are_scenes(study_folder):
+    scenes = scene.load_scenes(study_folder / "small.yaml", quick=False)
     assert [case_scene.name for case_scene in scenes] == ["small-1", "small-2"]
     assert [case_scene.reference.load for case_scene in scenes] == [150.0, 300.0]
     assert [variant.name for variant in scenes[0].variants] == ["planar", "rollers", "ring", "static"]

@@ -36,7 +36,7 @@ def test_help_imports_nothing_heavy():
     assert "Parametric studies" in stdout
 
 
-def test_checking_a_wrong_study_imports_nothing_heavy(here):
+def test_checking_a_wrong_study_imports_nothing_heavy(study_folder):
     Path("small.yaml").write_text(STUDY.replace("150 N", "150 kg"))
     code = (
         "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'check', 'small.yaml']\n"
@@ -51,7 +51,7 @@ def test_python_m_is_the_command():
     assert result.stdout == f"bearingsim {__version__}\n"
 
 
-def test_no_color_is_honoured(here):
+def test_no_color_is_honoured(study_folder):
     code = "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'freq', 'nf308']\nmain()"
     assert "\x1b" in run_python(code, FORCE_COLOR="1", NO_COLOR="").stdout
     stdout = run_python(code, FORCE_COLOR="1", NO_COLOR="1").stdout
@@ -60,7 +60,7 @@ def test_no_color_is_honoured(here):
 
 
 @pytest.mark.parametrize("words", [["rum"], ["run"], ["check", "small.yaml", "--sett", "a=b"]])
-def test_wrong_command_exits_with_2(here, words):
+def test_wrong_command_exits_with_2(study_folder, words):
     stdout, stderr = type_(*words, code=2)
     assert stdout == ""
     assert stderr
@@ -69,14 +69,14 @@ def test_wrong_command_exits_with_2(here, words):
 # new, check
 
 
-def test_new_writes_a_study_that_checks(here):
+def test_new_writes_a_study_that_checks(study_folder):
     stdout, _ = type_("new", "mine.yaml")
     assert "mine.yaml" in stdout
     stdout, _ = type_("check", "mine.yaml")
     assert stdout.startswith("defect-length: 15 jobs (12 cases, 3 healthy baselines)")
 
 
-def test_new_writes_the_schema_that_the_study_names(here):
+def test_new_writes_the_schema_that_the_study_names(study_folder):
     type_("new", "sub/mine.yaml", code=2)
     assert not Path("sub").exists()
     Path("sub").mkdir()
@@ -89,7 +89,7 @@ def test_new_writes_the_schema_that_the_study_names(here):
 @pytest.mark.parametrize(
     "create", [lambda path: path.write_text("{}"), Path.mkdir, lambda path: path.symlink_to("x")]
 )
-def test_new_keeps_another_schema(here, create):
+def test_new_keeps_another_schema(study_folder, create):
     def file_stats():
         stats = {path.name: path.lstat() for path in Path().iterdir() if path.name != "mine.yaml"}
         return {name: (stat.st_ino, stat.st_mode, stat.st_size, stat.st_mtime_ns) for name, stat in stats.items()}
@@ -102,13 +102,13 @@ def test_new_keeps_another_schema(here, create):
     assert file_stats() == before
 
 
-def test_new_overwrites_nothing(here):
+def test_new_overwrites_nothing(study_folder):
     _, stderr = type_("new", "small.yaml", code=2)
     assert "small.yaml exists; name another file" in stderr
     assert Path("small.yaml").read_text() == STUDY
 
 
-def test_check_prints_the_plan(here):
+def test_check_prints_the_plan(study_folder):
     stdout, _ = type_("-v", "check", "small.yaml", "--jobs", "2")
     assert "8 jobs (4 cases, 4 healthy baselines); sweeps load, model" in stdout
     rows = {line[: line.find("  ")].strip(): line.split() for line in stdout.splitlines() if "  " in line}
@@ -120,7 +120,7 @@ def test_check_prints_the_plan(here):
     assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;" in stdout
 
 
-def test_check_prints_frequencies_and_drop(here):
+def test_check_prints_frequencies_and_drop(study_folder):
     """Z = 13, D_w/d_m = 12/65 at 30 Hz: FTF 15 (1 - 12/65), BPFO 13 FTF, BPFI 13 (30 - FTF)."""
     stdout, _ = type_("check", "small.yaml", "--jobs", "2")
     rows = {line[: line.find("  ")].strip(): line.split() for line in stdout.splitlines() if "  " in line}
@@ -150,7 +150,7 @@ def test_check_prints_frequencies_and_drop(here):
         ),
     ],
 )
-def test_check_names_the_cases_in_which_rollers_reach_the_floor(here, sweep, remark):
+def test_check_names_the_cases_in_which_rollers_reach_the_floor(study_folder, sweep, remark):
     """A roller sinks 11.3 um between the rims of a slot of 0.8 mm, and 70 um in one of 2 mm."""
     Path("floor.yaml").write_text(f"{STUDY.partition('sweep:')[0]}sweep: {{{sweep}}}\n")
     stdout, _ = type_("check", "floor.yaml")
@@ -158,14 +158,14 @@ def test_check_names_the_cases_in_which_rollers_reach_the_floor(here, sweep, rem
 
 
 @pytest.mark.parametrize(("depth", "same"), [("25 um", True), ("20 um", False)])
-def test_triangle_equals_rectangle_only_with_steep_walls(here, depth, same):
+def test_triangle_equals_rectangle_only_with_steep_walls(study_folder, depth, same):
     """A roller sinks 11.3 um between the rims, and touches the walls of a V less than twice as deep."""
     stdout, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
     assert "rollers drop 11.3 um" in stdout
     assert ("rectangle and triangle agree" in stdout) == same
 
 
-def test_check_shows_the_design(here):
+def test_check_shows_the_design(study_folder):
     sweep = STUDY.replace("load: [150 N, 300 N]", "morris: {n: 6, over: {load: [150 N, 300 N]}}")
     Path("design.yaml").write_text(sweep.replace("model: [static, ring]", "model: [static]"))
     stdout, _ = type_("check", "design.yaml")
@@ -176,7 +176,7 @@ def test_check_shows_the_design(here):
     assert json.loads(type_("check", "small.yaml", "--json")[0])["design"] is None
 
 
-def test_a_design_of_a_billion_points_is_refused(here):
+def test_a_design_of_a_billion_points_is_refused(study_folder):
     sweep = STUDY.replace("load: [150 N, 300 N]", "sobol: {n: 1000000000, over: {load: [150 N, 300 N]}}")
     Path("design.yaml").write_text(sweep)
     _, stderr = type_("check", "design.yaml", code=2)
@@ -193,7 +193,7 @@ def test_values_of_many_cases_are_a_range(values, text):
     assert screen.span(values) == text
 
 
-def test_check_prints_friction_scale(here):
+def test_check_prints_friction_scale(study_folder):
     """0.3 of 49.6 N; slip settles in I/(2 mu' Q R^2) with I = m R^2/2, m = 10.65 g and mu' = 1.5 0.3/0.02 s/m."""
     plan = json.loads(type_("check", "small.yaml", "--set", "load=150 N", "--set", "model=planar", "--json")[0])
     limits = plan["jobs"][0]["limits"]
@@ -208,7 +208,7 @@ def test_check_prints_friction_scale(here):
     assert "slip time constant at rest" not in type_("-v", "check", "small.yaml")[0]
 
 
-def test_check_json(here):
+def test_check_json(study_folder):
     plan = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
     assert (plan["cases"], plan["twins"], plan["refused"]) == (4, 4, [])
     ring = [job for job in plan["jobs"] if job["model"] == "ring"]
@@ -218,17 +218,17 @@ def test_check_json(here):
     assert plan["most_cpu_seconds"] > plan["cpu_seconds"]
 
 
-def test_check_lists_cases_when_asked(here):
+def test_check_lists_cases_when_asked(study_folder):
     stdout, _ = type_("check", "small.yaml", "-v")
     assert sum(line.startswith(("150 N", "300 N")) for line in stdout.splitlines()) == 4
 
 
-def test_set_and_quick_change_the_plan(here):
+def test_set_and_quick_change_the_plan(study_folder):
     stdout, _ = type_("check", "small.yaml", "--quick", "--set", "load=[100 N, 150 N, 200 N]")
     assert "6 jobs (3 cases, 3 healthy baselines)" in stdout
 
 
-def test_check_shows_every_mistake_at_once(here):
+def test_check_shows_every_mistake_at_once(study_folder):
     Path("small.yaml").write_text(STUDY.replace("0.8 mm", "0,8 mm").replace("30 ms", "30"))
     stdout, stderr = type_("check", "small.yaml", code=2)
     assert stdout == ""
@@ -237,7 +237,7 @@ def test_check_shows_every_mistake_at_once(here):
     assert "duration" in stderr
 
 
-def test_a_step_over_the_limit_is_refused_once(here):
+def test_a_step_over_the_limit_is_refused_once(study_folder):
     stdout, stderr = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
     assert stdout == "small: 4 jobs (2 cases, 2 healthy baselines), 4 refused; sweeps load, model\n"
     [line] = stderr.splitlines()
@@ -247,14 +247,14 @@ def test_a_step_over_the_limit_is_refused_once(here):
 
 
 @pytest.mark.parametrize(("coefficient", "warned"), [(1e2, False), (1e6, True)])
-def test_slow_contact_decay_is_reported(here, coefficient, warned):
+def test_slow_contact_decay_is_reported(study_folder, coefficient, warned):
     """C/K of steel at 150 N: 0.3 ms with 1e2 N s/mm, 3 s with 1e6."""
     law = f"contact.damping={{law: general, coefficient: {coefficient}, indentation_exponent: 0}}"
     stdout, _ = type_("check", "small.yaml", "--set", "model=rollers", "--set", law)
     assert ("of the initial transient is left" in stdout) == warned
 
 
-def test_refused_jobs_are_counted_in_json(here):
+def test_refused_jobs_are_counted_in_json(study_folder):
     """The step is too long for `ring` over a defect; its healthy cases and `static` take it."""
     words = ["--set", "step=20 us", "--set", "contact.damping={chi: 50 s/m}", "--json"]
     plan = json.loads(type_("check", "small.yaml", *words, code=2)[0])
@@ -263,7 +263,7 @@ def test_refused_jobs_are_counted_in_json(here):
     assert len(plan["refused"]) == 1
 
 
-def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
+def test_a_case_without_equilibrium_is_refused(study_folder, monkeypatch):
     def raise_no_equilibrium(case):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
@@ -294,14 +294,14 @@ def test_run_resumes(done):
     assert stdout.startswith("small: 8 of 8 jobs done")
 
 
-def test_default_results_folder(here):
+def test_default_results_folder(study_folder):
     stdout, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
     assert "2 of 2 jobs done" in stdout
     assert ", in results/small-quick\n" in stdout
     assert Path("results/small-quick/results.csv").is_file()
 
 
-def test_failed_jobs_are_stored_and_reported(here):
+def test_failed_jobs_are_stored_and_reported(study_folder):
     words = ["run", "small.yaml", "--jobs", "1", "--set", "load=150 N", "--set", "model=[static, rollers]"]
     stdout, _ = type_(*words, "--set", "step=5 us", code=1)
     assert "2 of 4 jobs done" in stdout
@@ -326,33 +326,35 @@ def test_failed_jobs_are_stored_and_reported(here):
         (["--jobs", "0"], "greater than or equal to 1"),
     ],
 )
-def test_wrong_option_exits_with_2(here, words, message):
+def test_wrong_option_exits_with_2(study_folder, words, message):
     _, stderr = type_("run", "small.yaml", *words, code=2)
     assert message in " ".join(stderr.replace("│", " ").split())
     assert not Path("results").exists()
 
 
-def test_missing_study_file(here):
+def test_missing_study_file(study_folder):
     assert type_("run", "none.yaml", code=2)[1] == "none.yaml: no such file\n"
 
 
 @pytest.mark.parametrize("name", ["fig16", "fig16_angle.yaml", "studies/fig16-angle"])
-def test_missing_file_named_as_a_shipped_study(here, name):
+def test_missing_file_named_as_a_shipped_study(study_folder, name):
     hint = "a shipped study has this name: `bearingsim new --from fig16_angle`"
     assert type_("run", name, code=2)[1] == f"{name}: no such file ({hint})\n"
 
 
-def test_unwritable_output_folder(here):
+def test_unwritable_output_folder(study_folder):
     Path("file").write_text("")
     _, stderr = type_("run", "small.yaml", "--jobs", "1", "--out", "file/results", code=2)
-    assert stderr == f"{here / 'file' / 'results'}: a part of this path is a file, not a folder\n"
+    assert stderr == f"{study_folder / 'file' / 'results'}: a part of this path is a file, not a folder\n"
 
 
-def test_interrupt_exits_with_130_and_counts_done_jobs(here, monkeypatch):
+def test_interrupt_exits_with_130_and_counts_done_jobs(study_folder, monkeypatch):
     from bearingsim import runner
 
     def interrupted(*_, **__):
-        raise runner.Interrupted(runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=2))
+        raise runner.Interrupted(
+            runner.RunSummary("small", study_folder, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=2)
+        )
 
     monkeypatch.setattr(runner, "run", interrupted)
     _, stderr = type_("run", "small.yaml", code=130)
@@ -360,7 +362,7 @@ def test_interrupt_exits_with_130_and_counts_done_jobs(here, monkeypatch):
     assert "CPU time" not in stderr
 
 
-def test_detail_shows_the_traceback_of_an_error(here):
+def test_detail_shows_the_traceback_of_an_error(study_folder):
     result = CliRunner().invoke(app, ["check", "none.yaml", "-v"])
     assert result.exit_code == 2
     assert "Traceback" in result.stderr

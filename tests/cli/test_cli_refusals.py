@@ -19,15 +19,15 @@ def test_freq_needs_a_turning_shaft(speed):
     )
 
 
-def test_missing_folder_is_reported(here, done):
+def test_missing_folder_is_reported(study_folder, done):
     expected = "there is no folder nodir\n"
     assert type_("new", "nodir/x.yaml", code=2)[1] == f"nodir/x.yaml: {expected}"
     assert type_("export", done, "--features", "nodir/g.csv", code=2)[1] == f"nodir/g.csv: {expected}"
 
 
-def test_results_folder_must_not_be_a_file(here):
+def test_results_folder_must_not_be_a_file(study_folder):
     _, stderr = type_("run", "small.yaml", "--out", "small.yaml", code=2)
-    assert stderr == f"{here / 'small.yaml'} is a file: use a folder, such as --out results/small\n"
+    assert stderr == f"{study_folder / 'small.yaml'} is a file: use a folder, such as --out results/small\n"
 
 
 @pytest.mark.parametrize(
@@ -49,14 +49,14 @@ def test_a_full_disk_is_named():
     )
 
 
-def test_message_is_printed_once_with_traceback(here):
-    (here / "wrong.yaml").write_text(STUDY.replace("1800 rpm", "1800"))
+def test_message_is_printed_once_with_traceback(study_folder):
+    (study_folder / "wrong.yaml").write_text(STUDY.replace("1800 rpm", "1800"))
     stderr = CliRunner().invoke(app, ["check", "wrong.yaml", "-v"]).stderr
     assert "load_study" in stderr
     assert stderr.count("speed: expected a rotation speed") == 1
 
 
-def test_quick_without_quick_section_is_reported(here):
-    (here / "whole.yaml").write_text(STUDY.partition("quick:")[0])
+def test_quick_without_quick_section_is_reported(study_folder):
+    (study_folder / "whole.yaml").write_text(STUDY.partition("quick:")[0])
     assert "has no `quick:` section" in type_("check", "whole.yaml", "--quick")[1]
     assert type_("check", "small.yaml", "--quick")[1] == ""

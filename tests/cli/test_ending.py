@@ -11,7 +11,7 @@ from tests.scenes.commands import STUDY, type_
 from tests.scenes.trials import ENGINE, accuracy_study
 
 
-def test_a_run_ends_with_its_results_and_the_next_command(here):
+def test_a_run_ends_with_its_results_and_the_next_command(study_folder):
     stdout, _ = type_("run", "small.yaml", "--jobs", "1")
     lines = stdout.splitlines()
     assert lines[0].startswith("small: 8 of 8 jobs done in ")
@@ -32,7 +32,7 @@ def test_a_run_ends_with_its_results_and_the_next_command(here):
     assert all(len(text) <= 100 for text in lines)
 
 
-def test_numerical_errors_are_no_results(here, monkeypatch):
+def test_numerical_errors_are_no_results(study_folder, monkeypatch):
     type_("run", "small.yaml", "--jobs", "1")
     results = open_results("results/small")
     table = results.table()
@@ -43,7 +43,7 @@ def test_numerical_errors_are_no_results(here, monkeypatch):
     assert " to " in result.values
 
 
-def test_reduced_grid_is_named_and_has_no_variations(here):
+def test_reduced_grid_is_named_and_has_no_variations(study_folder):
     text = STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {sweep: {model: [ring]}}")
     Path("small.yaml").write_text(f"{text}uncertainty: {{damping: [1 us, 5 us]}}\n")
     lines = type_("run", "small.yaml", "--jobs", "1", "--quick")[0].splitlines()
@@ -51,7 +51,7 @@ def test_reduced_grid_is_named_and_has_no_variations(here):
     assert lines[-2] == "this was the reduced grid; run without --quick for the whole study"
 
 
-def test_features_after_the_first_three_are_counted(here):
+def test_features_after_the_first_three_are_counted(study_folder):
     drawn = "[velocity@BPFO, velocity.rms, velocity.peak, outer_force.max, velocity.crest]"
     Path("small.yaml").write_text(STUDY.replace("y: velocity@BPFO", f"y: {drawn}"))
     lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()
@@ -59,7 +59,7 @@ def test_features_after_the_first_three_are_counted(here):
     assert "  and 2 more: bearingsim show results/small" in lines
 
 
-def test_verbose_prints_details(here):
+def test_verbose_prints_details(study_folder):
     lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[1:]
     verbose_lines = type_("-v", "run", "small.yaml", "--jobs", "1")[0].splitlines()
     assert set(lines) <= set(verbose_lines)
@@ -83,7 +83,7 @@ BOTH = "uncertainty: {damping: [1 us, 5 us], clearance: [0 um, 5 um]}"
     ("varied", "left"),
     [(BOTH, "2 assumptions not varied: bracket, rigid"), ("uncertainty: none", "1 assumption not")],
 )
-def test_varied_parameters_are_not_assumptions(here, varied, left):
+def test_varied_parameters_are_not_assumptions(study_folder, varied, left):
     text = STUDY.replace("model: [static, ring]", "model: [static]") + varied + "\n"
     Path("small.yaml").write_text(text)
     stdout = type_("run", "small.yaml", "--jobs", "1")[0]

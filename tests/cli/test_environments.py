@@ -118,7 +118,7 @@ def test_every_command_is_tried() -> None:
         (errno.EACCES, "is not writable"),
     ],
 )
-def test_missing_shared_memory_is_reported_before_deletion(here, done, monkeypatch, number, state) -> None:
+def test_missing_shared_memory_is_reported_before_deletion(study_folder, done, monkeypatch, number, state) -> None:
     type_("merge", done, "--out", "kept")
     monkeypatch.setattr(
         import_module("joblib.externals.loky.backend.synchronize"), "_SemLock", refused_lock(number)
@@ -130,7 +130,7 @@ def test_missing_shared_memory_is_reported_before_deletion(here, done, monkeypat
     assert "8 jobs: 8 done" in type_("show", "kept")[0]
 
 
-def test_broken_pipe_other_than_stdout_is_reported(here, monkeypatch) -> None:
+def test_broken_pipe_other_than_stdout_is_reported(study_folder, monkeypatch) -> None:
     def broken(*arguments: Any) -> None:
         raise BrokenPipeError(errno.EPIPE, "Broken pipe")
 

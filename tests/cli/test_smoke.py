@@ -9,7 +9,7 @@ from bearingsim.cli import app
 from tests.scenes.commands import type_
 
 
-def test_a_new_study_is_checked_computed_shown_drawn_and_exported(here: Path, monkeypatch) -> None:
+def test_a_new_study_is_checked_computed_shown_drawn_and_exported(study_folder: Path, monkeypatch) -> None:
     type_("new", "spall.yaml")
     assert "5 jobs" in type_("check", "spall.yaml", "--quick")[0]
     summary, _ = type_("run", "spall.yaml", "--quick", "--jobs", "2", "--out", "results/spall")

@@ -282,13 +282,13 @@ def test_option_beyond_the_records_is_refused(make_results, kind, options, messa
         drawn(make_results(), kind=kind, **options)
 
 
-def test_a_healthy_bearing_has_no_impact(make_results):
+def test_impact_of_healthy_bearing_is_refused(make_results):
     text = STUDY.replace("defect: {race", "# {race").replace("  defect.length: [3 mm, 6 mm, 9 mm]\n", "")
     with pytest.raises(PlotError, match="has no defect, so there is no impact"):
         drawn(make_results(text), kind="series", around="impact")
 
 
-def test_a_coarse_record_has_no_spectrogram(make_results):
+def test_spectrogram_of_coarse_record_is_refused(make_results):
     with pytest.raises(PlotError, match=r"needs `sampling` of 40\d\d\d Hz or more"):
         drawn(make_results(STUDY.replace("51200 Hz", "10240 Hz")), kind="spectrogram")
 
@@ -366,7 +366,7 @@ def test_marks_show_their_frequency_and_do_not_overlap(make_results):
     assert len(far.axes[0].lines) < 60
 
 
-def test_impact_is_the_passage_of_a_roller_over_the_defect(make_results):
+def test_impact_is_passage_of_roller_over_defect(make_results):
     """Roller 1 starts at -0.2 rad and passes the defect at 0 rad at the speed of the cage."""
     _, canvas = only(
         drawn(make_results(), kind="roller", around="impact", where={"load": "150 N", "defect.length": "3 mm"})

@@ -58,7 +58,7 @@ def are_distinct(first, second):
 
 
 @pytest.mark.parametrize("sight", SIGHT)
-def test_all_colours_differ_to_colour_blind_readers(sight):
+def test_colours_are_distinct_with_colour_blindness(sight):
     pairs = itertools.combinations(style.COLOURS, 2)
     assert min(np.linalg.norm(lab(a, sight) - lab(b, sight)) for a, b in pairs) >= APART
 

@@ -20,7 +20,9 @@ SCRIPT = "import bearingsim.plots, matplotlib; print(matplotlib.get_configdir(),
         ({"HOME": "{}/file", "MPLCONFIGDIR": "{}/home"}, ["{}/home"] * 2),
     ],
 )
-def test_folder_of_matplotlib(tmp_path: Path, variables: dict[str, str], folders: list[str]) -> None:
+def test_matplotlib_folder_follows_environment(
+    tmp_path: Path, variables: dict[str, str], folders: list[str]
+) -> None:
     (tmp_path / "home").mkdir()
     (tmp_path / "file").touch()
     unset = ("BEARINGSIM_CACHE", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR")

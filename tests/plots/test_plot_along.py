@@ -20,23 +20,23 @@ def draw(results, text, figure):
     return only(drawn(results(f"{text}figures: [{figure}]\n")))[1]
 
 
-def test_what_a_zip_moves_with_x_is_named_with_its_range(results):
+def test_caption_gives_range_of_parameter_zipped_with_x(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: defect.length, by: model}")
     assert "load moves along: 150 to 300 N" in caption_of(canvas)
     assert text_of(canvas) == ["model static", "model ring", "healthy"]
 
 
-def test_what_a_zip_moves_from_curve_to_curve_is_named_with_its_curves(results):
+def test_caption_names_parameter_zipped_with_curves(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, by: defect.length}")
     assert "load moves along with defect length: 150 to 300 N" in caption_of(canvas)
 
 
-def test_what_a_zip_moves_from_panel_to_panel_is_named_with_them(results):
+def test_caption_names_parameter_zipped_with_panels(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, panels: load}")
     assert "defect length moves along with load: 3 to 9 mm" in caption_of(canvas)
 
 
-def test_what_is_derived_is_named(results):
+def test_caption_names_derived_parameter(results):
     text = STUDY.replace(
         "  model: [static, ring]\n", "  model: [static]\n  derived: {defect.depth: defect.length / 100}\n"
     )
@@ -45,7 +45,7 @@ def test_what_is_derived_is_named(results):
     assert len(lines(canvas.axes[0])) == 3
 
 
-def test_words_that_move_along_are_told_one_by_one(results):
+def test_caption_lists_zipped_words(results):
     text = (
         STUDY[: STUDY.index("sweep:")]
         + "sweep: {zip: {load: [150 N, 200 N, 300 N], model: [static, ring, static]}}\n"
@@ -58,11 +58,11 @@ def test_words_that_move_along_are_told_one_by_one(results):
 @pytest.mark.parametrize(
     "figure", ["{y: velocity@BPFO, x: defect.length, by: [load, model]}", "{y: velocity@BPFO, x: model}"]
 )
-def test_nothing_moves_along_where_all_is_drawn(results, figure):
+def test_caption_names_no_drawn_parameter_as_varying(results, figure):
     assert "moves along" not in caption_of(draw(results, STUDY, figure))
 
 
-def test_what_is_constant_in_the_figure_does_not_move_along(results):
+def test_caption_gives_constant_zipped_parameter_as_fixed(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, where: {load: 200 N}}")
     assert "moves along" not in caption_of(canvas)
     assert "load 200 N" in caption_of(canvas)
@@ -76,7 +76,7 @@ def test_what_is_constant_in_the_figure_does_not_move_along(results):
         ("antialias: false\n", "RMS of raw samples"),
     ],
 )
-def test_the_band_of_a_statistic_stands_in_the_caption(results, more, band):
+def test_caption_gives_band_of_statistic(results, more, band):
     text = f"{STUDY}{more}figures: [{{y: [velocity.rms, velocity@BPFO], x: defect.length}}]\n"
     opened = results(text)
     assert band in caption_of(only(drawn(opened))[1])

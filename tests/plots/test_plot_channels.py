@@ -48,7 +48,7 @@ def planar(results, monkeypatch):
     return results(PLANAR)
 
 
-def test_show_tells_the_slip_of_a_cage_that_can_slip(planar):
+def test_default_features_include_slip_of_free_cage(planar):
     chosen = columns.default_features(planar, planar.table())
     assert chosen == ["velocity@BPFO", "cage.slip.mean", "velocity@BPFO-healthy"]
 
@@ -57,7 +57,7 @@ def axes_of(opened, **options):
     return only(drawn(opened, jobs=opened.jobs[:1], **options))[1].axes
 
 
-def test_without_the_ring_the_first_channel_is_drawn(planar):
+def test_series_without_ring_shows_first_recorded_channel(planar):
     _, canvas = only(drawn(planar, kind="series", jobs=planar.jobs[:2]))
     assert " ".join(canvas.get_supylabel().split()) == "Contact force of roller 2 on the outer race (N)"
     assert canvas.axes[0].lines[0].get_xdata()[-1] == pytest.approx(
@@ -69,7 +69,7 @@ def test_without_the_ring_the_first_channel_is_drawn(planar):
     ("channel", "antialias", "delayed"),
     [("ring.velocity", "true", True), ("ring.velocity", "false", False), ("roller.2.outer_force", "true", False)],
 )
-def test_over_time_nothing_rings_before_it_happens(channel: str, antialias: str, delayed: bool) -> None:
+def test_drawn_series_has_no_ringing_before_impact(channel: str, antialias: str, delayed: bool) -> None:
     """A blow as the record's low-pass, which has no delay, leaves it: even about its instant."""
     blow = np.convolve(np.where(np.arange(4000) == 2004, 1.0, 0.0), sampling_kernel(10.0), "same")[::10]
     job = SimpleNamespace(parameters={"antialias": antialias})
@@ -79,7 +79,7 @@ def test_over_time_nothing_rings_before_it_happens(channel: str, antialias: str,
     assert (values is blow) != delayed
 
 
-def test_a_column_per_channel_each_in_its_unit(planar):
+def test_series_has_one_column_per_channel_in_its_unit(planar):
     axes = axes_of(planar, kind="series", y=["roller.2.outer_slip", "cage.slip", "cage.position"])
     assert [ax.get_ylabel().replace("\n", " ") for ax in axes] == [
         "Slip of roller 2 on the outer race (µm/s)",
@@ -92,18 +92,18 @@ def test_a_column_per_channel_each_in_its_unit(planar):
     assert axes[1].lines[0].get_xdata()[-1] == pytest.approx(200.0, rel=2e-3)  # slow: all of it
 
 
-def test_one_component_can_be_asked_for(planar):
+def test_single_component_can_be_drawn(planar):
     [ax] = axes_of(planar, kind="series", y=["cage.position.y"])
     assert ax.get_ylabel().replace("\n", " ") == "Displacement of the cage y (µm)"
     assert ax.lines[0].get_ydata()[0] == pytest.approx(3.0, rel=1e-6)
 
 
-def test_a_series_of_a_length(planar):
+def test_span_limits_series(planar):
     [ax] = axes_of(planar, kind="series", y=["cage.slip"], span=0.02)
     assert ax.lines[0].get_xdata()[-1] == pytest.approx(20.0, abs=0.1)
 
 
-def test_nothing_recorded_is_told(results, monkeypatch):
+def test_series_without_recorded_channel_is_refused(results, monkeypatch):
     monkeypatch.setattr(
         "tests.plots.test_plots.record", lambda case: record_of(case.model_copy(update={"record": ()}))
     )
@@ -130,17 +130,17 @@ def test_a_roller_without_a_number_is_the_first_one():
         ({"kind": "roller", "y": ["cage.slip"]}, "`cage.slip` is not a roller channel"),
     ],
 )
-def test_what_was_not_recorded_is_told(planar, options, message):
+def test_unrecorded_channel_is_refused(planar, options, message):
     with pytest.raises(PlotError, match=message):
         drawn(planar, **options)
 
 
-def test_a_study_without_rollers_has_no_way_round(results):
+def test_roller_figure_without_roller_channel_is_refused(results):
     with pytest.raises(PlotError, match=r"did not record any `roller\.\*` channel"):
         drawn(results(STUDY), kind="roller")
 
 
-def test_what_a_roller_meets_on_its_way_round(planar):
+def test_roller_figure_shows_channels_over_roller_angle(planar):
     axes = axes_of(planar, kind="roller")
     assert [" ".join(ax.get_ylabel().split())[:21] for ax in axes] == [
         "Contact force of roll",
@@ -166,18 +166,18 @@ def job_of(known=(), **channels):
 @pytest.mark.parametrize(
     ("channels", "share"), [({}, 1.0), ({"cage.slip": 0.3}, 0.7), ({"cage.speed": 0.5 * OMEGA_C}, 0.5)]
 )
-def test_a_roller_turns_with_the_cage_as_far_as_that_is_known(channels, share):
+def test_roller_angle_follows_recorded_cage_slip_or_speed(channels, share):
     angle = recorded.roller_angle(job_of(**channels), 1)
     assert angle[0] == pytest.approx(0.1)
     assert angle[-1] - angle[0] == pytest.approx(share * OMEGA_C, rel=1e-9)
 
 
-def test_under_a_ramp_no_angle_is_made_up():
+def test_roller_angle_during_ramp_is_refused():
     with pytest.raises(PlotError, match="during a ramp"):
         recorded.roller_angle(job_of({"ramp.to": 300.0}), 1)
 
 
-def test_the_envelope_spectrum_shows_the_rhythm_of_a_tone():
+def test_envelope_spectrum_of_modulated_tone():
     """Squared envelope of a (1 + m cos wt) cos ct: a^2 (1 + m cos wt)^2, 2 m a^2 at w, m^2 a^2/2 at 2 w."""
     time = np.arange(10240) / 10240.0
     wave = 3.0 * (1.0 + 0.5 * np.cos(2.0 * math.pi * BPFO * time)) * np.cos(2.0 * math.pi * 2000.0 * time)
@@ -187,7 +187,7 @@ def test_the_envelope_spectrum_shows_the_rhythm_of_a_tone():
     assert height[frequency == 2000.0] < 1e-6
 
 
-def test_an_envelope_has_the_square_of_the_unit(results, monkeypatch):
+def test_squared_envelope_has_squared_unit(results, monkeypatch):
     """A tone of 7 um/s whose amplitude swings by half: 2 * 0.5 * 49 um^2/s^2."""
 
     def swinging(case):

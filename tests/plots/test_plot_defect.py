@@ -40,7 +40,7 @@ def group(shape, depth, z):
 @pytest.mark.parametrize("shape", ["circular", "rectangular", "triangular"])
 @pytest.mark.parametrize("z", [0.0, 0.9e-3])
 @pytest.mark.parametrize("depth", [50e-6, 2e-6])
-def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
+def test_drawn_path_equals_path_of_model(shape, z, depth):
     test_defect = defect(shape=shape, depth=depth)
     assert pytest.approx(R) == test_defect.R
     drawn, row = cut(test_defect, z), np.array([1.0, *group(shape, depth, z)])
@@ -49,7 +49,7 @@ def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
     assert np.all(drawn.h <= drawn.p + 1e-12)
 
 
-def test_a_defect_stands_about_its_own_middle():
+def test_defect_is_centred_at_its_offset():
     test_defect = defect(offset="2 mm")
     assert test_defect.z == pytest.approx((0.5e-3, 3.5e-3))
     assert cut(test_defect, 2e-3).p.max() == pytest.approx(50e-6)
@@ -57,7 +57,7 @@ def test_a_defect_stands_about_its_own_middle():
     assert cut(test_defect, 0.0).p.max() == 0.0
 
 
-def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
+def test_deepest_section_and_different_middle_section_are_drawn():
     test_defect = defect()
     assert distinct_sections(test_defect) == pytest.approx([0.0], abs=1e-12)
     beside = ShiftedDefect(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
@@ -73,11 +73,11 @@ def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
 
 
 @pytest.mark.parametrize(("height", "times"), [(1e-3, 1.0), (1e-4, 5.0), (3e-5, 20.0), (3e-6, 200.0)])
-def test_heights_are_exaggerated_by_a_round_number_that_fits(height, times):
+def test_exaggeration_is_a_round_number_that_fits(height, times):
     assert exaggeration(0.32e-3, height) == times
 
 
-def test_a_map_is_to_scale_and_its_sections_are_as_they_say(results):
+def test_map_is_to_scale_and_sections_match_their_labels(results):
     opened = results(STUDY)
     _, canvas = figures(opened, kind="pit", jobs=opened.jobs[:1])[0]
     canvas.draw_without_rendering()
@@ -93,7 +93,7 @@ def test_a_map_is_to_scale_and_its_sections_are_as_they_say(results):
     assert full.get_window_extent().width / canvas.dpi == pytest.approx(SECTION_IN)
 
 
-def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
+def test_roller_is_drawn_on_its_path_with_its_radius(results):
     opened = results(STUDY)
     _, canvas = figures(opened, kind="pit", jobs=opened.jobs[:1])[0]
     close = canvas.axes[2]
@@ -108,7 +108,7 @@ def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
     assert max(np.asarray(line.get_ydata())[0] for line in dots) == pytest.approx(deepest, rel=1e-2)
 
 
-def test_one_figure_for_each_different_defect(results):
+def test_each_distinct_defect_has_one_figure(results):
     """Twelve cases, three lengths: load and model do not change the defect."""
     sheets = figures(results(STUDY), kind="pit", jobs=["all"])
     assert len(sheets) == 3
@@ -119,14 +119,14 @@ def test_one_figure_for_each_different_defect(results):
     assert [name.startswith("pit-") for name, _ in sheets] == [True] * 3
 
 
-def test_defects_that_differ_in_depth_alone_are_different(results):
+def test_defects_of_different_depth_are_distinct(results):
     text = STUDY.replace("defect.length: [3 mm, 6 mm, 9 mm]", "defect.depth: [20 um, 50 um]")
     sheets = figures(results(text), kind="pit", jobs=["all"])
     deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in sheets]
     assert deepest == pytest.approx([20.0, 50.0])
 
 
-def test_defects_of_one_case_are_told_apart(results):
+def test_figures_of_defects_of_one_case_have_distinct_names(results):
     two = "defects: [{race: inner, shape: circular, length: 3 mm, width: 0.8 mm, depth: 50 um, offset: 2 mm},\n" \
         "  {shape: triangular, length: 3 mm, width: 0.8 mm, depth: 50 um}]\n"  # fmt: skip
     text = "".join(two if line.startswith("defect:") else f"{line}\n" for line in STUDY.splitlines())
@@ -140,7 +140,7 @@ def test_defects_of_one_case_are_told_apart(results):
     assert "offset 2 mm" in sheets[0][1].get_supxlabel().replace("\u00a0", " ")
 
 
-def test_slices_of_the_spatial_model_lie_over_the_map(results):
+def test_map_shows_slices_of_spatial_model(results):
     text = STUDY.replace("[static, ring]", "[spatial]") + "contact: {slices: 8}\n"
     opened = results(text)
     area = figures(opened, kind="pit", jobs=opened.jobs[:1])[0][1].axes[0]
@@ -149,7 +149,7 @@ def test_slices_of_the_spatial_model_lie_over_the_map(results):
     assert len(ends) >= 7
 
 
-def test_what_has_no_defect_is_refused(results):
+def test_figure_of_healthy_case_is_refused(results):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if "defect" not in line)
     opened = results(text.replace("  defect.length", "  seed").replace("3 mm, 6 mm, 9 mm", "1, 2"))
     with pytest.raises(PlotError, match="have no defect to draw"):
@@ -159,7 +159,7 @@ def test_what_has_no_defect_is_refused(results):
 
 
 @pytest.mark.parametrize(("status", "reason"), [("failed", "the ring left"), ("missing", "not computed yet")])
-def test_the_defect_of_a_job_that_is_not_done_is_refused(results, status, reason):
+def test_figure_of_unfinished_job_is_refused(results, status, reason):
     opened = results(lost={0: status})
     with pytest.raises(store.ResultsError, match=f"has no series: {reason}"):
         figures(opened, kind="pit", jobs=opened.jobs[:1])
@@ -167,7 +167,7 @@ def test_the_defect_of_a_job_that_is_not_done_is_refused(results, status, reason
         figures(opened, kind="pit", jobs=["nobody"])
 
 
-def test_a_wide_defect_is_written(results):
+def test_figure_of_wide_defect_is_written(results):
     opened = results(STUDY.replace("width: 0.8 mm", "width: 9 mm"))
     assert plot(opened, kind="pit", jobs=opened.jobs[:1])[0].stat().st_size > 10_000
 
@@ -186,7 +186,7 @@ def test_a_wide_defect_is_written(results):
         + "drag: none\nramp: {to: 1900 rpm, time: 20 ms}\n",
     ],
 )
-def test_a_case_can_be_made_again_from_what_is_stored(tmp_path, text):
+def test_case_is_restored_from_stored_parameters(tmp_path, text):
     file = tmp_path / "study.yaml"
     file.write_text(text)
     for job in load_study(file).jobs():
@@ -197,7 +197,7 @@ def test_a_case_can_be_made_again_from_what_is_stored(tmp_path, text):
         assert {**parameters, "record": stored["record"]} == stored
 
 
-def test_any_shape_is_stored_and_drawn(results, tmp_path):
+def test_every_shape_is_stored_and_drawn(results, tmp_path):
     """A spall, a rounded edge, and two defects that a roller feels as one, from results on disk."""
     grid = [(s, z, 30.0 * max(1.0 - (s / 0.9) ** 2 - (z / 1.6) ** 2, 0.0)) for z in np.linspace(-2.0, 2.0, 21)
             for s in np.linspace(-1.2, 1.2, 25)]  # fmt: skip

@@ -29,7 +29,7 @@ def trends_of(ax):
     return [line for line in ax.lines if line.get_linestyle() != "None"]
 
 
-def test_a_panel_for_each_parameter_with_all_points(results):
+def test_design_has_one_panel_per_parameter_with_all_points(results):
     name, canvas = only(drawn(results(SOBOL), kind="design", y=["velocity@BPFO"]))
     assert name == "design-velocity-bpfo"
     assert [ax.get_xlabel() for ax in canvas.axes] == ["Load (N)", "Defect length (mm)", "Defect angle (°)"]
@@ -45,7 +45,7 @@ def test_a_panel_for_each_parameter_with_all_points(results):
     assert "load" not in caption_of(canvas)
 
 
-def test_a_figure_over_a_parameter_names_the_others(results):
+def test_caption_over_one_parameter_names_the_other_varied_ones(results):
     text = SOBOL + "figures: [{y: [velocity@BPFO, velocity.rms], x: load}]\n"
     name, canvas = only(drawn(results(text)))
     assert name == "fig1-velocity-bpfo-vs-load"
@@ -55,12 +55,12 @@ def test_a_figure_over_a_parameter_names_the_others(results):
     assert not canvas.legends
 
 
-def test_a_design_alone_is_drawn_without_being_asked_for(results):
+def test_study_of_only_a_design_draws_it_by_default(results):
     names = [name for name, _ in drawn(results(SOBOL))]
     assert names == ["design-velocity-bpfo", "design-velocity-bpfo-healthy"]
 
 
-def test_what_is_swept_beside_a_design_makes_colours(results):
+def test_parameter_swept_besides_a_design_is_coloured(results):
     opened = results(SOBOL + "  model: [static, ring]\n")
     _, canvas = only(drawn(opened, kind="design", y=["velocity@BPFO"]))
     assert text_of(canvas) == ["model static", "model ring"]
@@ -73,7 +73,7 @@ def test_what_is_swept_beside_a_design_makes_colours(results):
 
 
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
-def test_values_that_come_again_make_no_curves(results, kind):
+def test_repeated_design_values_make_no_curves(results, kind):
     derived = "  derived: {defect.width: defect.length / 10}\n"
     opened = results(f"{HEAD}sweep:\n  {kind}: {{n: 8, seed: 1, {OVER}}}\n{derived}")
     cases = len(set(opened.plan["design"]["ids"]))
@@ -83,7 +83,7 @@ def test_values_that_come_again_make_no_curves(results, kind):
         assert not canvas.legends
 
 
-def test_what_is_derived_from_a_design_varies(results):
+def test_caption_lists_parameter_derived_from_design_as_varying(results):
     opened = results(SOBOL + "  derived: {defect.width: defect.length / 10}\n")
     for options in ({"kind": "design"}, {"x": "load"}):
         _, canvas = only(drawn(opened, y=["velocity@BPFO"], **options))
@@ -91,13 +91,13 @@ def test_what_is_derived_from_a_design_varies(results):
         assert "defect width varies: " in caption_of(canvas)
 
 
-def test_lost_jobs_stand_on_the_axis(results):
+def test_failed_and_missing_jobs_are_marked_on_the_axis(results):
     _, canvas = only(drawn(results(SOBOL, lost={3: "failed", 4: "missing"}), kind="design", y=["velocity@BPFO"]))
     assert text_of(canvas) == ["failed", "not computed"]
     assert np.isfinite(points_of(canvas.axes[0])[0][:, 1]).sum() == 30
 
 
-def test_the_middle_of_points_is_found():
+def test_trend_is_median_and_quartiles():
     rng = np.random.default_rng(1)
     x = rng.uniform(0.0, 1.0, 400)
     y = 2.0 * x + rng.uniform(-0.5, 0.5, 400)
@@ -107,7 +107,7 @@ def test_the_middle_of_points_is_found():
     np.testing.assert_allclose(medians.high - medians.low, 0.5, atol=0.3)
 
 
-def test_few_values_on_x_have_a_median_each():
+def test_trend_has_one_median_per_x_if_x_has_few_values():
     x = [0.0, 1.0, 5.0] * 9
     medians = design.trend(x, [3.0 * value + k for k in range(9) for value in (0.0, 1.0, 5.0)])
     assert list(medians.x) == [0.0, 1.0, 5.0]
@@ -116,11 +116,11 @@ def test_few_values_on_x_have_a_median_each():
 
 
 @pytest.mark.parametrize("x", [list(range(23)), [1.0] * 40])
-def test_of_too_few_points_no_middle_is_drawn(x):
+def test_too_few_points_have_no_trend(x):
     assert design.trend(x, x) is None
 
 
-def test_what_a_figure_of_a_design_does_not_take_is_refused(results):
+def test_design_figure_refuses_other_options(results):
     opened = results()
     with pytest.raises(PlotError, match="the study sweeps no design"):
         drawn(opened, kind="design")
@@ -129,14 +129,14 @@ def test_what_a_figure_of_a_design_does_not_take_is_refused(results):
             drawn(opened, kind="design", **option)
 
 
-def test_a_parameter_that_has_one_value_has_no_panel(results):
+def test_design_without_varying_parameter_is_refused(results):
     opened = results(SOBOL)
     row = opened.table().iloc[0]
     with pytest.raises(PlotError, match="no parameter of the design varies"):
         drawn(opened, kind="design", where={"load": f"{row['load']:.17g} N"})
 
 
-def test_a_range_that_is_filled_by_its_logarithm_has_a_log_axis(results):
+def test_log_sampled_range_has_log_axis(results):
     even = np.linspace(1.0, 40.0, 64)
     assert design.is_logarithmic(list(np.geomspace(1.0, 40.0, 64)))
     assert not design.is_logarithmic(list(even))

@@ -29,7 +29,7 @@ def at(name, race):
     return {mark.name: mark.hertz for mark in lines.marks(NF308 | race, 1000.0)}[name]
 
 
-def test_marks_stand_at_the_frequencies_of_the_table():
+def test_marks_are_at_fault_frequencies():
     """159.0, 231.0, 156.96, 12.23 and 30 Hz: BPFO, BPFI, 2 BSF, FTF and shaft (`bearingsim freq nf308`)."""
     assert at("2 BPFO", {}) == pytest.approx(318.0, abs=1e-9)
     assert at("BPFI", INNER) == pytest.approx(231.0, abs=1e-9)
@@ -39,14 +39,14 @@ def test_marks_stand_at_the_frequencies_of_the_table():
     assert at("4 BSF + FTF", ROLLER) == pytest.approx(313.92 + 12.23, abs=1e-2)
 
 
-def test_faults_of_several_elements_have_their_families_in_order():
+def test_marks_of_defects_on_several_elements_are_ordered():
     jobs = [{"defects.1.race": "roller", "defects.2.race": "inner"}, {"defects.1.race": "outer"}]
     assert lines.races(*jobs) == ["outer", "inner", "roller"]
     assert lines.races({"defects.1.race": "", "load": 1.0}) == []
     assert {mark.race for mark in lines.marks(NF308 | jobs[0], 300.0)} == {"inner", "roller"}
 
 
-def test_healthy_bearings_have_the_lines_of_variable_compliance():
+def test_marks_of_healthy_bearing_are_at_bpfo():
     assert lines.fitting(pd.DataFrame({"load": [1.0]})) == ["BPFO"]
     assert [mark.name for mark in lines.marks(NF308, 400.0)] == ["BPFO", "2 BPFO"]
 
@@ -69,7 +69,7 @@ def of_race(results, monkeypatch):
 
 
 @pytest.mark.parametrize(("race", "line"), [("outer", "BPFO"), ("inner", "BPFI"), ("roller", "2BSF")])
-def test_figures_of_their_own_plot_the_line_of_the_defect(of_race, race, line):
+def test_default_figures_plot_line_of_damaged_element(of_race, race, line):
     opened = of_race(race)
     _, canvas = drawn(opened)[0]
     labels = [" ".join(ax.get_ylabel().split()) for ax in canvas.axes[:2]]
@@ -80,20 +80,20 @@ def test_figures_of_their_own_plot_the_line_of_the_defect(of_race, race, line):
     assert labels == [f"Velocity phase at {line} (°)", f"Phase of velocity at {line}, change from healthy (°)"]
 
 
-def test_show_tells_the_line_of_the_defect(of_race):
+def test_default_features_are_of_damaged_element(of_race):
     opened = of_race("inner")
     chosen = columns.default_features(opened, opened.table())
     assert chosen == ["velocity@BPFI", "velocity@BPFI-healthy", "velocity.rms"]
 
 
-def test_several_elements_each_have_a_column(of_race):
+def test_each_damaged_element_has_a_column(of_race):
     opened = of_race("outer", change=("model: [static, ring]", "defect.race: [outer, inner]"))
     _, canvas = drawn(opened, x="load")[0]
     labels = [" ".join(ax.get_ylabel().split()) for ax in canvas.axes[:2]]
     assert labels == ["Velocity amplitude at BPFO (µm/s, 0-peak)", "Velocity amplitude at BPFI (µm/s, 0-peak)"]
 
 
-def test_the_caption_says_which_element_is_damaged(of_race):
+def test_caption_names_damaged_element(of_race):
     _, canvas = drawn(of_race("roller"))[0]
     assert "circular defect of roller 1" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
 
@@ -135,7 +135,7 @@ def names_of(ax):
     return [label.get_text() for label in ax.get_yticklabels()]
 
 
-def test_words_that_are_zipped_name_a_category_each(results):
+def test_zipped_words_share_category_labels(results):
     name, canvas = only(drawn(results(with_pairs())))
     assert name == "fig1-velocity-bpfo-vs-excitation-model-friction"
     assert len(canvas.axes) == 2
@@ -150,7 +150,7 @@ def test_words_that_are_zipped_name_a_category_each(results):
     assert not canvas.legends
 
 
-def test_the_cost_of_a_job_is_drawn(results):
+def test_cpu_time_of_jobs_is_drawn(results):
     _, canvas = only(drawn(results(with_pairs())))
     cost = canvas.axes[1]
     assert cost.get_xlabel() == "CPU time of a job (ms)"
@@ -160,7 +160,7 @@ def test_the_cost_of_a_job_is_drawn(results):
     assert [text.get_text() for text in cost.texts] == ["100"] * 5
 
 
-def test_words_that_combine_freely_are_curves(results):
+def test_independently_swept_words_are_curves(results):
     text = STUDY.replace("  load", "  excitation: [envelope, soft-edge]\n  load").replace(
         "[static, ring]", "[ring, rollers]"
     )
@@ -173,13 +173,13 @@ def test_words_that_combine_freely_are_curves(results):
     assert {line.get_linestyle() for text, line in lines.items() if text != "healthy"} == {"None"}
 
 
-def test_a_lost_case_is_marked_beside_its_name(results):
+def test_failed_case_is_marked_at_its_category(results):
     _, canvas = only(drawn(results(with_pairs(), lost={2: "failed"})))
     [lost] = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
     assert list(lost.get_ydata()) == [2]
 
 
-def test_curves_of_categories_stand_apart(results):
+def test_curves_over_categories_are_offset(results):
     text = with_pairs("  load: [150 N, 300 N]\nfigures: [{y: velocity@BPFO, x: excitation}]\n")
     _, canvas = only(drawn(results(text)))
     low, high = canvas.axes[0].lines[:2]
@@ -188,7 +188,7 @@ def test_curves_of_categories_stand_apart(results):
 
 
 @pytest.mark.parametrize(("low", "high", "most"), [(9.0, 12.0, 6), (1.0, 80.0, 8), (1e-3, 1e4, 12)])
-def test_a_log_axis_has_numbers_enough_and_not_too_many(results, low, high, most):
+def test_log_axis_has_two_to_twelve_ticks(results, low, high, most):
     opened = results(STUDY.replace("load: [150 N, 300 N]", f"load: [{low} N, {high} N]"))
     _, canvas = only(drawn(opened, x="load", y=["velocity.rms"], where={"model": "ring", "defect.length": "3 mm"}))
     [ax] = canvas.axes
@@ -199,7 +199,7 @@ def test_a_log_axis_has_numbers_enough_and_not_too_many(results, low, high, most
     assert 2 <= len(ticks) <= most
 
 
-def test_an_axis_from_zero_keeps_its_largest_point_inside(results):
+def test_axis_from_zero_ends_above_largest_point(results):
     opened = results(STUDY.replace("[3 mm, 6 mm, 9 mm]", "[9 mm, 9.01 mm]"))
     _, canvas = only(
         drawn(opened, x="defect.length", y=["velocity@BPFO"], where={"model": "ring", "load": "300 N"})

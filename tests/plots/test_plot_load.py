@@ -72,7 +72,7 @@ def middle():
     return (math.radians(20.0) - START - 2.0 * math.pi / 13 + 2.0 * math.pi) % (2.0 * math.pi) / OMEGA_C
 
 
-def test_the_picture_is_of_the_passage_and_of_every_slice(loaded):
+def test_load_map_shows_every_slice_during_passage(loaded):
     opened = loaded()
     name, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:2]))
     assert name == f"load-{opened.jobs[0][:8]}-{opened.jobs[1][:8]}"
@@ -104,7 +104,7 @@ def test_lifted_slices_are_white(loaded):
     assert edges[1:][rows].max() == pytest.approx(3.5)
 
 
-def test_the_instants_are_before_over_and_after_the_defect(loaded):
+def test_profiles_are_before_over_and_after_the_defect(loaded):
     opened = loaded()
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
     [entries] = [
@@ -121,7 +121,7 @@ def test_the_instants_are_before_over_and_after_the_defect(loaded):
     assert set(curves["largest after"].values) == {9.0}
 
 
-def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
+def test_tilt_and_skew_share_time_axis_of_load_map(loaded, monkeypatch):
     def leaning(case):
         result = record(case)
         result.series |= {"roller.2.tilt": 3e-6 * (1.0 + result.time), "roller.2.skew": 0.0 * result.time}
@@ -142,7 +142,7 @@ def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
     assert below.get_ylim()[1] > 3.0
 
 
-def test_a_span_of_ones_own(loaded):
+def test_span_sets_drawn_time(loaded):
     opened = loaded()
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1], span=0.01))
     low, high = canvas.axes[0].get_xlim()
@@ -150,7 +150,7 @@ def test_a_span_of_ones_own(loaded):
     assert low < 1e3 * middle() < high
 
 
-def test_without_a_defect_the_largest_and_the_least_load_are_drawn(loaded):
+def test_profiles_without_defect_are_at_largest_and_least_load(loaded):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if not line.startswith("defect:"))
     opened = loaded(text=text)
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
@@ -163,7 +163,7 @@ def test_without_a_defect_the_largest_and_the_least_load_are_drawn(loaded):
     assert names == ["largest load", "least load"]
 
 
-def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
+def test_scan_whose_file_is_deleted_is_read_from_results(loaded, tmp_path):
     """Where the defect ends along the roller is dotted: that takes the scan."""
     text = "".join(line + "\n" for line in STUDY.splitlines() if not line.startswith("defect"))
     scan = write_grid(tmp_path / "a.csv", 0.5 * bowl())
@@ -173,7 +173,7 @@ def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
     assert [line.get_ydata()[0] for line in canvas.axes[0].lines[:2]] == pytest.approx([-3.0, 3.0])
 
 
-def test_a_defect_of_the_inner_race_is_met_as_it_turns(loaded):
+def test_load_map_of_inner_race_defect_allows_for_rotation(loaded):
     text = STUDY.replace("angle: 20 deg", "angle: -150 deg, race: inner").replace("outer_line", "inner_line")
     opened = loaded(text=text)
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
@@ -183,7 +183,7 @@ def test_a_defect_of_the_inner_race_is_met_as_it_turns(loaded):
     assert canvas.axes[0].get_xlim()[0] == pytest.approx(1e3 * when - 1.5 * 0.8 / speed, abs=0.03)
 
 
-def test_the_defect_of_the_same_race_comes_first(loaded):
+def test_defect_on_race_of_the_channel_is_preferred(loaded):
     """Both could be passed within the record: the inner race's at 5.5 ms, the outer race's at 6.1 ms."""
     inner = "{race: inner, shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, angle: -150 deg}"
     text = STUDY.replace("defect: {", f"defects: [{inner}, {{").replace("20 deg}", "20 deg}]")
@@ -192,7 +192,7 @@ def test_the_defect_of_the_same_race_comes_first(loaded):
     assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / (OMEGA_C * R_O), abs=0.03)
 
 
-def test_a_roller_that_passes_no_defect_is_told(loaded):
+def test_caption_notes_roller_that_passes_no_defect(loaded):
     opened = loaded(text=STUDY.replace("angle: 20 deg", "angle: -90 deg"))
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
     assert "passes a race defect within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
@@ -206,7 +206,7 @@ def test_a_roller_without_a_number_is_the_first_one(loaded):
         assert len(only(drawn(opened, kind="load", jobs=opened.jobs[:1], y=y))[1].axes) == 3
 
 
-def test_few_samples_are_told(loaded):
+def test_caption_notes_few_samples_over_the_defect(loaded):
     opened = loaded(text=STUDY.replace("50 kHz", "20 kHz"))
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
     assert "only 5.4 samples over the defect" in canvas.get_supxlabel().replace("\u00a0", " ")
@@ -223,7 +223,7 @@ def test_few_samples_are_told(loaded):
         ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time; raise `sampling`"),
     ],
 )  # fmt: skip
-def test_what_was_not_recorded_is_told(results, monkeypatch, recorded, options, message):
+def test_unrecorded_channel_is_refused(results, monkeypatch, recorded, options, message):
     def made(case):
         time, rows = loads(case, "roller.2.outer_line_load")
         series = {name: rows.get(name, 0.0 * time) for name in case.record}
@@ -234,7 +234,7 @@ def test_what_was_not_recorded_is_told(results, monkeypatch, recorded, options, 
         drawn(results(STUDY.replace("roller.2.outer_line_load", recorded)), kind="load", **options)
 
 
-def test_instants_do_not_need_the_whole_defect_to_be_lifted():
+def test_instant_over_defect_has_least_load_even_if_no_slice_lifts():
     """Half of the load left over the defect, least in the middle of the stretch."""
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
@@ -243,7 +243,7 @@ def test_instants_do_not_need_the_whole_defect_to_be_lifted():
     assert instants(load_along) == {"before": 0, "over the defect": 4, "largest after": 6, "after": 8}
 
 
-def test_the_largest_load_is_that_of_forces_not_of_line_loads():
+def test_largest_load_is_integral_of_line_load():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
     load_along = LoadAlong("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})

@@ -35,7 +35,7 @@ def job_of(test_case, **channels):
     )
 
 
-def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():
+def test_roller_path_is_radial_motion_less_clearance_and_ring():
     """The ring 3 um down the load line and 4 um across; the roller 20 um outwards; clearance 8 um."""
     test_case = case(defect=SLOT | {"angle": "20 deg"}, clearance="8 um", model="rollers", record=RECORD)
     [defect] = defects_of(test_case)
@@ -50,7 +50,7 @@ def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():
     assert not path.tilt.any()
 
 
-def test_a_leaning_roller_is_deeper_at_one_end():
+def test_path_of_tilted_roller_is_deeper_at_one_end():
     test_case = case(defect=SLOT | {"angle": "20 deg"}, model="spatial", record=[*RECORD, "roller.2.tilt"])
     [defect] = defects_of(test_case)
     still = dict.fromkeys(dataset_names("ring.displacement"), 0.0)
@@ -61,7 +61,7 @@ def test_a_leaning_roller_is_deeper_at_one_end():
     assert path.depth_at(3e-3) == pytest.approx(path.depth + 3e-6)
 
 
-def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
+def test_path_on_inner_race_is_inward_and_reversed():
     """The race is faster than they are: what deepens as the roller goes on deepens towards -s."""
     record = [RECORD[0], "roller.2.tilt"]
     test_case = case(defect=SLOT | {"race": "inner", "angle": "-110 deg"}, model="spatial", record=record)
@@ -83,14 +83,14 @@ def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
 @pytest.mark.parametrize(
     "missing", [{"record": RECORD[:1]}, {"record": RECORD[1:]}, {"defect": SLOT | {"angle": "-90 deg"}}]
 )
-def test_without_a_record_or_a_passage_there_is_no_path(missing):
+def test_no_path_without_recorded_channels_or_passage(missing):
     test_case = case(**{"defect": SLOT | {"angle": "20 deg"}, "model": "rollers", "record": RECORD} | missing)
     [defect] = defects_of(test_case)
     names = {name: 0.0 for channel in test_case.record for name in dataset_names(channel)}
     assert roller_path(job_of(test_case, **names), test_case, defect) is None
 
 
-def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
+def test_contact_is_where_path_is_below_geometric_path():
     """A computed one falls 4.9 um into the slot of 0.8 mm, and strikes the far edge 0.14 mm behind the middle."""
     channels = ["roller.1.radial", "roller.1.outer_force", "ring.displacement"]
     times = {"sampling": "100 kHz", "duration": "20 ms", "settle": "0 ms", "antialias": False}
@@ -111,7 +111,7 @@ def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
     assert path.s[np.argmax(path.depth)] == pytest.approx(0.13e-3, abs=2e-5)
 
 
-def test_the_path_taken_lies_over_the_sections(results, monkeypatch):
+def test_recorded_path_is_drawn_over_sections(results, monkeypatch):
     def made(test_case):
         time = np.arange(round(test_case.duration * test_case.sampling)) / test_case.sampling
         worth = {"roller.2.radial": 3e-6, "ring.displacement.x": 0.0, "ring.displacement.y": 0.0}

@@ -24,12 +24,12 @@ TEXT = STUDY + FIGURES
         ({"by": ["load"], "panels": ["load"]}, "`load` can be only one of"),
     ],
 )
-def test_what_cannot_be_drawn_is_refused(results, options, message):
+def test_undrawable_figure_is_refused(results, options, message):
     with pytest.raises(PlotError, match=message):
         drawn(results(TEXT), **options)
 
 
-def test_jobs_are_named_or_found_by_where(results):
+def test_jobs_are_selected_by_id_or_where(results):
     opened = results()
     with pytest.raises(PlotError, match="named jobs cannot be filtered"):
         drawn(opened, kind="series", jobs=opened.jobs[:1], where={"load": "150 N"})
@@ -44,12 +44,12 @@ def test_all_finished_jobs_can_be_drawn(results):
     assert len(canvas.axes) == 11
 
 
-def test_a_line_stands_for_its_phase(results):
+def test_phase_figure_accepts_name_of_line(results):
     _, canvas = only(drawn(results(), kind="phase", y=["velocity@BPFO"]))
     assert canvas.axes[0].get_ylabel() == "Velocity phase at BPFO (°)"
 
 
-def test_words_on_x_are_connected_in_the_order_of_the_study(results):
+def test_words_on_x_follow_order_of_study(results):
     _, canvas = only(drawn(results(STUDY), x="model"))
     assert [list(line.get_xdata()) for line in lines(canvas.axes[0])] == [[0.0, 1.0]] * 6
 
@@ -65,11 +65,11 @@ def test_words_on_x_are_connected_in_the_order_of_the_study(results):
         ({"where": {"load": "150 N"}}, "plot1-velocity-bpfo-vs-defect-length-where-load-150-n"),
     ],
 )
-def test_a_figure_of_ones_own_overwrites_no_figure_of_the_study(results, options, name):
+def test_figure_by_options_overwrites_no_figure_of_study(results, options, name):
     assert only(drawn(results(), **options))[0] == name
 
 
-def test_files_of_jobs_carry_their_ids(results):
+def test_file_names_contain_job_ids(results):
     opened = results()
     first = [job[:8] for job in opened.jobs]
     assert only(drawn(opened, kind="series", jobs=opened.jobs[:2]))[0] == f"series-{first[0]}-{first[1]}"
@@ -77,7 +77,7 @@ def test_files_of_jobs_carry_their_ids(results):
     assert name == "-".join(["series", *first[:4], "and-2-more"])
 
 
-def test_panels_that_differ_too_much_keep_their_own_axes(results):
+def test_panels_of_different_magnitude_have_own_axes(results):
     """150 N beside 30 kN: on one axis the curves of the smaller would lie flat."""
     text = STUDY.replace("[150 N, 300 N]", "[150 N, 30 kN]")
     _, canvas = only(drawn(results(text), x="defect.length", panels=["load"], y=["velocity@BPFO"]))
@@ -86,7 +86,7 @@ def test_panels_that_differ_too_much_keep_their_own_axes(results):
     assert small < 50.0
 
 
-def test_axes_need_no_power_of_ten_beside_them(results):
+def test_axes_have_no_offset_text(results):
     text = STUDY.replace("load: [150 N, 300 N]", "load: [1e-7 N, 2e-7 N]").replace("[static, ring]", "[static]")
     opened = results(text)
     _, canvas = only(drawn(opened, x="load", y=["velocity@BPFO-scatter"]))

@@ -45,7 +45,7 @@ def settled(test_case, part):
 
 @pytest.mark.parametrize("rig", [BENDS, HOUSING])
 @pytest.mark.parametrize("number", [0, 1])
-def test_the_shape_is_the_sum_of_the_harmonics_at_rest(rig, number):
+def test_ring_shape_is_sum_of_static_harmonics(rig, number):
     test_case = case(rig)
     instant = ring_shape(test_case).instants[number]
     y = settled(test_case, PARTS[number])
@@ -60,7 +60,7 @@ def test_the_shape_is_the_sum_of_the_harmonics_at_rest(rig, number):
     assert instant.forces @ np.cos(instant.angles) == pytest.approx(150.0, rel=0.05)  # less what the bracket takes
 
 
-def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_defect_carries_nothing():
+def test_ring_deflects_inwards_and_roller_over_defect_is_unloaded():
     over, beside, *_ = ring_shape(case(BENDS)).instants
     nearest = int(np.argmin(np.abs(over.angles)))
     assert over.angles[nearest] == pytest.approx(0.0, abs=1e-9)
@@ -79,7 +79,7 @@ def line(ax, gid):
     ("rig", "clearance", "times"),
     [(BENDS, "0 um", 2000.0), (PADS, "2 um", 1000.0), (HOUSING, "0 um", 5000.0), (None, "0 um", 5000.0)],
 )
-def test_the_race_is_drawn_enlarged_by_the_number_in_the_figure(rig, clearance, times):
+def test_deformation_is_drawn_at_labelled_scale(rig, clearance, times):
     shape = ring_shape(case(rig, clearance=clearance))
     canvas = draw_shape(shape, [])
     title = canvas.legends[0].get_title().get_text()
@@ -93,7 +93,7 @@ def test_the_race_is_drawn_enlarged_by_the_number_in_the_figure(rig, clearance, 
     assert np.max(np.abs(outwards)) < 0.11 * 45.0
 
 
-def test_a_round_number_that_fits_the_displacement():
+def test_scale_is_a_round_number_that_fits_displacement():
     """9 mm of 90 mm, so that what is largest at 2.2 um may be 4.5 mm."""
     shape = ring_shape(case(BENDS))
     assert view(shape).times == 2000.0
@@ -110,7 +110,7 @@ def circles(ax):
     return {int(patch.get_gid().split()[1]) - 1: patch for patch in ax.patches if patch.get_gid()}
 
 
-def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn():
+def test_rollers_are_shaded_by_force_and_touch_drawn_race():
     shape = ring_shape(case(BENDS))
     seen, canvas = view(shape), draw_shape(shape, [])
     for ax, instant in zip(canvas.axes, shape.instants, strict=False):
@@ -127,7 +127,7 @@ def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn
             assert outer == pytest.approx(bent, abs=0.1)
 
 
-def test_defects_are_marked_in_their_place():
+def test_defects_are_marked_at_their_angle():
     defects = [SLOT | {"angle": "20 deg"}, SLOT | {"race": "inner", "angle": "30 deg"},
             SLOT | {"race": "roller", "roller": 2}]  # fmt: skip
     test_case = case(defects=defects)
@@ -153,7 +153,7 @@ def test_defects_are_marked_in_their_place():
     ("rig", "pushes"),
     [(BENDS, [(0.0, 150.0)]), (PADS, [(-45.0, 106.066), (45.0, 106.066)]), (HOUSING, [(0.0, 150.0)])],
 )
-def test_forces_push_where_they_act(rig, pushes):
+def test_arrows_are_at_forces(rig, pushes):
     shape = ring_shape(case(rig))
     acting = np.array([(math.degrees(push.angle), push.force) for push in shape.pushes])
     assert acting == pytest.approx(np.array(pushes), rel=1e-5)
@@ -167,7 +167,7 @@ def test_forces_push_where_they_act(rig, pushes):
 
 
 @pytest.mark.parametrize(("rig", "count"), [(HOUSING, 80), (POINTS, 4)])
-def test_springs_that_press_are_told_from_those_that_do_not(rig, count):
+def test_loaded_and_unloaded_springs_are_drawn_differently(rig, count):
     shape = ring_shape(case(rig))
     instant = shape.instants[0]
     assert len(instant.springs) == len(shape.spring_angles) == count
@@ -190,7 +190,7 @@ def test_the_sensor_is_marked_at_its_angle(on, least, most):
     assert least < math.hypot(right, up) < most
 
 
-def test_a_figure_for_each_job(results):
+def test_ring_figure_per_job(results):
     """One of a rigid ring, and one whose model knows no rollers: left out, with a warning."""
     opened = results(STUDY.replace("[static, ring]", "[static, impulse]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]"))
     with pytest.warns(PlotWarning, match="left out: the model `impulse` has no loaded rollers"):
@@ -203,7 +203,7 @@ def test_a_figure_for_each_job(results):
     assert written(opened, kind="ring", jobs=rests[:1])[0].stat().st_size > 10_000
 
 
-def test_a_ring_that_bends_is_drawn_from_stored_results(results):
+def test_flexible_ring_is_drawn_from_stored_results(results):
     text = STUDY.replace("[static, ring]", "[static]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]")
     opened = results(text.replace("[150 N, 300 N]", "[150 N]") + "rig: {ring: {bends: true}}\n")
     _, canvas = only(drawn(opened, kind="ring"))
@@ -215,7 +215,7 @@ def test_a_ring_that_bends_is_drawn_from_stored_results(results):
     ]
 
 
-def test_what_cannot_be_drawn_is_refused(results):
+def test_undrawable_figure_is_refused(results):
     opened = results(STUDY.replace("[static, ring]", "[impulse]"), lost={0: "failed"})
     with pytest.raises(PlotError, match="`impulse` has no loaded rollers, so there is no ring at rest to draw"):
         drawn(opened, kind="ring", jobs=opened.jobs[1:2])

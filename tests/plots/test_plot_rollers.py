@@ -44,7 +44,7 @@ def leaning(results, monkeypatch):
     return results(STUDY)
 
 
-def test_rollers_are_laid_over_each_other_in_milliradians(leaning):
+def test_same_channel_of_rollers_shares_a_panel(leaning):
     channels = ["roller.2.tilt", "roller.3.tilt", "roller.2.skew"]
     for kind in ("series", "roller"):
         _, canvas = only(drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=channels))
@@ -68,7 +68,7 @@ def test_each_roller_is_drawn_at_its_own_angle(leaning):
     assert first == pytest.approx([360.0 / 13, 720.0 / 13])
 
 
-def test_a_lean_has_two_components_wherever_the_sensor_is(leaning):
+def test_ring_tilt_has_two_components_at_any_sensor_angle(leaning):
     [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1], y=["ring.lean"]))[1].axes
     assert ax.get_ylabel().replace("\n", " ") == "Lean of the outer ring's axis (µrad)"
     assert {line.get_label(): line.get_ydata()[0] for line in ax.lines} == pytest.approx(
@@ -76,7 +76,7 @@ def test_a_lean_has_two_components_wherever_the_sensor_is(leaning):
     )
 
 
-def test_slices_are_not_drawn_one_by_one_unasked(leaning):
+def test_slices_are_drawn_only_by_name(leaning):
     axes = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1]))[1].axes
     assert [ax.get_ylabel().split()[0] for ax in axes] == ["Tilt", "Skew"]
     [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1]))[1].axes
@@ -86,7 +86,7 @@ def test_slices_are_not_drawn_one_by_one_unasked(leaning):
 
 
 @pytest.mark.parametrize("kind", ["series", "roller", "spectrum"])
-def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
+def test_line_load_of_all_slices_is_referred_to_kind_load(leaning, kind):
     with pytest.raises(PlotError, match="use `--kind load`"):
         drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=["roller.2.outer_line_load"])
 
@@ -102,10 +102,10 @@ def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
         ("velocity@BPFO.phase", 1e-3, ("°", math.degrees(1.0))),
     ],
 )
-def test_small_angles_are_in_radians_and_large_ones_in_degrees(name, value, label):
+def test_small_angles_are_in_radians_and_large_angles_in_degrees(name, value, label):
     assert labels.readable("rad", name, value) == pytest.approx(label)
 
 
-def test_several_rollers_are_each_roller():
+def test_label_of_several_rollers_says_each_roller():
     assert recorded.text_of("roller.2.axial", "roller.5.axial") == "Axial displacement of each roller"
     assert recorded.text_of("roller.2.axial") == "Axial displacement of roller 2"

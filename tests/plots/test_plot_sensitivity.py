@@ -17,7 +17,7 @@ def sheet(results, *features):
     return figure(results, answers), answers
 
 
-def test_bars_are_the_indices_the_largest_on_top(tmp_path):
+def test_bars_are_indices_in_descending_order(tmp_path):
     results = open_results(run_design(tmp_path / "fake", n=64))
     canvas, [(_, indices), _] = sheet(results, LINE, "velocity.rms")
     first, total = (container for container in canvas.axes[0].containers if isinstance(container, BarContainer))
@@ -38,7 +38,7 @@ def test_bars_are_the_indices_the_largest_on_top(tmp_path):
     ]
 
 
-def test_points_are_the_effects_in_a_readable_unit(tmp_path):
+def test_points_are_effects_in_readable_unit(tmp_path):
     results = open_results(run_design(tmp_path / "fake", kind="morris", n=8))
     canvas, _ = sheet(results, LINE)
     [ax] = canvas.axes
@@ -51,7 +51,7 @@ def test_points_are_the_effects_in_a_readable_unit(tmp_path):
     assert len(points) == len(PATHS)
 
 
-def test_the_caption_counts_the_blocks(tmp_path):
+def test_caption_counts_blocks(tmp_path):
     results = open_results(run_design(tmp_path / "fake", deeds={0: "raise"}))
     canvas, _ = sheet(results, LINE)
     caption = canvas.get_supxlabel().replace("\u00a0", " ")

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from bearingsim.plots.style import drawing, take_literally
 
 
-def test_a_text_that_is_no_formula_is_drawn_as_it_is_written() -> None:
+def test_text_that_is_no_formula_is_drawn_literally() -> None:
     with drawing():
         canvas = Figure()
         ax = canvas.subplots()

@@ -99,7 +99,7 @@ def text_of(canvas):
     return [entry.get_text() for entry in canvas.legends[0].get_texts()]
 
 
-def test_a_column_per_feature_a_row_per_panel_a_line_per_value(results):
+def test_columns_are_features_rows_panels_and_curves_values(results):
     name, canvas = only(drawn(results()))
     assert name == "fig1-velocity-bpfo-vs-defect-length"
     assert len(canvas.axes) == 4
@@ -112,7 +112,7 @@ def test_a_column_per_feature_a_row_per_panel_a_line_per_value(results):
     assert text_of(canvas) == ["load 150 N", "load 300 N", "healthy"]
 
 
-def test_values_stand_in_readable_units(results):
+def test_values_are_in_readable_units(results):
     _, canvas = only(drawn(results()))
     low, high = lines(canvas.axes[0])
     assert list(low.get_xdata()) == pytest.approx([3.0, 6.0, 9.0])
@@ -123,26 +123,26 @@ def test_values_stand_in_readable_units(results):
     assert canvas.axes[0].get_ylim()[0] == 0.0
 
 
-def test_the_line_less_the_healthy_one_is_a_complex_difference(results):
+def test_change_from_healthy_is_complex_difference(results):
     _, canvas = only(drawn(results()))
     first = lines(canvas.axes[1])[0].get_ydata()[0]
     assert first == pytest.approx(abs(7.0 * np.exp(-0.5j) - 0.5))
 
 
-def test_the_healthy_twins_are_no_points(results):
+def test_healthy_cases_are_no_points(results):
     opened = results()
     assert len(select.case_rows(opened)) == 12
     assert len(opened.table()) == 16
 
 
-def test_a_path_that_no_one_named_becomes_curves(results):
+def test_unassigned_swept_parameter_becomes_curves(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, by: load}]\n"
     _, canvas = only(drawn(results(text)))
     assert len(lines(canvas.axes[0])) == 4
     assert text_of(canvas) == ["load 150 N", "load 300 N", "model static", "model ring", "healthy"]
 
 
-def test_a_path_that_moves_with_x_does_not(results):
+def test_parameter_zipped_with_x_makes_no_curves(results):
     text = STUDY.replace(
         "  defect.length: [3 mm, 6 mm, 9 mm]\n",
         "  zip: {defect.length: [3 mm, 6 mm, 9 mm], defect.width: [0.3 mm, 0.6 mm, 0.9 mm]}\n",
@@ -151,14 +151,14 @@ def test_a_path_that_moves_with_x_does_not(results):
     assert len(lines(only(sheets)[1].axes[0])) == 4
 
 
-def test_where_takes_some_rows(results):
+def test_where_selects_rows(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, where: {load: 0.3 kN, model: ring}}]\n"
     _, canvas = only(drawn(results(text)))
     [line] = lines(canvas.axes[0])
     assert list(line.get_ydata()) == pytest.approx([8.0, 14.0, 20.0])
 
 
-def test_lost_jobs_are_marked_where_they_would_stand(results):
+def test_failed_and_missing_jobs_are_marked_at_their_x(results):
     _, canvas = only(drawn(results(lost={0: "failed", 11: "missing"})))
     failed = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
     missing = [line for line in canvas.axes[2].lines if line.get_marker() == "|"]
@@ -171,13 +171,13 @@ def test_lost_jobs_are_marked_where_they_would_stand(results):
 @pytest.mark.parametrize(
     ("status", "reason"), [("failed", ": 16 failed, one for this: the ring left"), ("missing", "$")]
 )
-def test_where_no_job_is_done_the_reason_is_told(results, kind, status, reason):
+def test_figure_without_finished_job_gives_the_reason(results, kind, status, reason):
     opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy cases
     with pytest.raises(PlotError, match=f"no job is done, so there is nothing to draw{reason}"):
         drawn(opened, kind=kind)
 
 
-def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
+def test_chaotic_results_are_ringed_and_explained_in_legend(results):
     stored = results()
     assert "chaotic, uncertain" not in text_of(only(drawn(stored))[1])
     table = stored.table()
@@ -195,7 +195,7 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
 
 
 @pytest.mark.parametrize(("total", "is_drawn"), [(math.nan, 0.04), (0.04, 0.04), (0.2, 0.2)])  # 0.2: by an audit
-def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, is_drawn):
+def test_error_bars_and_model_marks_of_study_with_accuracy(results, total, is_drawn):
     stored = results()
     table = stored.table()
     errors = {**dict.fromkeys(store.ERROR_PARTS, 0.0), "error.model": 0.03, "error.step": 0.01, "error": total}
@@ -215,14 +215,14 @@ def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, 
     assert positions == {"o": {3.0, 9.0}, "s": {6.0}}
 
 
-def test_the_caption_tells_what_a_law_was_given(results):
+def test_caption_gives_parameters_of_law(results):
     law = "contact: {damping: {law: general, coefficient: 1e4, indentation_exponent: 1.5}}\n"
     _, canvas = only(drawn(results(STUDY + law + FIGURES)))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "damping general, coefficient 10000, m2 1, m3 1.5" in caption
 
 
-def test_without_figures_each_swept_number_is_an_x(results):
+def test_study_without_figures_has_one_per_swept_number(results):
     sheets = drawn(results(STUDY))
     assert [name for name, _ in sheets] == [
         "fig1-velocity-bpfo-vs-defect-length",
@@ -237,7 +237,7 @@ def test_too_many_curves_become_panels(results):
     assert len(lines(canvas.axes[0])) == 6
 
 
-def test_what_moves_with_x_makes_no_panels(results):
+def test_parameter_zipped_with_x_makes_no_panels(results):
     zipped = "zip: {load: [1 N, 2 N, 3 N, 4 N, 5 N], defect.width: [1 mm, 2 mm, 3 mm, 4 mm, 5 mm]}"
     text = STUDY.replace("load: [150 N, 300 N]", zipped)
     _, canvas = only(drawn(results(text), x="load"))
@@ -245,7 +245,7 @@ def test_what_moves_with_x_makes_no_panels(results):
     assert len(lines(canvas.axes[0])) == 6
 
 
-def test_a_figure_is_changed_by_what_is_asked(results):
+def test_options_change_figure_of_study(results):
     opened = results()
     _, canvas = only(drawn(opened, y=["velocity.rms"], panels=["load"], where={"model": "ring"}))
     assert [ax.get_title(loc="left") for ax in canvas.axes] == ["(a) load 150 N", "(b) load 300 N"]
@@ -254,7 +254,7 @@ def test_a_figure_is_changed_by_what_is_asked(results):
     assert text_of(canvas) == ["model static", "model ring", "load 150 N", "load 300 N", "healthy"]
 
 
-def test_a_figure_that_cannot_be_drawn_is_left_out_with_a_warning(results):
+def test_undrawable_figure_is_skipped_with_warning(results):
     text = STUDY + FIGURES + "  - {y: velocity@BPFO, x: load, where: {model: rollers}}\n"
     opened = results(text)
     with pytest.warns(PlotWarning, match="figure 2 left out: no case has model rollers"):
@@ -263,12 +263,12 @@ def test_a_figure_that_cannot_be_drawn_is_left_out_with_a_warning(results):
         drawn(opened, where={"load": "1 N"})
 
 
-def test_a_figure_whose_x_is_fixed_gives_way(results):
+def test_figure_over_fixed_x_is_replaced(results):
     sheets = drawn(results(overrides={"defect.length": "6 mm"}))
     assert [name for name, _ in sheets] == ["fig1-velocity-bpfo-vs-load"]
 
 
-def test_words_stand_on_x_in_the_order_of_the_study(results):
+def test_words_are_ticks_in_order_of_study(results):
     _, canvas = only(drawn(results(STUDY), x="model"))
     assert [label.get_text() for label in canvas.axes[0].get_xticklabels()] == ["static", "ring"]
 
@@ -281,17 +281,17 @@ def test_words_stand_on_x_in_the_order_of_the_study(results):
         ({"by": ["laod"]}, "did you mean `load`?"),
     ],
 )
-def test_an_unknown_name_is_refused_with_the_nearest(results, options, message):
+def test_unknown_name_is_refused_with_suggestion(results, options, message):
     with pytest.raises(PlotError, match=re.escape(message)):
         drawn(results(), **options)
 
 
-def test_nothing_swept_is_refused(results):
+def test_study_without_sweep_is_refused(results):
     with pytest.raises(PlotError, match="sweeps no parameter"):
         drawn(results(STUDY, overrides={"defect.length": "3 mm", "load": "150 N", "model": "ring"}))
 
 
-def test_the_caption_tells_what_is_fixed_and_not_what_is_drawn(results):
+def test_caption_gives_fixed_but_not_drawn_parameters(results):
     _, canvas = only(drawn(results()))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "circular defect, width 0.8 mm, depth 0.05 mm" in caption
@@ -301,12 +301,12 @@ def test_the_caption_tells_what_is_fixed_and_not_what_is_drawn(results):
     assert "model" not in caption
 
 
-def test_the_caption_leaves_out_what_is_drawn_even_if_one_job_is_left(results):
+def test_caption_omits_drawn_parameters_if_one_job_is_finished(results):
     _, canvas = only(drawn(results(lost=dict.fromkeys(range(1, 12), "missing"))))
     assert not {"length", "load", "model"} & set(canvas.get_supxlabel().replace("\u00a0", " ").split())
 
 
-def test_a_long_legend_takes_nothing_from_the_axes(results):
+def test_long_legend_does_not_shrink_axes(results):
     text = STUDY.replace("[static, ring]", "[ring]").replace(
         "  load", "  contact.damping.chi: [1 s/m, 2 s/m]\n  load"
     )
@@ -315,13 +315,13 @@ def test_a_long_legend_takes_nothing_from_the_axes(results):
     assert min(ax.get_window_extent().width / canvas.dpi for ax in canvas.axes) > 2.3
 
 
-def test_a_log_axis_is_one(results):
+def test_log_option_sets_log_axes(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, log: [x, y]}]\n"
     _, canvas = only(drawn(results(text)))
     assert (canvas.axes[0].get_xscale(), canvas.axes[0].get_yscale()) == ("log", "log")
 
 
-def test_panels_of_one_size_share_their_axis(results):
+def test_panels_of_equal_magnitude_share_axis(results):
     _, canvas = only(drawn(results(), panels=["load"], by=["model"], y=["velocity@BPFO"]))
     low, high = canvas.axes
     assert low.get_ylim() == high.get_ylim()
@@ -329,7 +329,7 @@ def test_panels_of_one_size_share_their_axis(results):
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
-def test_figures_are_written_under_their_names(results, suffix):
+def test_figures_are_written_with_their_names(results, suffix):
     opened = results()
     [path] = plot(opened, file_format=suffix)
     assert path == opened.path / "figures" / f"fig1-velocity-bpfo-vs-defect-length.{suffix}"
@@ -339,7 +339,7 @@ def test_figures_are_written_under_their_names(results, suffix):
         assert "Defect length (mm)" in path.read_text()
 
 
-def test_nothing_lies_outside_the_sheet(results):
+def test_axes_and_legend_fit_on_the_sheet(results):
     _, canvas = only(drawn(results(lost={0: "failed"})))
     canvas.draw_without_rendering()
     sheet = canvas.bbox.padded(1.0)
@@ -350,13 +350,13 @@ def test_nothing_lies_outside_the_sheet(results):
 @pytest.mark.parametrize(
     ("first", "second", "ordered"), [(3, 1, False), (2, 3, False), (9, 1, True), (5, 2, True)]
 )
-def test_curves_differ_even_in_grey(first, second, ordered):
+def test_curve_styles_are_distinct_in_grey(first, second, ordered):
     table = [look for row in style.curve_styles(first, second, ordered) for look in row]
     assert len({(look.marker, look.filled, str(look.line)) for look in table}) == first * second
     assert len({look.colour for look in table}) == first
 
 
-def test_shades_grow_lighter():
+def test_shades_become_lighter():
     shades = [sum(to_rgb(row[0].colour)) for row in style.curve_styles(9, 1, True)]
     assert shades == sorted(shades)
 
@@ -382,7 +382,7 @@ def test_units_follow_the_magnitude(name, largest, unit, factor):
     assert labels.feature_axis(name, largest) == (unit, pytest.approx(factor))
 
 
-def test_swept_values_in_words():
+def test_text_of_swept_value():
     swept = {"defect.shape": "circular", "defect.width": 0.0008, "defects.2.angle": math.pi / 6.0, "load": 150.0}
     text = labels.described(swept, {"defect.width": "um", "defects.2.angle": "deg"})
     assert text == "circular, width 800 µm, defect 2 angle 30°, load 150 N"
@@ -412,14 +412,14 @@ def test_swept_values_in_words():
         ("tolerance", 1e-5, "tolerance 1e-5"),
     ],
 )
-def test_swept_values_read_as_words_instead_of_options(path, value, text):
+def test_text_of_swept_option_is_readable(path, value, text):
     assert labels.described({path: value}, {"contact.damping.beta": "us"}) == text
 
 
 # Phase, series, spectrum
 
 
-def test_the_phase_of_the_difference_follows_the_angle(results):
+def test_phase_of_change_follows_defect_angle(results):
     text = STUDY.replace(
         "  defect.length: [3 mm, 6 mm, 9 mm]\n", "  defect.angle: {range: [0 deg, 60 deg, 5 deg]}\n"
     )
@@ -434,7 +434,7 @@ def test_the_phase_of_the_difference_follows_the_angle(results):
     assert np.nanmax(np.abs(np.diff(y))) <= 180.0
 
 
-def test_a_sine_has_a_peak_of_its_height():
+def test_spectrum_of_sine_peaks_at_its_amplitude():
     time = np.arange(5000) / 10240.0
     wave = 3e-6 * np.sin(2.0 * math.pi * BPFO * time) + 1.0
     frequency, height = signals.spectrum(*whole_periods(Signal(time, wave), BPFO))
@@ -444,7 +444,7 @@ def test_a_sine_has_a_peak_of_its_height():
     assert height[0] < 1e-9
 
 
-def test_a_spectrum_has_the_line_where_it_is_marked(results):
+def test_spectrum_peaks_at_mark_of_bpfo(results):
     opened = results()
     name, canvas = only(drawn(opened, kind="spectrum", jobs=[opened.jobs[0]]))
     [ax] = canvas.axes
@@ -457,7 +457,7 @@ def test_a_spectrum_has_the_line_where_it_is_marked(results):
     assert curve.get_ydata()[peak] == pytest.approx(7.0, rel=1e-3)
 
 
-def test_a_series_shows_the_first_passes_with_the_healthy_twin(results):
+def test_series_shows_first_passes_with_healthy_case(results):
     opened = results()
     _, canvas = only(drawn(opened, kind="series", jobs=opened.jobs[:2]))
     assert len(canvas.axes) == 2
@@ -466,25 +466,25 @@ def test_a_series_shows_the_first_passes_with_the_healthy_twin(results):
     assert canvas.axes[0].get_title(loc="left") == "length 3 mm, load 150 N, model static"
 
 
-def test_series_of_some_jobs_if_none_is_named(results):
+def test_series_without_named_jobs_shows_three(results):
     _, canvas = only(drawn(results(), kind="series"))
     assert len(canvas.axes) == 3
 
 
-def test_the_sensor_looks_where_the_rig_says(results):
+def test_series_is_along_sensor_angle(results):
     text = STUDY + "rig: {sensor_angle: 60 deg}\n"
     opened = results(text)
     _, canvas = only(drawn(opened, kind="series", jobs=opened.jobs[:1]))
     assert max(canvas.axes[0].lines[0].get_ydata()) == pytest.approx(3.5, rel=1e-3)
 
 
-def test_a_study_that_records_nothing_has_no_series(results):
+def test_series_of_study_without_record_is_refused(results):
     opened = results(STUDY + "record: []\n")
     with pytest.raises(PlotError, match="did not record any channel: add one to `record`"):
         drawn(opened, kind="series", jobs=opened.jobs[:1])
 
 
-def test_rings_askew_and_profiles_are_told_if_there_are_any(results):
+def test_caption_gives_misalignment_and_roller_profile(results):
     text = STUDY.replace("[static, ring]", "[spatial]") + "misalignment: {inner: 0.2 mrad}\n"
     sheets = drawn(results(text, overrides={"bearing.roller_profile": "logarithmic"}), x="load")
     caption = only(sheets)[1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")

@@ -14,7 +14,7 @@ WIDTHS = [0.8, 1.5, 3.0]  # inches
 
 @pytest.mark.parametrize(("low", "high"), RANGES)
 @pytest.mark.parametrize("scale", ["log", "linear"])
-def test_labels_of_ticks_do_not_overlap(low, high, scale):
+def test_tick_labels_do_not_overlap(low, high, scale):
     with drawing():
         for width, name in itertools.product(WIDTHS, "xy"):
             canvas = Figure(figsize=(width, width))
@@ -33,7 +33,7 @@ def test_labels_of_ticks_do_not_overlap(low, high, scale):
             assert all(end < start for (_, end), (start, _) in itertools.pairwise(ends)), (width, name)
 
 
-def test_a_tick_stands_at_each_of_few_values_that_fit():
+def test_few_values_each_have_a_tick():
     with drawing():
         canvas = Figure(figsize=(3.0, 3.0))
         ax = canvas.subplots()

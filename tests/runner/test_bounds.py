@@ -198,12 +198,12 @@ def test_limits_that_no_job_satisfies_are_refused(tmp_path: Path, options: Any) 
         (["--fail-fast", "--max-failures", "3"], "omit `--max-failures`"),
     ],
 )
-def test_command_refuses_invalid_limits(here: Path, arguments: list[str], message: str) -> None:
+def test_command_refuses_invalid_limits(study_folder: Path, arguments: list[str], message: str) -> None:
     _, error = type_("run", "small.yaml", *arguments, code=2)
     assert message in " ".join(error.replace("│", " ").split())
 
 
-def test_command_skips_expensive_jobs(here: Path) -> None:
+def test_command_skips_expensive_jobs(study_folder: Path) -> None:
     message, errors = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
     assert "0 of 8 jobs done" in message
     assert "8 jobs are skipped: estimated at" in errors

@@ -438,7 +438,7 @@ def test_delivery_of_unsent_jobs_is_refused(tmp_path: Path) -> None:
         list(cluster_run._collect(submitted))
 
 
-def test_wrong_address_is_reported_before_the_trials(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_address_is_reported_before_the_trials(study_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*arguments: Any) -> None:
         raise AssertionError("models are tried")
 
@@ -464,7 +464,9 @@ def test_no_client_is_created_without_a_scheduler(monkeypatch: pytest.MonkeyPatc
     assert reason in str(error.value)
 
 
-def test_missing_scheduler_and_missing_package_are_reported(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_scheduler_and_missing_package_are_reported(
+    study_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
     arguments = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
     assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*arguments, code=2)[1]

@@ -1,7 +1,7 @@
-"""A bearing of `planar` in space: the same fields, a roller cut into slices, and what holds the rings and cage.
+"""Bearing of `planar` in space: the same fields, a sliced roller, and supports of rings and cage.
 
-Flanges, and how the cage moves out of the plane, are given by numbers of a part that does nothing: so the bearing
-has the types of one of a case, and what is compiled for these serves it.
+Flanges and the cage's motion out of the plane have the types of a case's, with parameters without effect, so that
+the code compiled for cases is used.
 """
 
 from typing import Any
@@ -57,16 +57,16 @@ def slice_defects(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
     return defects._replace(head=head, groups=groups)
 
 
-def spatial_model(model: Any, cut: Slices, reach: Any = None, **changes: Any) -> Spatial:
-    """The planar model cut into slices; what is not given lies still."""
+def spatial_model(model: Any, slices: Slices, reach: Any = None, **changes: Any) -> Spatial:
+    """Spatial model with the fields of a planar one; all other bodies are at rest."""
     b = model.bearing
     fields = model._asdict()
     lag = fields.pop("lag")
     fields["defects"] = (
-        slice_defects(model.defects, cut.table, reach) if len(model.defects.head) else model.defects
+        slice_defects(model.defects, slices.table, reach) if len(model.defects.head) else model.defects
     )
     defaults = {
-        "slices": cut,
+        "slices": slices,
         "L_w": L_W,
         "I_t": b.m_r * (b.R_w**2 / 4 + L_W**2 / 12),
         "mount_o": ALIGNED_MOUNT,

@@ -34,16 +34,16 @@ TWO = "sweep: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}\n"
         ("y: [velocity.rms, velocity@BPFO], x: load, where: {defect.width: 0.8 mm}", [(1, 3)]),
     ],
 )
-def test_a_curve_is_what_a_figure_draws(write: Write, figure: str, on_them: list[tuple[int, ...]]) -> None:
+def test_curves_are_those_of_figures(write: Write, figure: str, on_them: list[tuple[int, ...]]) -> None:
     assert drawn(write, figure, sweep=TWO) == on_them
 
 
-def test_paths_that_move_with_x_part_no_curve(write: Write) -> None:
+def test_parameter_zipped_with_x_does_not_split_curve(write: Write) -> None:
     zipped = "sweep: {zip: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}}\n"
     assert drawn(write, "y: velocity@BPFO, x: load", sweep=zipped) == [(0, 1)]
 
 
-def test_the_points_of_a_design_are_one_cloud(write: Write) -> None:
+def test_points_of_a_design_are_one_curve(write: Write) -> None:
     """Rows of `saltelli` share values: what else moves at one of them parts no cloud, nor does what follows."""
     blocks = "sweep: {saltelli: {n: 4, over: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}}, %s}\n"
     derived = blocks % "derived: {defect.depth: defect.width / 20}"
@@ -54,14 +54,14 @@ def test_the_points_of_a_design_are_one_cloud(write: Write) -> None:
     assert drawn(write, "y: velocity@BPFO, x: load, by: clearance", sweep=clouds) == two_curves
 
 
-def test_where_knows_words_and_plain_numbers(write: Write) -> None:
+def test_where_accepts_words_and_plain_numbers(write: Write) -> None:
     words = "sweep: {load: [150 N, 300 N], excitation: [envelope, soft-edge]}\n"
     assert drawn(write, "y: velocity@BPFO, x: load, where: {excitation: soft-edge}", sweep=words) == [(1, 3)]
     rollers = "sweep: {load: [150 N, 300 N], bearing.rollers: [12, 13]}\n"
     assert drawn(write, "y: velocity@BPFO, x: load, where: {bearing.rollers: 13}", sweep=rollers) == [(1, 3)]
 
 
-def test_an_error_counts_over_the_largest_value_of_the_lowest_curve() -> None:
+def test_error_is_relative_to_largest_value_of_lowest_curve() -> None:
     line, other = "velocity@BPFO", "velocity.rms"
     on = [Curve(line, (0, 1, 2)), Curve(line, (2, 3)), Curve(other, (0, 1, 2, 3, 4))]
     assert scales(line, [1.0, 5.0, 2.0, 3.0, 7.0], on) == [5.0, 5.0, 3.0, 3.0, 7.0]

@@ -40,17 +40,17 @@ def chosen_candidates(study: Study, evaluate: TrialFunction) -> list[str]:
 
 
 @pytest.fixture
-def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
-    """What a case costs, by its model, at 20 slices or 32 harmonics: to be changed by a test."""
-    costs = {"spatial": 30.0, "planar": 10.0, "rollers": 3.0, "ring": 1.0, "static": 0.1}
+def costs(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
+    """Cost of a case by its model, at 20 slices or 32 harmonics; a test may change it."""
+    prices = {"spatial": 30.0, "planar": 10.0, "rollers": 3.0, "ring": 1.0, "static": 0.1}
 
     def price(case: Case) -> float:
         many = 1.0 if case.rig.ring is None else int(case.rig.ring.harmonics) / 32.0
-        return costs[case.model] * many * (int(case.contact.slices) / 20.0 if case.model == "spatial" else 1.0)
+        return prices[case.model] * many * (int(case.contact.slices) / 20.0 if case.model == "spatial" else 1.0)
 
     for module in (candidates, import_module("bearingsim.selection.decide")):
         monkeypatch.setattr(module, "price", price)
-    return costs
+    return prices
 
 
 @pytest.mark.parametrize(
@@ -64,27 +64,27 @@ def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
         ({"rollers": 1.2, "static": 0.99}, "static"),
     ],
 )
-def test_the_cheapest_that_holds_is_taken(
-    write: Write, dear: dict[str, float], off: dict[str, float], model: str
+def test_cheapest_sufficient_model_is_chosen(
+    write: Write, costs: dict[str, float], off: dict[str, float], model: str
 ) -> None:
     assert chosen_candidates(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01} | off)) == [model] * 3
 
 
-def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: dict[str, float]) -> None:
+def test_scatter_counts_as_difference(write: Write, costs: dict[str, float]) -> None:
     """Two draws of 30 % scatter each agree by no luck within 5 %."""
     offsets = {model: number for number, model in enumerate(FAR)}
 
     def evaluate(request: TrialRequest) -> Trial:
         full = trial(request.case.load, request.passes + offsets[request.case.model], 0.3, names=request.features)
-        cut = {name: parts[: request.passes] for name, parts in full.lines.items()}
+        lines = {name: parts[: request.passes] for name, parts in full.lines.items()}
         return replace(
-            full, passes=request.passes, turns=request.passes, lines=cut, forces=full.forces[: request.passes]
+            full, passes=request.passes, turns=request.passes, lines=lines, forces=full.forces[: request.passes]
         )
 
     assert chosen_candidates(accuracy_study(write), evaluate) == ["reference"] * 3
 
 
-def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: dict[str, float]) -> None:
+def test_errors_are_relative_to_largest_value_of_curve(write: Write, costs: dict[str, float]) -> None:
     """Rollers are 10 N off at each load: 6.7 % of 150 N, but 2.2 % of the 450 N at the curve's end."""
 
     def evaluate(request: TrialRequest) -> Trial:
@@ -104,12 +104,12 @@ def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: di
 
 
 @pytest.mark.parametrize(("compiling_s", "tried"), [(0.0, True), (20.0, True), (22.0, False)])
-def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
-    write: Write, dear: dict[str, float], compiling_s: float, tried: bool
+def test_model_that_saves_less_than_its_compile_time_is_not_tried(
+    write: Write, costs: dict[str, float], compiling_s: float, tried: bool
 ) -> None:
     """`rollers` saves 7 s in each of three cases."""
     study, evaluate = accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01})
-    dear |= {"ring": 10.0, "static": 10.0}  # save nothing
+    costs |= {"ring": 10.0, "static": 10.0}  # save nothing
     choosing = selection.ModelSelector(study, range(3), lambda case: compiling_s)
     result = {request.id: evaluate(request) for request in choosing.next_trials({})}
     pending = choosing.next_trials(result)
@@ -121,7 +121,7 @@ def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
         assert {choice.why for choice in chosen} == {why}
 
 
-def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float]) -> None:
+def test_failing_candidate_is_not_chosen(write: Write, costs: dict[str, float]) -> None:
     evaluate = trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01})
     study = accuracy_study(write)
     assert (
@@ -138,8 +138,10 @@ def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float
     )
 
 
-@pytest.mark.parametrize("which", ["own", "twin"])
-def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str, float], which: str) -> None:
+@pytest.mark.parametrize("which", ["own", "healthy"])
+def test_case_with_failing_reference_is_computed_by_reference(
+    write: Write, costs: dict[str, float], which: str
+) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     evaluate = trials_by_model(FAR | {"rollers": 1.0})
 
@@ -163,8 +165,8 @@ def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str,
 
 
 @pytest.mark.parametrize(("saving", "model"), [(0.09, "rollers"), (0.11, "ring")])
-def test_a_lower_model_must_save_a_tenth(write: Write, dear: dict[str, float], saving: float, model: str) -> None:
-    dear["ring"] = (1.0 - saving) * dear["rollers"]
+def test_a_lower_model_must_save_a_tenth(write: Write, costs: dict[str, float], saving: float, model: str) -> None:
+    costs["ring"] = (1.0 - saving) * costs["rollers"]
     assert (
         chosen_candidates(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01}))
         == [model] * 3
@@ -172,11 +174,11 @@ def test_a_lower_model_must_save_a_tenth(write: Write, dear: dict[str, float], s
 
 
 @pytest.mark.parametrize(("share", "mixed"), [(0.32, True), (0.34, False)])
-def test_models_are_mixed_on_a_curve_only_where_that_saves_much(
-    write: Write, dear: dict[str, float], share: float, mixed: bool
+def test_models_are_mixed_on_a_curve_only_for_a_large_saving(
+    write: Write, costs: dict[str, float], share: float, mixed: bool
 ) -> None:
     """Static does at two of three loads; rollers, at the third alone, save so much."""
-    dear |= {"planar": 1.0, "rollers": 0.5, "static": (3.0 * share - 0.5) / 2.0, "ring": 1.0}
+    costs |= {"planar": 1.0, "rollers": 0.5, "static": (3.0 * share - 0.5) / 2.0, "ring": 1.0}
 
     def evaluate(request: TrialRequest) -> Trial:
         low = request.case.load < 400.0
@@ -189,7 +191,7 @@ def test_models_are_mixed_on_a_curve_only_where_that_saves_much(
     )
 
 
-def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
+def test_periodic_reference_is_chosen_without_trials(write: Write) -> None:
     study = accuracy_study(write)
     evaluate = trials_by_model(FAR, repeats=True)
     result = run_trials(study, evaluate)
@@ -207,8 +209,8 @@ def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
         ({"static": 1.03}, {"planar", "static"}),
     ],
 )
-def test_nothing_is_tried_that_costs_more_than_what_holds(
-    write: Write, dear: dict[str, float], off: dict[str, float], tried: set[str]
+def test_models_dearer_than_a_sufficient_one_are_not_tried(
+    write: Write, costs: dict[str, float], off: dict[str, float], tried: set[str]
 ) -> None:
     models = set()
 
@@ -220,7 +222,7 @@ def test_nothing_is_tried_that_costs_more_than_what_holds(
     assert models == tried
 
 
-def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> None:
+def test_nan_feature_makes_model_insufficient(write: Write, costs: dict[str, float]) -> None:
     """A number that is none in one feature is not hidden by another that is near."""
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO, velocity.rms]}")
 
@@ -240,14 +242,14 @@ def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> 
         ({"planar": 1.0}, "the nearest cheaper model is 50 % off: over 4 %"),
     ],
 )
-def test_it_is_told_why_nothing_cheaper_is_taken(
-    write: Write, dear: dict[str, float], off: dict[str, float], reason: str
+def test_reason_against_cheaper_models_is_given(
+    write: Write, costs: dict[str, float], off: dict[str, float], reason: str
 ) -> None:
     text = TEXT.replace("150 N, 300 N, 450 N", "450 N")
     assert choose(accuracy_study(write, text), trials_by_model(FAR | off))[0].why == reason
 
 
-def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Write, dear: dict[str, float]) -> None:
+def test_reason_names_other_case_of_the_curve(write: Write, costs: dict[str, float]) -> None:
     def evaluate(request: TrialRequest) -> Trial:
         high = request.case.load > 400.0 and request.case.model != "planar"
         return trial(request.case.load * (2.0 if high else 1.0), names=request.features)
@@ -274,9 +276,7 @@ def by_nodes(off: float, scatter: float = 0.0, **others: Any) -> TrialFunction:
 
 
 @pytest.mark.parametrize("repeats", [False, True])
-def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
-    write: Write, dear: dict[str, float], repeats: bool
-) -> None:
+def test_discretisation_error_is_from_doubled_nodes(write: Write, costs: dict[str, float], repeats: bool) -> None:
     """Twice what they change, as of an error of first order, over the largest value of the curve.
 
     Both ends of the curve are tried: in between the error is the larger one of them.
@@ -296,7 +296,7 @@ def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
     assert errors == pytest.approx([2.0 * 0.004 * size * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
 
 
-def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Write, dear: dict[str, float]) -> None:
+def test_each_shape_on_a_curve_has_its_discretisation_error(write: Write, costs: dict[str, float]) -> None:
     """Ends of each shape are tried; a case in between has the larger error of neighbours of its shape."""
     loads, shapes = "150 N, 200 N, 250 N, 300 N, 350 N, 400 N", ", ".join(3 * ["circular", "spall"])
     text = TEXT.replace("load: [150 N, 300 N, 450 N]", f"zip: {{load: [{loads}], defect.shape: [{shapes}]}}")
@@ -314,7 +314,7 @@ def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Writ
     assert errors == pytest.approx([2.0 * of_load / 400.0 for of_load in of_loads], rel=1e-6)
 
 
-def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear: dict[str, float]) -> None:
+def test_discretisation_error_includes_scatter(write: Write, costs: dict[str, float]) -> None:
     plain = choose(accuracy_study(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
     noisy = choose(accuracy_study(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
     assert plain is not None
@@ -322,7 +322,7 @@ def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear
     assert noisy > plain + 0.005
 
 
-def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write, dear: dict[str, float]) -> None:
+def test_discretisation_error_is_unknown_if_trial_fails(write: Write, costs: dict[str, float]) -> None:
     evaluate = by_nodes(0.0)
     result = choose(
         accuracy_study(write, BOWL),
@@ -335,13 +335,13 @@ def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write
     ("shape", "varies"),
     [("rectangular", False), ("triangular", False), ("circular", True), ("elliptical", True), ("spall", True)],
 )
-def test_nodes_are_doubled_where_a_defect_varies_along_the_roller(write: Write, shape: str, varies: bool) -> None:
+def test_nodes_are_doubled_if_defect_varies_along_roller(write: Write, shape: str, varies: bool) -> None:
     other = candidates.with_other_nodes(accuracy_study(write, TEXT.replace("rectangular", shape)).cases()[0])
     assert (other is not None) == varies
     assert other is None or (other[0].contact.length_nodes, other[0].contact.slices, other[1]) == (48, 24, 2.0)
 
 
-def test_of_a_reference_slices_are_halved_and_harmonics_doubled_again(write: Write) -> None:
+def test_reference_is_compared_with_half_the_slices_or_twice_the_harmonics(write: Write) -> None:
     """Twice the slices would be too many. Of what is judged by a reference that is in the error of the model."""
     leaning = candidates.reference(accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
     other = candidates.with_other_nodes(leaning)
@@ -379,11 +379,11 @@ def names(write: Write, text: str) -> dict[str, list[int]]:
     return {name: list(result) for name, result in candidates.candidates(study, range(len(study.cases()))).items()}
 
 
-def test_candidates_go_from_the_highest_down(write: Write, dear: dict[str, float]) -> None:
+def test_candidates_are_in_descending_order(write: Write, costs: dict[str, float]) -> None:
     assert list(names(write, TEXT)) == ["rollers", "ring", "static"]
 
 
-def test_a_model_below_has_the_cage_of_the_reference(write: Write) -> None:
+def test_lower_model_has_cage_of_reference(write: Write) -> None:
     """Without slip neither slips: with it, `planar` would never repeat itself, and be judged for what it adds."""
     study = accuracy_study(write, OFFSET)
     own, planar = study.cases()[0], candidates.computed_by(study, 0, "planar")
@@ -397,17 +397,17 @@ def test_a_model_below_has_the_cage_of_the_reference(write: Write) -> None:
     assert below.cage.motion == "free"
 
 
-def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, float]) -> None:
+def test_candidate_that_merges_two_cases_is_excluded(write: Write, costs: dict[str, float]) -> None:
     """Its results would be one row of the table, and one point of the figure."""
     text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
-    dear["static"] = 1.0
+    costs["static"] = 1.0
     result = names(write, f"{text}sweep: {{rig.ring: [{RING}, {RING.replace('16', '32')}]}}\n")
     assert result == {candidates.GIVEN_HARMONICS: [0, 1], "static": [0, 1]}
     other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
     assert list(other) == [candidates.GIVEN_HARMONICS, "8 harmonics", "static"]
 
 
-def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
+def test_ramp_is_computed_by_reference(write: Write, costs: dict[str, float]) -> None:
     """Its first passes are at one speed."""
     assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
     study = accuracy_study(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
@@ -417,7 +417,7 @@ def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dic
     ] * 3
 
 
-def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:
+def test_candidates_are_independent_of_other_cases(write: Write, costs: dict[str, float]) -> None:
     """Those of a study that is extended are as they were, though what is new has more slices."""
     sweep = "sweep: {contact: [{slices: 10}, {slices: 20}]}"
     text = SPATIAL.replace("sweep: {load: [150 N, 300 N, 450 N]}", f"load: 150 N\n{sweep}").replace(
@@ -433,7 +433,7 @@ def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear
     assert [case.contact.slices for case in selection.apply_choices(more, result).cases()] == [5, 10, 48]
 
 
-def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> None:
+def test_reference_of_flexible_ring_has_twice_the_harmonics(write: Write) -> None:
     study = accuracy_study(write, TEXT + BENDS)
     case = study.cases()[0]
     assert case.model == "rollers"
@@ -446,7 +446,7 @@ def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> Non
     assert candidates.reference(accuracy_study(write).cases()[0]) == accuracy_study(write).cases()[0]
 
 
-def test_a_sliced_roller_is_judged_by_twice_its_slices(write: Write) -> None:
+def test_reference_of_sliced_roller_has_twice_the_slices(write: Write) -> None:
     case = accuracy_study(write, SPATIAL).cases()[0]
     assert (case.model, case.contact.slices) == ("spatial", 24)
     assert candidates.reference(case).contact.slices == 48
@@ -456,7 +456,7 @@ def test_a_sliced_roller_is_judged_by_twice_its_slices(write: Write) -> None:
     assert candidates.reference(most).contact.slices == 48
 
 
-def test_slices_that_are_recorded_by_number_stay(write: Write) -> None:
+def test_recorded_slices_are_not_changed(write: Write) -> None:
     """Number 7 of 48 slices is elsewhere than number 7 of 24."""
     case = accuracy_study(write, SPATIAL + "record: [roller.outer_line_load]\n").cases()[0]
     assert candidates.reference(case) == case
@@ -466,28 +466,28 @@ def test_slices_that_are_recorded_by_number_stay(write: Write) -> None:
 
 
 def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None = None) -> Study:
-    result = {key(study, case): Choice(candidate, candidate, "told", error or {}) for case in study.cases()}
+    result = {key(study, case): Choice(candidate, candidate, "reason", error or {}) for case in study.cases()}
     return selection.apply_choices(study, result)
 
 
 @pytest.mark.parametrize("model", ["rollers", "ring", "static", "reference"])
-def test_chosen_jobs_are_those_of_a_study_that_names_the_model(write: Write, model: str) -> None:
+def test_chosen_jobs_equal_those_of_study_with_named_model(write: Write, model: str) -> None:
     result = with_choice(accuracy_study(write), model)
     named = load_study(write(TEXT.replace("accuracy: 5 %", f"model: {model}\nrecord: []\nuntil: 1.25 %")))
     assert [job.id for job in result.planned()] == [job.id for job in named.planned()]
     assert [values for _, values in result.swept_cases] == [values for _, values in named.swept_cases]
 
 
-def test_what_was_chosen_is_told_by_job(write: Write) -> None:
+def test_choice_is_given_per_job(write: Write) -> None:
     result = with_choice(accuracy_study(write), "ring", {"velocity@BPFO": 0.02}).selection
     assert result is not None
     study = with_choice(accuracy_study(write), "ring")
     ids = [case_id(case) for case in study.cases()]
-    assert result.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}, {}) for name in ids}
+    assert result.jobs == {name: ("ring", "reason", {"velocity@BPFO": 0.02}, {}, {}) for name in ids}
     assert result.curves == (("velocity@BPFO", tuple(ids)),)
 
 
-def test_some_are_audited_by_seed(write: Write) -> None:
+def test_audited_cases_are_drawn_by_seed(write: Write) -> None:
     loads = ", ".join(f"{100 + n} N" for n in range(10))
     text = TEXT.replace("150 N, 300 N, 450 N", loads)
     study = accuracy_study(write, text)
@@ -506,7 +506,7 @@ def test_some_are_audited_by_seed(write: Write) -> None:
     assert nothing.audits == ()
 
 
-def test_an_audit_has_the_twin_that_a_line_is_measured_against(write: Write) -> None:
+def test_audit_of_change_from_healthy_has_healthy_job(write: Write) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     result = with_choice(accuracy_study(write, text), "static")
     assert result.selection is not None
@@ -518,8 +518,8 @@ def test_an_audit_has_the_twin_that_a_line_is_measured_against(write: Write) -> 
         assert jobs[healthy].case.model == "planar"
 
 
-def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
-    write: Write, monkeypatch: pytest.MonkeyPatch, dear: dict[str, float]
+def test_study_is_expanded_once_per_candidate(
+    write: Write, monkeypatch: pytest.MonkeyPatch, costs: dict[str, float]
 ) -> None:
     """Not once for each case: that would be a million cases to check, of a thousand."""
     from bearingsim.study.plan import Plan
@@ -538,7 +538,7 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
     assert len(calls) == 3
 
 
-def test_choices_are_json(write: Write, tmp_path: Path, dear: dict[str, float]) -> None:
+def test_choices_are_stored_as_json(write: Write, tmp_path: Path, costs: dict[str, float]) -> None:
     from bearingsim import store
 
     study = accuracy_study(write)

@@ -50,7 +50,7 @@ def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
 
 
 @pytest.mark.parametrize("repeats", [False, True])
-def test_friction_that_changes_little_is_an_error(write: Write, repeats: bool) -> None:
+def test_small_change_by_friction_is_an_error_part(write: Write, repeats: bool) -> None:
     result = choose(accuracy_study(write, OPEN), by_friction(0.002, repeats=repeats))
     assert [choice.candidate for choice in result] == ["reference" if repeats else "rollers"] * 3
     errors = [choice.friction[LINE] for choice in result]
@@ -59,7 +59,7 @@ def test_friction_that_changes_little_is_an_error(write: Write, repeats: bool) -
 
 
 @pytest.mark.parametrize("repeats", [False, True])
-def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> None:
+def test_friction_with_large_change_is_computed(write: Write, repeats: bool) -> None:
     """On all of the curve: as `planar` has it by default."""
     study = accuracy_study(write, OPEN)
     evaluate = by_friction(0.045, repeats=repeats)
@@ -76,7 +76,7 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
     assert done.selection.audits == ()
 
 
-def test_model_and_friction_share_what_is_asked(write: Write) -> None:
+def test_errors_of_model_and_friction_share_the_accuracy(write: Write) -> None:
     """4 % of 5 %: neither is over that alone. With friction the last resort costs no more than without."""
     alone = choose(accuracy_study(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
     combined = choose(accuracy_study(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
@@ -85,7 +85,7 @@ def test_model_and_friction_share_what_is_asked(write: Write) -> None:
 
 
 @pytest.mark.parametrize("text", ["friction: none", "cage: {pocket_clearance: 0.1 mm}", "friction: traction"])
-def test_who_speaks_of_it_has_what_is_said(write: Write, text: str) -> None:
+def test_stated_friction_or_cage_is_kept(write: Write, text: str) -> None:
     study = accuracy_study(write, f"{OPEN}{text}\n")
     assert candidates.with_friction(study.cases()[0]) is None
     result = choose(study, by_friction(9.0, OFF))
@@ -93,13 +93,13 @@ def test_who_speaks_of_it_has_what_is_said(write: Write, text: str) -> None:
     assert [choice.friction for choice in result] == [{}] * 3
 
 
-def test_a_choice_with_friction_left_open_is_another(write: Write) -> None:
+def test_choice_with_open_friction_has_another_key(write: Write) -> None:
     named, left = accuracy_study(write), accuracy_study(write, OPEN)
     assert case_id(named.cases()[0]) == case_id(left.cases()[0])
     assert key(named, named.cases()[0]) != key(left, left.cases()[0])
 
 
-def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write) -> None:
+def test_friction_is_tried_at_ends_of_curve_and_largest_value(write: Write) -> None:
     """The others are taken to change by no more; their audits have friction."""
     study = accuracy_study(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
     tried: set[float] = set()
@@ -122,7 +122,7 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
     assert all(is_free(audit.job.case) for audit in done.selection.audits)
 
 
-def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: Write) -> None:
+def test_case_tried_with_friction_is_that_of_the_job(write: Write) -> None:
     """Its record may end early, and is then the job."""
     study = accuracy_study(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
     tried: list[Case] = []
@@ -137,7 +137,7 @@ def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: W
     assert tried
 
 
-def test_each_curve_is_judged_by_itself(write: Write) -> None:
+def test_each_curve_is_decided_separately(write: Write) -> None:
     text = OPEN.replace("sweep: {", "sweep: {defect.width: [0.4 mm, 0.8 mm], ").replace(
         "x: load", "x: load, by: defect.width"
     )
@@ -150,7 +150,7 @@ def test_each_curve_is_judged_by_itself(write: Write) -> None:
     assert [choice.candidate for choice in choose(study, evaluate)] == ["rollers"] * 3 + [WITH_FRICTION] * 3
 
 
-def test_what_friction_does_is_unknown_where_its_trial_fails(write: Write) -> None:
+def test_change_by_friction_is_unknown_if_trial_fails(write: Write) -> None:
     evaluate = by_friction(0.0, repeats=True)
     result = choose(
         accuracy_study(write, OPEN), lambda request: None if is_free(request.case) else evaluate(request)
@@ -159,7 +159,7 @@ def test_what_friction_does_is_unknown_where_its_trial_fails(write: Write) -> No
     assert [choice.friction for choice in result] == [{LINE: None}] * 3
 
 
-def test_a_record_of_too_few_turns_of_the_cage_is_computed_with_friction(write: Write) -> None:
+def test_record_of_few_cage_turns_is_computed_with_friction(write: Write) -> None:
     """Nothing is tried: that would cost more. 65 ball passes are 0.122 s."""
     short = accuracy_study(write, OPEN.replace("0.2 s", "0.12 s"))
     assert run_trials(short, by_friction(0.0)) == {}
@@ -168,7 +168,7 @@ def test_a_record_of_too_few_turns_of_the_cage_is_computed_with_friction(write: 
     assert [choice.candidate for choice in choose(long, by_friction(0.0, repeats=True))] == ["reference"] * 3
 
 
-def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Write) -> None:
+def test_few_turns_of_non_periodic_response_are_not_compared(write: Write) -> None:
     def evaluate(request: TrialRequest) -> Trial:
         assert not is_free(request.case)
         return trial(request.case.load, CAGE_TURNS - 1, names=request.features)
@@ -178,7 +178,7 @@ def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Wr
     assert result[0].why.startswith("without friction it is not periodic")
 
 
-def test_trials_beside_a_free_cage_count_whole_turns_of_it(write: Write) -> None:
+def test_trials_with_free_cage_have_whole_cage_turns(write: Write) -> None:
     case = accuracy_study(write, OPEN).cases()[0]
     Z, rate = case.bearing.rollers, case.bearing.ball_pass_frequency(case.speed)
     first = selection.ModelSelector(accuracy_study(write, OPEN), [0]).next_trials({})[0]
@@ -201,7 +201,7 @@ SCENE = {
 }
 
 
-def test_a_trial_that_is_far_off_after_two_turns_of_the_cage_ends_there() -> None:
+def test_trial_far_from_reference_ends_early() -> None:
     """A motion that repeats itself is read beyond its record."""
     case = Case.model_validate(SCENE | {"duration": "0.1 s"})
     free = candidates.with_friction(case)

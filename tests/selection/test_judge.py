@@ -28,12 +28,12 @@ def with_parts(parts: np.ndarray) -> Trial:
 
 
 @pytest.mark.parametrize("feature", ALL)
-def test_a_trial_is_nothing_off_itself(feature: str) -> None:
+def test_error_against_itself_is_zero(feature: str) -> None:
     assert off(feature, trial(3.0, scatter=0.1, names=NAMES), trial(3.0, scatter=0.1, names=NAMES)) == 0.0
 
 
 @pytest.mark.parametrize("feature", ALL)
-def test_what_each_pass_adds_alike_is_off_by_just_that(feature: str) -> None:
+def test_error_of_constant_offset_is_the_offset(feature: str) -> None:
     shifted, other = trial(3.3, names=NAMES), trial(3.0, names=NAMES)
     assert value(feature, shifted, None).value == pytest.approx(3.3, rel=1e-12)
     assert off(feature, shifted, other) == pytest.approx(0.3, rel=1e-9)
@@ -48,7 +48,7 @@ def windowed(noise: np.ndarray) -> Trial:
     return Trial(turns, turns, False, {LINE: amplitudes(noise.ravel(), angles, spans)}, {}, np.ones(turns))
 
 
-def test_scatter_counts_as_often_as_student_says() -> None:
+def test_error_covers_scatter_at_confidence_level() -> None:
     """Of many draws of equal lines under noise, whose true difference is none, the error covers 95 %."""
     rng, line = np.random.default_rng(3), np.cos(2.0 * np.pi * np.arange(PASSES * 64) / 8.0).reshape(PASSES, 64)
     result = []
@@ -61,7 +61,7 @@ def test_scatter_counts_as_often_as_student_says() -> None:
     assert np.mean(difference < more) == pytest.approx(0.95, abs=0.03)
 
 
-def test_rms_scatters_as_half_the_power_does() -> None:
+def test_scatter_of_rms_is_from_half_the_power() -> None:
     rng = np.random.default_rng(4)
     noise = [np.array([0.0, *0.1 * rng.normal(size=PASSES - 1)]) for _ in range(2)]
     pair = [Trial(PASSES, PASSES, False, {}, {RMS: (1.0 + one) * 4.0}, np.ones(PASSES)) for one in noise]
@@ -69,7 +69,7 @@ def test_rms_scatters_as_half_the_power_does() -> None:
     assert off(RMS, pair[0], pair[1]) == pytest.approx(stdtrit(PASSES - 2, 0.975) * s, rel=1e-9)
 
 
-def test_a_healthy_twin_is_taken_off_part_by_part() -> None:
+def test_healthy_case_is_subtracted_part_by_part() -> None:
     own, healthy = trial(3.0, scatter=0.2, names=NAMES), trial(1.0, scatter=0.2, names=NAMES)
     result = value(f"{LINE}-healthy", own, healthy)
     assert result.value == pytest.approx(2.0, rel=1e-12)
@@ -79,6 +79,6 @@ def test_a_healthy_twin_is_taken_off_part_by_part() -> None:
 
 
 @pytest.mark.parametrize("turns", [1, 2])
-def test_one_part_tells_nothing_of_scatter_so_nothing_is_sure(turns: int) -> None:
+def test_error_is_infinite_with_one_part(turns: int) -> None:
     short = trial(3.0, turns, names=NAMES)
     assert all(math.isinf(off(feature, short, short)) for feature in (NAMES if turns == 2 else ALL))

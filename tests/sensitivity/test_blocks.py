@@ -37,7 +37,7 @@ def refused(*positional, of=LINE, **columns):
 
 
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
-def test_values_stand_in_the_rows_of_the_design(kind):
+def test_values_are_in_rows_of_design(kind):
     result = collect_blocks(results(kind), LINE)
     assert result.values.shape == (8, block(kind, 3))
     assert result.values == pytest.approx(ISHIGAMI.function(result.points))
@@ -45,14 +45,14 @@ def test_values_stand_in_the_rows_of_the_design(kind):
     assert result.losses() == ""
 
 
-def test_a_job_without_a_value_spoils_its_block():
+def test_job_without_value_drops_its_block():
     result = collect_blocks(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
     assert result.values == pytest.approx(ISHIGAMI.function(result.points))
     assert (len(result.values), result.dropped, result.planned, result.failed, result.valueless) == (5, 3, 8, 3, 1)
     assert result.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
 
 
-def test_three_per_cent_of_failures_leave_the_indices():
+def test_indices_with_three_per_cent_failures():
     n = 2**14
     failed = np.flatnonzero(np.random.default_rng(3).random(5 * n) < 0.03)
     result = collect_blocks(results(n=n, failed=failed), LINE)
@@ -62,14 +62,14 @@ def test_three_per_cent_of_failures_leave_the_indices():
     assert np.abs(indices - [ISHIGAMI.first, ISHIGAMI.total]).max() < 0.05
 
 
-def test_over_a_tenth_of_failures_is_refused():
+def test_failures_over_ten_per_cent_are_refused():
     assert collect_blocks(results(failed=range(4)), LINE).dropped == 1  # 4 of 40
     message = refused(failed=range(4), without=[4])
     assert message.startswith("5 of 40 jobs have no `velocity@BPFO` (4 failed), more than 10 %.")
     assert "`bearingsim show --failed`" in message
 
 
-def test_what_is_not_computed_yet_is_refused_with_the_command():
+def test_missing_jobs_are_refused_with_command():
     message = refused(missing=[3, 4])
     assert message == (
         "2 of 40 jobs are not computed yet: "
@@ -77,7 +77,7 @@ def test_what_is_not_computed_yet_is_refused_with_the_command():
     )
 
 
-def test_a_job_that_stands_in_several_rows_counts_once():
+def test_job_in_several_rows_counts_once():
     repeated = results("morris", n=8, failed=[0])
     repeated.plan["design"]["ids"][4] = "0000"  # the first rows of two trajectories
     result = collect_blocks(repeated, LINE)
@@ -85,32 +85,32 @@ def test_a_job_that_stands_in_several_rows_counts_once():
 
 
 @pytest.mark.parametrize("kind", ["lhs", "sobol"])
-def test_points_without_blocks_tell_no_indices(kind):
+def test_design_without_blocks_is_refused(kind):
     message = refused(kind)
     assert f"the design `{kind}` gives no indices, only figures" in message
     assert "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform:" in message
 
 
-def test_a_study_without_a_design_is_told_what_to_write():
+def test_study_without_design_is_refused_with_example():
     plain = results()
     plain.plan["design"] = None
     with pytest.raises(SensitivityError, match=r"mine: the study has no design; .*saltelli: \{n: 128, seed"):
         collect_blocks(plain, LINE)
 
 
-def test_a_feature_is_one_that_the_results_have():
+def test_unsuitable_feature_is_refused():
     assert refused(of="velocity@BPF").endswith("(did you mean `velocity@BPFO`?)")
     assert refused(of="status") == "no feature `status` in these results (there are: velocity@BPFO)"
     assert "a phase is periodic" in refused(of=f"{LINE}.phase", **{f"{LINE}.phase": 1.0})
 
 
-def test_what_does_not_vary_has_no_indices():
+def test_constant_feature_is_refused():
     constant = results(of=lambda points: np.ones(len(points)))
     with pytest.raises(SensitivityError, match="`velocity@BPFO` is the same in all jobs"):
         collect_blocks(constant, LINE)
 
 
-def test_few_blocks_have_no_interval():
+def test_too_few_blocks_are_refused():
     assert refused(n=3) == "too few blocks for an interval (the design has n: 3): raise `n`"
     assert len(collect_blocks(results(n=4), LINE).values) == 4
 
@@ -120,7 +120,7 @@ def test_chaotic_jobs_are_counted():
     assert collect_blocks(results(), LINE).chaotic == 0
 
 
-def test_what_varies_in_one_block_has_no_interval():
+def test_feature_that_varies_in_one_block_is_refused():
     """Draws without that block do not vary at all."""
     of_one = collect_blocks(results(of=lambda points: 1.0 * (np.arange(len(points)) == 1)), LINE)
     with pytest.raises(SensitivityError, match="varies in too few blocks"):

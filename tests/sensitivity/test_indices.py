@@ -18,7 +18,7 @@ def blocks_of(closed_form: KnownIndices, n: int, seed: int = 1):
     return closed_form.function(cube("saltelli", n, d, seed)).reshape(n, d + 2)
 
 
-def test_closed_forms_are_those_of_the_literature():
+def test_closed_forms_agree_with_literature():
     assert ISHIGAMI.first == pytest.approx([0.3139, 0.4424, 0.0], abs=1e-4)
     assert ISHIGAMI.total == pytest.approx([0.5576, 0.4424, 0.2437], abs=1e-4)
     assert SOBOL_G.first.sum() < 1.0 < SOBOL_G.total.sum()
@@ -26,13 +26,13 @@ def test_closed_forms_are_those_of_the_literature():
 
 @KNOWN
 @pytest.mark.parametrize("seed", [1, 2])
-def test_indices_are_those_of_closed_forms(closed_form, seed):
+def test_indices_agree_with_closed_forms(closed_form, seed):
     result = estimates.indices(blocks_of(closed_form, 2**14, seed))
     assert np.abs(result - BOTH([closed_form.first, closed_form.total])).max() < 0.02
 
 
 @KNOWN
-def test_dropped_blocks_leave_the_indices(closed_form):
+def test_indices_with_dropped_blocks(closed_form):
     f = blocks_of(closed_form, 2**14)
     f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
     full = f[np.isfinite(f).all(axis=1)]
@@ -42,7 +42,7 @@ def test_dropped_blocks_leave_the_indices(closed_form):
 
 @KNOWN
 @pytest.mark.parametrize("offset", [0.0, 1e3])
-def test_total_indices_are_those_of_scipy_and_first_ones_near_them(closed_form, offset):
+def test_indices_agree_with_scipy(closed_form, offset):
     f = blocks_of(closed_form, 2**12) + offset
     scipy_result = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
     first, total = estimates.indices(f)
@@ -56,7 +56,7 @@ def pair(u):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_correlated_columns_of_a_small_design_make_no_first_index(seed):
+def test_correlated_columns_give_no_false_first_index(seed):
     """Of six parameters at 128 blocks, those columns of A and B are correlated whatever the scramble."""
     f = pair(cube("saltelli", 128, 6, seed)).reshape(128, 8)
     assert abs(np.corrcoef(f[:, 0], f[:, 1])[0, 1]) > 0.3
@@ -65,17 +65,17 @@ def test_correlated_columns_of_a_small_design_make_no_first_index(seed):
     assert np.all((result.first.low <= 0.0) & (result.first.high >= 0.0))
 
 
-def test_an_inert_parameter_has_no_index_and_the_only_one_all_of_it():
+def test_inert_parameter_has_index_zero():
     f = (cube("saltelli", 16, 2, 1)[:, 0] ** 2).reshape(16, 4)
     assert estimates.indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
 
 
-def test_a_large_mean_does_not_blur_the_first_indices():
+def test_first_indices_are_independent_of_mean():
     plain, shifted = (blocks_of(ISHIGAMI, 128) + offset for offset in (0.0, 1e4))
     assert estimates.indices(shifted) == pytest.approx(estimates.indices(plain), abs=1e-8)
 
 
-def test_what_acts_only_together_is_the_rest():
+def test_pure_interaction_is_found():
     d = 2
     f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
     result = estimates.estimate_indices(f)
@@ -97,7 +97,7 @@ def of_design(n, d, seed):
 @pytest.mark.parametrize(
     ("points", "tries", "least", "most"), [(independent, 60, 0.9, 0.985), (of_design, 10, 0.99, 1.0)]
 )
-def test_intervals_hold_the_value_as_often_as_they_say(points, tries, least, most):
+def test_coverage_of_confidence_intervals(points, tries, least, most):
     """Of independent draws; a design by Sobol' is more even, and its intervals hold it more often still."""
     weights, n, d = np.array([3.0, 2.0, 1.0]), 128, 3
     first, held = weights**2 / (weights**2).sum(), 0
@@ -107,14 +107,14 @@ def test_intervals_hold_the_value_as_often_as_they_say(points, tries, least, mos
     assert least <= held / (tries * d) <= most
 
 
-def test_intervals_are_the_same_each_time_and_shrink_with_the_design():
+def test_intervals_are_reproducible_and_shrink_with_n():
     short_design, again, many = (estimates.estimate_indices(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
     assert np.array_equal(short_design.total.low, again.total.low)
     narrower = (many.total.high - many.total.low) / (short_design.total.high - short_design.total.low)
     assert narrower == pytest.approx(0.25, abs=0.08)  # 16 times as many blocks
 
 
-def test_blocks_are_drawn_whole():
+def test_bootstrap_draws_whole_blocks():
     """Rows drawn each for itself would tear A from its mixtures: the total index of a constant step would move."""
     a = np.random.default_rng(1).normal(size=200)
     result = estimate(lambda f: (f[:, 2] - f[:, 0]).mean(keepdims=True), np.stack([a, a, a + 1.0], axis=1))
@@ -131,7 +131,7 @@ def test_morris_ranks_by_total_index(closed_form, n):
     assert np.argsort(-magnitude).tolist() == np.argsort(-closed_form.total).tolist()
 
 
-def test_effects_of_a_plane_are_its_slopes():
+def test_effects_of_linear_function_are_its_slopes():
     points = cube("morris", 20, 3, 1).reshape(20, 4, 3)
     result = estimates.estimate_effects(points, points @ np.array([3.0, -2.0, 0.0]))
     assert result.mean.value == pytest.approx([3.0, -2.0, 0.0])
@@ -139,7 +139,7 @@ def test_effects_of_a_plane_are_its_slopes():
     assert result.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
 
 
-def test_what_depends_on_the_others_has_a_spread():
+def test_interaction_has_spread():
     points = cube("morris", 400, 2, 1).reshape(400, 3, 2)
     x, y = np.moveaxis(points, -1, 0)
     result = estimates.estimate_effects(points, x * (y - 0.5))

@@ -17,7 +17,7 @@ def known(*ends):
 ALONE = known((0.5, 0.4, 0.6), (0.2, 0.1, 0.3), (0.0, -0.01, 0.02))
 
 
-def test_one_parameter_decides_where_its_interval_stands_clear():
+def test_parameter_with_separate_interval_dominates():
     total = known((0.7, 0.6, 0.8), (0.3, 0.2, 0.59), (0.01, 0.0, 0.04))
     assert indices_text(Indices(ALONE, total, known((0.3, 0.1, 0.5))), "velocity@BPFO", PATHS) == (
         "One parameter clearly dominates velocity@BPFO: `defect.width`, total index"
@@ -27,7 +27,7 @@ def test_one_parameter_decides_where_its_interval_stands_clear():
     )
 
 
-def test_overlapping_intervals_leave_the_order_open():
+def test_parameters_with_overlapping_intervals_dominate_together():
     total = known((0.5, 0.4, 0.6), (0.6, 0.45, 0.7), (0.2, 0.1, 0.3))
     text = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
     assert text.startswith("2 parameters dominate velocity.rms, with overlapping intervals: `load`")
@@ -44,11 +44,11 @@ def test_intervals_that_touch_overlap(high, count):
 
 
 @pytest.mark.parametrize(("high", "is_little"), [(0.049, [2]), (0.051, [])])
-def test_little_is_what_surely_is(high, is_little):
+def test_negligible_needs_upper_limit_below_threshold(high, is_little):
     assert negligible(known((0.7, 0.6, 0.8), (0.5, 0.4, 0.6), (0.01, 0.0, high)), 1.0) == is_little
 
 
-def test_effects_are_said_in_the_unit_of_the_feature():
+def test_effects_are_in_unit_of_feature():
     size = known((3e-6, 2.5e-6, 3.5e-6), (1e-6, 0.9e-6, 1.1e-6), (1e-8, 0.0, 2e-8))
     mean = known((1e-6, 0.5e-6, 1.5e-6), (1e-6, 0.9e-6, 1.1e-6), (0.0, 0.0, 0.0))
     spread = known((2e-6, 1.6e-6, 2.5e-6), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -60,13 +60,13 @@ def test_effects_are_said_in_the_unit_of_the_feature():
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_spread_within_the_mean_is_a_straight_line_whichever_way(sign):
+def test_spread_below_mean_effect_counts_as_linear(sign):
     low, high = sorted((sign * 4.0, sign * 6.0))
     size, mean, spread = known((5.0, 4.0, 6.0)), known((sign * 5.0, low, high)), known((4.6, 4.5, 5.0))
     assert "nonlinear" not in effects_text(Effects(mean, size, spread), "velocity@BPFO", PATHS)
 
 
-def test_where_all_intervals_overlap_nothing_decides():
+def test_no_parameter_dominates_if_all_intervals_overlap():
     total = known((0.5, 0.2, 0.9), (0.4, 0.1, 0.8), (0.3, 0.1, 0.7))
     text = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
     assert text.startswith("No parameter clearly dominates velocity.rms, because all intervals overlap:")

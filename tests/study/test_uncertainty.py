@@ -275,7 +275,7 @@ def test_range_of_damping_excludes_the_variations(finished_run: tuple[Path, str]
         assert "damping: c/k 2.5 us (plausible: 0.3 to 25)" in " ".join(text.split())
 
 
-def test_run_without_variations_reports_their_cost(here: Path) -> None:
+def test_run_without_variations_reports_their_cost(study_folder: Path) -> None:
     output, _ = type_("-v", "run", "small.yaml", "--jobs", "1")
     unwrapped = " ".join(output.split())
     assert "damping not varied: `uncertainty: {damping: [0.5 us, 10 us]}` adds 6 jobs, " in unwrapped
