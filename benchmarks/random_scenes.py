@@ -153,7 +153,7 @@ def changes(case: Case, record: Record, finer_record: Record) -> tuple[float, fl
     return max(line_changes, default=nan), abs(record.features["velocity.rms"] / rms - 1.0)
 
 
-def judge(number: int, seed: int) -> dict[str, Any]:
+def evaluate_scene(number: int, seed: int) -> dict[str, Any]:
     """Return the row of a scene."""
     time_grid.MAX_CPU = LONGEST_JOB
     row, fields = draw(number, seed)
@@ -213,7 +213,7 @@ def main() -> None:
         table = csv.DictWriter(target, SCENE_COLUMNS + DEFECT_COLUMNS + RESULT_COLUMNS, lineterminator="\n")
         table.writeheader()
         pool = Parallel(options.jobs, return_as="generator_unordered")
-        for row in pool(delayed(judge)(n, options.seed) for n in numbers):
+        for row in pool(delayed(evaluate_scene)(n, options.seed) for n in numbers):
             counts[row["outcome"]] += 1
             only_chaotic += row.get("only_chaotic", 0)
             formatted = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in row.items()}

@@ -16,7 +16,7 @@ from bearingsim.catalogue import AUTO, DEFAULT_MODEL, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.study.jobs import identity
 
-JOB, AUTOMATIC, POINT, PEER, REFERENCE = "job", "automatic", "point", "peer", "judge"
+JOB, AUTOMATIC, POINT, PEER, REFERENCE = "job", "automatic", "point", "peer", "reference"
 """Role of a row: automatic choice; its method and step, fully integrated; another method or setting; solver of
 another package; reference run for the errors."""
 
@@ -36,7 +36,7 @@ class Plan(NamedTuple):
     """Methods, reference runs and peers for one kind of model."""
 
     methods: Settings
-    judges: Settings
+    references: Settings
     peers: Settings
 
 
@@ -111,7 +111,7 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
         yield run(REFERENCE, "", Setting(step=0.25))  # evaluated at more instants
         return
     plan = plan_of(variant.case, quick)
-    for role, settings in ((POINT, plan.methods), (REFERENCE, _solvable_settings(variant, plan.judges))):
+    for role, settings in ((POINT, plan.methods), (REFERENCE, _solvable_settings(variant, plan.references))):
         for method, values in settings.items():
             yield from (run(role, method, setting) for setting in values)
     for method, values in _solvable_settings(variant, {**plan.peers, **peers}).items():

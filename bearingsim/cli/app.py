@@ -158,46 +158,48 @@ def check(
         raise typer.Exit(2)
 
 
+RunFolder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="results folder (default: results/<study>, with --quick results/<study>-quick)"
+    ),
+]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="compute on the workers of a dask scheduler, tcp://HOST:PORT")
+]
+MaxCpu = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TIME",
+        help="limit of CPU time per job, such as `10 min`; jobs estimated longer, if periodic, are skipped",
+    ),
+]
+
+
 @app.command()
 def run(
     ctx: typer.Context,
     study: StudyFile,
     jobs: Jobs = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="results folder (default: results/<study>, with --quick results/<study>-quick)"
-        ),
-    ] = None,
+    out: RunFolder = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="delete stored results first")] = False,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="run failed jobs again")] = False,
     set_: Set = None,
     shard: Annotated[str, typer.Option(metavar="K/N", help="compute part K of N of the jobs")] = "1/1",
     quick: Quick = False,
     verify: Annotated[bool, typer.Option("--verify", help="check stored results against their checksums")] = False,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="compute on the workers of a dask scheduler, tcp://HOST:PORT"),
-    ] = None,
+    scheduler: Scheduler = None,
     fail_fast: Annotated[bool, typer.Option("--fail-fast", help="stop at the first failed job")] = False,
     max_failures: Annotated[int | None, typer.Option(min=1, metavar="N", help="stop after N failed jobs")] = None,
-    max_cpu: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME",
-            help="limit of CPU time per job, such as `10 min`; jobs estimated longer, if periodic, are skipped",
-        ),
-    ] = None,
+    max_cpu: MaxCpu = None,
 ) -> None:
     """Compute and store the jobs of a study that are not done yet.
 
     Exit code 1 if any job failed or was skipped; finished jobs are kept.
     """
     shard_numbers = parse_shard(shard)
-    failure_limit, cpu_limit = (
-        parse_failure_limit(fail_fast, max_failures),
-        parse_time("--max-cpu", max_cpu) if max_cpu else inf,
-    )
+    failure_limit = parse_failure_limit(fail_fast, max_failures)
+    cpu_limit = parse_time("--max-cpu", max_cpu) if max_cpu else inf
     if fresh and shard_numbers != (1, 1):
         raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
     from bearingsim import runner

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.models import OptionInfo
 
 from bearingsim.cli import completion
 from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
@@ -12,12 +13,23 @@ from bearingsim.cli.options import Json, Results, check_choice, is_verbose, pars
 from bearingsim.figure_kinds import AROUND, HEALTHY, KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
 
-REPEATABLE = "; repeatable"
+REPEATABLE = ("by", "y", "panels", "where", "log")
+"""Options of figures that may be given several times."""
 
 
 def _names(of_jobs: bool) -> str:
     """List the kinds of figures, of signals of jobs or of the study."""
     return ", ".join(name for name, kind in KINDS.items() if kind.of_jobs is of_jobs)
+
+
+def _option(name: str, metavar: str | None = None, completed: completion.Complete | None = None) -> OptionInfo:
+    """Return the option of a figure with its help; ``completed`` completes its values."""
+    more = "; repeatable" if name in REPEATABLE else ""
+    return typer.Option(f"--{name}", metavar=metavar, help=OPTION_HELP[name] + more, autocompletion=completed)
+
+
+Text = str | None
+Texts = list[str] | None
 
 
 @reads_results
@@ -30,53 +42,26 @@ def plot(
             autocompletion=completion.words(KINDS),
         ),
     ] = None,
-    x: Annotated[str | None, typer.Option(metavar="PATH", help=OPTION_HELP["x"])] = None,
-    by: Annotated[list[str] | None, typer.Option(metavar="PATH", help=OPTION_HELP["by"] + REPEATABLE)] = None,
-    y: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help=OPTION_HELP["y"] + REPEATABLE,
-            autocompletion=completion.feature_or_channel,
-        ),
-    ] = None,
-    panels: Annotated[
-        list[str] | None,
-        typer.Option(metavar="PATH", help=OPTION_HELP["panels"] + REPEATABLE),
-    ] = None,
-    where: Annotated[
-        list[str] | None, typer.Option(metavar="PATH=VALUE", help=OPTION_HELP["where"] + REPEATABLE)
-    ] = None,
+    x: Annotated[Text, _option("x", "PATH")] = None,
+    by: Annotated[Texts, _option("by", "PATH")] = None,
+    y: Annotated[Texts, _option("y", "NAME", completion.feature_or_channel)] = None,
+    panels: Annotated[Texts, _option("panels", "PATH")] = None,
+    where: Annotated[Texts, _option("where", "PATH=VALUE")] = None,
     job: Annotated[
-        list[str] | None,
-        typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable", autocompletion=completion.job),
+        Texts, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable", autocompletion=completion.job)
     ] = None,
-    start: Annotated[str | None, typer.Option("--from", metavar="TIME", help=OPTION_HELP["from"])] = None,
-    stop: Annotated[str | None, typer.Option("--to", metavar="TIME", help=OPTION_HELP["to"])] = None,
-    span: Annotated[str | None, typer.Option(metavar="TIME", help=OPTION_HELP["span"])] = None,
-    around: Annotated[
-        str | None,
-        typer.Option(metavar="EVENT", help=OPTION_HELP["around"], autocompletion=completion.words(AROUND)),
-    ] = None,
-    limits: Annotated[
-        str | None,
-        typer.Option("--range", metavar="LOW..HIGH", help=OPTION_HELP["range"]),
-    ] = None,
-    band: Annotated[str | None, typer.Option(metavar="LOW..HIGH", help=OPTION_HELP["band"])] = None,
-    log: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="AXIS", help=OPTION_HELP["log"] + REPEATABLE, autocompletion=completion.words(LOG_AXES)
-        ),
-    ] = None,
-    db: Annotated[bool, typer.Option("--db", help=OPTION_HELP["db"])] = False,
-    unit: Annotated[str | None, typer.Option(metavar="UNIT", help=OPTION_HELP["unit"])] = None,
-    mean: Annotated[str | None, typer.Option(metavar="0", help=OPTION_HELP["mean"])] = None,
-    healthy: Annotated[
-        str | None,
-        typer.Option(metavar="PLACE", help=OPTION_HELP["healthy"], autocompletion=completion.words(HEALTHY)),
-    ] = None,
-    orders: Annotated[bool, typer.Option("--orders", help=OPTION_HELP["orders"])] = False,
+    start: Annotated[Text, _option("from", "TIME")] = None,
+    stop: Annotated[Text, _option("to", "TIME")] = None,
+    span: Annotated[Text, _option("span", "TIME")] = None,
+    around: Annotated[Text, _option("around", "EVENT", completion.words(AROUND))] = None,
+    limits: Annotated[Text, _option("range", "LOW..HIGH")] = None,
+    band: Annotated[Text, _option("band", "LOW..HIGH")] = None,
+    log: Annotated[Texts, _option("log", "AXIS", completion.words(LOG_AXES))] = None,
+    db: Annotated[bool, _option("db")] = False,
+    unit: Annotated[Text, _option("unit", "UNIT")] = None,
+    mean: Annotated[Text, _option("mean", "0")] = None,
+    healthy: Annotated[Text, _option("healthy", "PLACE", completion.words(HEALTHY))] = None,
+    orders: Annotated[bool, _option("orders")] = False,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:

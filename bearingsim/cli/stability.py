@@ -29,7 +29,7 @@ def show(
     """Compute the map, draw it, and print its summary and the paths of its files."""
     from bearingsim.cli.screen import print_table
     from bearingsim.plots import stability as maps
-    from bearingsim.stability import judge, mapping, matrix
+    from bearingsim.stability import classification, mapping, matrix
     from bearingsim.stability.scene import DEFECTS
 
     grid = matrix.QUICK if quick else matrix.FULL
@@ -44,7 +44,7 @@ def show(
     )
     target = folder or Path("results") / ("stability-quick" if quick else "stability")
     path = mapping.compute(model_names, method_names, grid, target, jobs)
-    print_table(("model", "method", *judge.CLASSES), mapping.summary(path), text_columns=2)
+    print_table(("model", "method", *classification.CLASSES), mapping.summary(path), text_columns=2)
     say(short_path(path))
     for file in maps.draw_all(path):
         say(short_path(file))

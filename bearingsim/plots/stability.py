@@ -182,7 +182,7 @@ def _compact(value: float) -> str:
 
 
 def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
-    """Make an entry for each class present, for the limit, and for cells judged by RMS."""
+    """Make an entry for each class present, for the limit, and for cells compared by RMS."""
     entries: list[Any] = []
     for name, look in CLASS_STYLES.items():
         if (rows["class"] == name).any():

@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim.config import Case
 from bearingsim.selection.candidates import reference
 from bearingsim.selection.curves import Curve, scales
-from bearingsim.selection.judge import Value, error, value
+from bearingsim.selection.differences import Value, error, value
 from bearingsim.selection.trials import TrialResults, trials_of
 from bearingsim.study import Study
 

@@ -97,7 +97,7 @@ class StepCheck:
     @property
     def changes(self) -> dict[str, float]:
         """Changes that are checked, by quantity."""
-        changes = {"line of the fault": self.line, "RMS": self.rms, "largest force": self.force}
+        changes = {"amplitude at the defect frequency": self.line, "RMS": self.rms, "largest force": self.force}
         return {"RMS": self.rms} if self.chaotic else changes
 
     @property

@@ -83,7 +83,7 @@ def summary(path: Path) -> Iterator[tuple[str, ...]]:
     """Yield the rows of a table: model, method, and number of cells of each class."""
     import pandas as pd
 
-    from bearingsim.stability.judge import CLASSES
+    from bearingsim.stability.classification import CLASSES
 
     table = pd.read_csv(path)
     for (model, method), group in table.groupby(["model", "method"], sort=False):

@@ -18,8 +18,8 @@ from bearingsim.config import Case
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.models.interface import degrees_of_freedom, linearise
 from bearingsim.simulation import limits
-from bearingsim.stability import judge
-from bearingsim.stability.judge import REFUSED, Reference, Verdict, agreeing_solutions
+from bearingsim.stability import classification
+from bearingsim.stability.classification import REFUSED, Reference, Verdict, agreeing_solutions
 from bearingsim.stability.references import SCIPY, solve
 from bearingsim.stability.scene import (
     DEFECTS,
@@ -232,7 +232,7 @@ def method_rows(
             per_step = result.cpu / max(result.steps, 1)
         shortest = min((end - start for start, end in windows), default=inf)
         long_steps = longest_step(scene, method, setting) > shortest / 2.0
-        verdict = judge.judge(result, scene_reference, healthy, windows, long_steps)
+        verdict = classification.classify(result, scene_reference, healthy, windows, long_steps)
         yield {
             "model": material.model,
             "method": method,

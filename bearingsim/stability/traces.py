@@ -30,8 +30,8 @@ class Trace(NamedTuple):
     """Outcome of a run.
 
     stride: columns are ``stride`` times ``SAMPLE_INTERVAL`` apart; velocity: of the ring (2, n), m/s; contacts:
-    whether each roller is loaded at the outer race (Z, n); failure: a class of ``judge``, empty on success; then
-    its reason, numbers of accepted and rejected steps, evaluations of the model and Newton iterations; cpu: s.
+    whether each roller is loaded at the outer race (Z, n); failure: a class of the map, empty on success; then its
+    reason, numbers of accepted and rejected steps, evaluations of the model and Newton iterations; cpu: s.
     """
 
     stride: int

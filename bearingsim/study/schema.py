@@ -49,22 +49,6 @@ def json_schema() -> Schema:
             return defect
         return one_of(_ref(names, *field) for field in fields_at()[DEPRECATED_KEYS.get(path, path)])
 
-    definitions = {
-        "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
-        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED_PATH}]},
-        "Values": _path_mapping(_paths(), lambda path: _values(path, value_at(path))),
-        "Ranges": _path_mapping(
-            filter(known_paths().get, known_paths()), lambda path: _definition(f"Range {_kind(path)}")
-        ),
-        "Generated whole": _generator({"type": "number"}),
-    }
-    for dimension in UNITS:
-        any_value = _definition(f"Any {dimension}")
-        definitions |= {
-            f"Any {dimension}": quantity_schema(dimension),
-            f"Generated {dimension}": _generator(any_value),
-            f"Range {dimension}": _range(any_value),
-        }
     schema: Schema = {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "bearingsim study",
@@ -93,13 +77,34 @@ def json_schema() -> Schema:
         "required": ["study"],
         "additionalProperties": False,
         "allOf": [*_exclusions(), *_requirements()],
-        "$defs": sections | {name.replace(" ", "-"): schema for name, schema in definitions.items()},
+        "$defs": sections | _definitions(value_at),
     }
     properties = schema["properties"]
     describe(properties, descriptions.STUDY_KEYS)
     describe(properties["accuracy"]["anyOf"][-1]["properties"], descriptions.ACCURACY_KEYS)
     describe(properties["uncertainty"]["anyOf"][-1]["properties"], descriptions.UNCERTAINTY_KEYS)
     return schema
+
+
+def _definitions(value_at: Callable[[str], Schema]) -> dict[str, Schema]:
+    """Return the schemas of features, paths and swept values, by the name in a reference."""
+    definitions: dict[str, Schema] = {
+        "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
+        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED_PATH}]},
+        "Values": _path_mapping(_paths(), lambda path: _values(path, value_at(path))),
+        "Ranges": _path_mapping(
+            filter(known_paths().get, known_paths()), lambda path: _definition(f"Range {_kind(path)}")
+        ),
+        "Generated whole": _generator({"type": "number"}),
+    }
+    for dimension in UNITS:
+        any_value = _definition(f"Any {dimension}")
+        definitions |= {
+            f"Any {dimension}": quantity_schema(dimension),
+            f"Generated {dimension}": _generator(any_value),
+            f"Range {dimension}": _range(any_value),
+        }
+    return {name.replace(" ", "-"): schema for name, schema in definitions.items()}
 
 
 def _closed_mapping(properties: Mapping[str, Schema], required: Iterable[str] = ()) -> Schema:

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from bearingsim.stability.judge import CLASSES
+from bearingsim.stability.classification import CLASSES
 
 
 def table() -> pd.DataFrame:

@@ -342,7 +342,7 @@ def test_nodes_are_doubled_if_defect_varies_along_roller(write: Write, shape: st
 
 
 def test_reference_is_compared_with_half_the_slices_or_twice_the_harmonics(write: Write) -> None:
-    """Twice the slices would be too many. Of what is judged by a reference that is in the error of the model."""
+    """Twice the slices would exceed the limit. Other cases have this error within that of the model."""
     leaning = candidates.reference(accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
     other = candidates.with_other_nodes(leaning)
     assert other is not None
@@ -384,7 +384,7 @@ def test_candidates_are_in_descending_order(write: Write, costs: dict[str, float
 
 
 def test_lower_model_has_cage_of_reference(write: Write) -> None:
-    """Without slip neither slips: with it, `planar` would never repeat itself, and be judged for what it adds."""
+    """Without slip neither slips; with slip `planar` would not be periodic, and differ by the slip."""
     study = accuracy_study(write, OFFSET)
     own, planar = study.cases()[0], candidates.computed_by(study, 0, "planar")
     assert planar is not None

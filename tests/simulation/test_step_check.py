@@ -360,7 +360,10 @@ def test_job_fails_with_a_reason_if_no_step_is_accurate() -> None:
     fractions = step_fractions(orbit_checks.call_args_list)
     assert fractions[0] == refinement.INITIAL_FACTOR
     assert fractions[-2] > STEP_FRACTIONS[-1] >= fractions[-1]
-    assert "verlet is not within 1%: a shorter step changes the line of the fault by 20 %" in caught.value.reason
+    assert (
+        "verlet is not within 1%: a shorter step changes the amplitude at the defect frequency by 20 %"
+        in caught.value.reason
+    )
     assert "step_check: false" in caught.value.advice
 
 

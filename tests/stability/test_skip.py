@@ -11,7 +11,7 @@ from bearingsim import assemble
 from bearingsim.catalogue import METHODS
 from bearingsim.core.advance import advance_and_sample
 from bearingsim.simulation import choice, limits
-from bearingsim.stability import judge, matrix, references, traces
+from bearingsim.stability import classification, matrix, references, traces
 from bearingsim.stability.scene import CROSSING_TIMES, SAMPLE_INTERVAL, TIMES, crossing_case, crossing_windows
 from bearingsim.stability.traces import trace
 
@@ -33,7 +33,7 @@ def reference(scene):
     """Return the solution of a scene by DOP853, with which all others are compared."""
     result = matrix.run(scene, "dop853", 1e-8, np.inf)
     assert not result.failure
-    return judge.Reference(result.velocity, result.contacts, "", False, 0.0)
+    return classification.Reference(result.velocity, result.contacts, "", False, 0.0)
 
 
 def setting(scene, name):
@@ -63,7 +63,7 @@ def test_reference_agrees_with_independent_solver():
     tolerances = matrix.scene_tolerances(scene, 1e-8)
     other = references.solve("scipy-lsoda", scene.model, scene.y, tolerances, np.inf)
     assert not other.failure
-    assert judge.l2(other.velocity, reference(scene).velocity) < 1e-5
+    assert classification.l2(other.velocity, reference(scene).velocity) < 1e-5
 
 
 @pytest.mark.parametrize("name", AUTOMATIC)
@@ -74,9 +74,9 @@ def test_every_crossing_is_seen_wherever_in_a_step_it_comes(name, healthy):
         scene = prepare_scene("0.2 mm slot", delay=n / POSITIONS * step)
         result = matrix.run(scene, name, setting(scene, name), np.inf)
         assert not result.failure
-        assert judge.crossings_seen(result, reference(scene), healthy, crossing_windows(scene.model)) == len(
-            CROSSING_TIMES
-        )
+        assert classification.crossings_seen(
+            result, reference(scene), healthy, crossing_windows(scene.model)
+        ) == len(CROSSING_TIMES)
 
 
 def test_solver_without_defect_information_skips_defects(healthy):
@@ -85,7 +85,7 @@ def test_solver_without_defect_information_skips_defects(healthy):
     result = matrix.run(scene, "scipy-radau", 1e-2, np.inf)
     assert not result.failure
     assert len(result.velocity[0]) == len(TIMES)
-    assert judge.crossings_seen(result, reference(scene), healthy, crossing_windows(scene.model)) == 0
+    assert classification.crossings_seen(result, reference(scene), healthy, crossing_windows(scene.model)) == 0
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)
@@ -94,11 +94,11 @@ def test_a_tighter_tolerance_never_doubles_the_error(name):
     scene = prepare_scene("0.2 mm slot")
     exact = reference(scene)
     tolerances = matrix.scene_tolerances(scene, 1e-8)
-    floor = judge.l2(
+    floor = classification.l2(
         references.solve("scipy-lsoda", scene.model, scene.y, tolerances, np.inf).velocity, exact.velocity
     )
     results = [matrix.run(scene, name, 10.0**-n, np.inf) for n in range(2, 7)]
-    errors = [judge.l2(result.velocity, exact.velocity) for result in results]
+    errors = [classification.l2(result.velocity, exact.velocity) for result in results]
     for loose, tight in pairwise(errors):
         assert tight <= 2.0 * max(loose, floor)
     assert errors[-1] < 0.1 * errors[0]
@@ -111,9 +111,9 @@ def test_ring_without_response_counts_no_crossing():
     healthy_velocity = exact.velocity * 0.0 + healthy.velocity
     verlet = assemble.kind_of_method("verlet").parameters(5e-7)
     run = trace("verlet", verlet, scene.model, scene.y, np.inf)
-    assert judge.crossings_seen(run, exact, healthy, crossing_windows(scene.model)) == 3
+    assert classification.crossings_seen(run, exact, healthy, crossing_windows(scene.model)) == 3
     assert (
-        judge.crossings_seen(
+        classification.crossings_seen(
             run._replace(velocity=healthy_velocity), exact, healthy, crossing_windows(scene.model)
         )
         == 0

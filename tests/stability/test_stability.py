@@ -12,8 +12,8 @@ from matplotlib.text import Text
 
 from bearingsim.plots import stability as maps
 from bearingsim.runner.pool import map_unordered
-from bearingsim.stability import judge, mapping, matrix
-from bearingsim.stability.judge import CLASSES, Reference, agreeing_solutions
+from bearingsim.stability import classification, mapping, matrix
+from bearingsim.stability.classification import CLASSES, Reference, agreeing_solutions
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
 from bearingsim.stability.traces import Trace
 from tests.scenes.commands import type_
@@ -43,7 +43,7 @@ CHAOTIC = EXACT._replace(chaotic=True, floor=0.02)
 
 def verdict(velocity, exact=EXACT, long_steps=True, run_contacts=None, **failed):
     trace = Trace(1, velocity, contacts() if run_contacts is None else run_contacts, **failed)
-    return judge.judge(trace, exact, HEALTHY, WINDOW, long_steps)
+    return classification.classify(trace, exact, HEALTHY, WINDOW, long_steps)
 
 
 def test_run_within_one_per_cent_is_ok():
@@ -81,7 +81,7 @@ def test_failed_run_keeps_its_class():
 
 def test_coarse_run_is_compared_at_its_samples():
     velocity = ring_response()[:, 19::20]
-    result = judge.judge(Trace(20, velocity, contacts()[:, 19::20]), EXACT, HEALTHY, WINDOW, True)
+    result = classification.classify(Trace(20, velocity, contacts()[:, 19::20]), EXACT, HEALTHY, WINDOW, True)
     assert (result.outcome, result.error, result.seen) == ("ok", 0.0, 1)
 
 

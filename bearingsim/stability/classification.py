@@ -9,8 +9,8 @@ from bearingsim.stability.scene import SAMPLE_INTERVAL
 from bearingsim.stability.traces import BLOW_UP, STALL, TOO_SLOW, Trace
 
 OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
-REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
-CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
+REFUSED, CHAOS, NO_REFERENCE = "refused", "within chaos", "no reference"
+CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, NO_REFERENCE)
 
 ACCURACY = 0.01  # largest relative error of the class `ok`, or the reference's floor if that is larger
 CHAOS_FLOOR = 0.05  # relative; runs within a larger floor are classified as within chaos
@@ -104,7 +104,7 @@ def crossings_seen(
     return count
 
 
-def judge(
+def classify(
     trace: Trace,
     reference: Reference | None,
     healthy: Reference | None,
@@ -115,7 +115,7 @@ def judge(
 
     long_steps: whether steps may be longer than half a crossing; a crossing without response is then skipped.
     """
-    no_verdict = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.contacts), 0)
+    no_verdict = Verdict(trace.failure or NO_REFERENCE, np.nan, 0, openings(trace.contacts), 0)
     if reference is None or trace.failure:
         return no_verdict
     stride = trace.stride

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from bearingsim.selection.judge import error, value
+from bearingsim.selection.differences import error, value
 from bearingsim.simulation.trial import Trial, amplitudes, turn_spans
 from tests.scenes.trials import PASSES, trial
 
