@@ -13,7 +13,8 @@ from bearingsim.text.terminal import say
 if TYPE_CHECKING:
     from bearingsim.store import Results
 
-FILE = "report.html"
+FILE, PLAN = "report.html", "plan.json"
+"""Default name of the page, and the file of a results folder that a run writes first."""
 PERIOD_S = 10.0
 """Time (s) between two versions of a page that follows a run."""
 
@@ -34,6 +35,14 @@ def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool
     while follow and not is_complete:
         time.sleep(PERIOD_S)
         is_complete = write(type(results)(results.path), path, jobs, follow)
+
+
+def wait_for_plan(folder: Path) -> None:
+    """Wait until a run has written its plan into a folder, as one that is about to begin will."""
+    if not (folder / PLAN).is_file():
+        say(f"waiting for a run in {short_path(folder)}; Ctrl-C ends this command", err=True)
+    while not (folder / PLAN).is_file():
+        time.sleep(PERIOD_S / 10.0)
 
 
 def write(results: "Results", path: Path, jobs: Sequence[str], follow: bool) -> bool:

@@ -116,6 +116,8 @@ def report(
     """Write the results as one HTML page, to send or to print: figures, jobs, accuracy, assumptions."""
     from bearingsim.cli import reporting
 
+    if follow and results is not None:
+        reporting.wait_for_plan(results)
     study_results = find_results(results)
     ids = [find_job(study_results, text) for text in series or []]
     reporting.show(study_results, out, ids, follow, in_browser)

@@ -102,7 +102,7 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
         return []
     if filtered != "true":
         return [f"{' and '.join(STATISTICS[word] for word in drawn)} of raw samples"]
-    return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {PASSBAND * sampling / 1e3:.2g} kHz"]
+    return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {PASSBAND * sampling / 1e3:.3g} kHz"]
 
 
 def sampling_of(jobs: Iterable["Job"]) -> list[str]:

@@ -1,6 +1,6 @@
 """Main results of a study: the range, error and extreme cases of the features that its figures name."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,7 +11,12 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
+STEP_ERRORS = {
+    "velocity.rms": "rms",
+    "velocity@": "line",
+    "outer_force.max": "force",
+    "acceleration.rms": "record",
+}
 """Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
 STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
 
@@ -19,7 +24,7 @@ STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, fo
 class Result(NamedTuple):
     """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words.
 
-    has_error: the range includes a bound of the numerical error.
+    has_error: the text has a bound of the numerical error.
     """
 
     name: str
@@ -45,6 +50,7 @@ def feature_results(results: "Results") -> Iterator[Result]:
 
 def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     from bearingsim.plots.labels import described, feature_axis, feature_text
+    from bearingsim.store import is_line
 
     values = rows[name].dropna()
     unit, factor = feature_axis(name, float(values.abs().max()))
@@ -53,36 +59,49 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     text = _range(name, values, unit, factor)
     has_extremes = paths and " to " in text
     extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if has_extremes else {}
-    bands, jobs = _bands(results, name, unit, factor), dict(rows["job"])
     extremes = [
-        "; ".join([f"{kind}: {described({path: rows[path][row] for path in paths}, units)}", *bands(jobs[row])])
+        f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
         for kind, row in extreme_rows.items()
     ]
-    texts = [text, _error(rows, name)]
-    of_one_case = [] if extremes else ["; ".join(bands(jobs[values.idxmax()]))]
-    remarks = [*filter(None, of_one_case), *_healthy(results, name, unit, factor), *extremes]
+    texts = [text, _error(results, rows, name)]
+    ranges = list(_ranges(results, rows, name, unit, factor))
+    remarks = [*_healthy(results, name, unit, factor), *extremes, *ranges]
+    amplitude = ", 0-peak" if is_line(name) and not name.endswith(".phase") else ""
     return Result(
-        _describe(results, name), ", ".join(filter(None, texts)), remarks, feature_text(name), bool(texts[1])
+        _describe(results, name),
+        ", ".join(filter(None, texts)),
+        remarks,
+        feature_text(name) + amplitude,
+        bool(texts[1]),
     )
 
 
-def _bands(results: "Results", name: str, unit: str, factor: float) -> Callable[[str], Iterator[str]]:
-    """Return a function that yields the range of a feature in a case over the variations of each quantity.
+def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, factor: float) -> Iterator[str]:
+    """Yield the range of a feature over all cases and the variations of each quantity.
 
-    Example: `damping: 183 to 723 m/s²`; factor: from SI to the unit.
+    Example: `with damping 0.5 to 10 us: 183 to 723 m/s²`; factor: from SI to the unit.
     """
-    quantities = dict.fromkeys(variation["what"] for variation in results.variations)
-    ranges = {quantity: results.spread(name, quantity) for quantity in quantities}
-    varied = {(variation["of"], variation["what"]) for variation in results.variations}
+    import pandas as pd
 
-    def texts(job: str) -> Iterator[str]:
-        for quantity, band in ranges.items():
-            if (job, quantity) not in varied or name.endswith(".phase"):
-                continue
-            ends = band[["least", "largest"]].astype(float).reindex([job]).iloc[0]
-            yield f"{quantity}: {_range(name, ends, unit, factor) if ends.notna().all() else 'range unknown'}"
+    from bearingsim.plots.labels import printed
+    from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 
-    return texts
+    if name.endswith((".phase", "-healthy")):
+        return
+    tried = group_by_kind((variation["what"], variation["value"]) for variation in results.variations)
+    varied = [(variation["of"], variation["what"]) for variation in results.variations]
+    for quantity, values in tried.items():
+        jobs = [job for job in rows["job"] if (job, quantity) in varied]
+        ends = results.spread(name, quantity)[["least", "largest"]].astype(float).reindex(jobs).dropna()
+        limits = pd.concat([ends["least"], ends["largest"]])
+        unknown = len(jobs) - len(ends)
+        reason = "variation missing, or chaotic and too short"
+        texts = [_range(name, limits, unit, factor)] if len(ends) else []
+        texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
+        overlap = len(ends) > 1 and bool(ends["least"].max() < ends["largest"].min())
+        texts += ["the ranges of all cases overlap"] if overlap and not unknown else []
+        if jobs:
+            yield f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}: {', '.join(texts)}"
 
 
 def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:
@@ -127,7 +146,7 @@ def _band(results: "Results", name: str) -> str:
     )
     if not follows_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
         return ""
-    return f"0-{PASSBAND * samplings[0]['sampling'] / 1e3:.2g} kHz"
+    return f"0-{PASSBAND * samplings[0]['sampling'] / 1e3:.3g} kHz"
 
 
 def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:
@@ -139,17 +158,20 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
         yield f"healthy: {_range(name, values, unit, factor)}"
 
 
-def _error(rows: "pd.DataFrame", name: str) -> str:
+def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     """Format the largest numerical error relative to the largest value: `numerical error 0.3 %`.
 
     The error is the sum of the step error and two standard errors of a chaotic response. Returns "" for a feature
-    not covered by the step check (which covers lines and RMS of the velocity, and the largest force).
+    not covered by the step check, which covers lines and RMS of the velocity, the largest force, and the RMS of
+    recorded channels.
     """
     from bearingsim.store import relative_error
 
     base_name = name.removesuffix("-healthy")
     error_kind = next((error_kind for start, error_kind in STEP_ERRORS.items() if base_name.startswith(start)), "")
     step, largest = rows.get(f"step_error.{error_kind}"), float(rows[name].abs().max())
+    if error_kind == "record" and not _is_recorded(results, base_name.partition(".")[0]):
+        return ""
     if step is None or base_name not in rows or not step.notna().any() or not largest > 0.0:
         return ""
     scatter = relative_error(rows, base_name).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
@@ -159,3 +181,9 @@ def _error(rows: "pd.DataFrame", name: str) -> str:
     if unknown == error.count():
         return "numerical error unknown (chaotic)"
     return f"numerical error {100.0 * float(error[error < inf].max() / largest):.2g} %{exception}"
+
+
+def _is_recorded(results: "Results", quantity: str) -> bool:
+    """Check if all jobs of a study record a quantity of the outer ring or of the sensor."""
+    channels = [set(str(text).replace(",", " ").split()) for text in results.parameters()["record"]]
+    return bool(channels) and all({f"ring.{quantity}", f"sensor.{quantity}"} & names for names in channels)

@@ -1,5 +1,6 @@
 """Content of the page of a study: what was studied, the results, their accuracy, and how they were computed."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -100,8 +101,8 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         quick=bool(results.plan["quick"]),
         studied=list(studied(results)),
         results=list(feature_results(results)) if done else [],
-        accuracy=[*end_of_run.withdrawn, *end_of_run.accuracy],
-        warnings=list(end_of_run.warnings),
+        accuracy=list(map(with_symbols, [*end_of_run.withdrawn, *end_of_run.accuracy])),
+        warnings=list(map(with_symbols, end_of_run.warnings)),
         charts=figures.charts,
         pictures=figures.pictures,
         influences=figures.influences,
@@ -113,6 +114,11 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         text=_study_text(results),
         changes=" ".join(f"{path}={value}" for path, value in results.plan["overrides"].items()),
     )
+
+
+def with_symbols(text: str) -> str:
+    """Return a statement with the symbol of micro in its units, as in figures."""
+    return re.sub(r"(?<=\d )u(?=[ms]\b)", "µ", text)
 
 
 def _counts(results: "Results", table: "pd.DataFrame") -> str:
@@ -164,6 +170,12 @@ def _computed(results: "Results") -> Iterator[Fact]:
     info, parameters = results.info(), results.parameters()
     if "model" in parameters and len(parameters):
         yield "Models", _tally(parameters["model"])
+        yield from (
+            (name, TERMS[name])
+            for column in ("model", "contact.stiffness", "contact.damping.law")
+            for name in dict.fromkeys(parameters.get(column, ()))
+            if name in TERMS
+        )
     if "method" in info and len(info):
         yield "Methods", _tally(info["method"])
     if "step_s" in info and info["step_s"].notna().any():
@@ -182,6 +194,25 @@ def _computed(results: "Results") -> Iterator[Fact]:
 NAMES = {"packages": "Packages", "python": "Python", "platform": "Platform", "git_commit": "Commit",
          "model_version": "Version of the models"}  # fmt: skip
 """Names of the facts of ``store.read_provenance`` on the page."""
+
+
+TERMS = {
+    "impulse": "model: a train of impulses excites the outer ring",
+    "static": "model: equilibrium of the outer ring at each instant, without inertia",
+    "ring": "model: the outer ring moves on massless rollers; the cage turns at its kinematic speed",
+    "rollers": "model: rollers move radially, the outer ring in the plane; the cage turns at its kinematic speed, "
+    "without slip",
+    "planar": "model: rollers, cage and outer ring move in the plane, with friction and slip",
+    "spatial": "model: as planar, with rollers in slices that tilt and skew",
+    "palmgren": "contact stiffness: force of a steel line contact, k δ^(10/9) (Palmgren)",
+    "iso16281": "contact stiffness: force of a steel line contact by slices, k δ^(10/9) (ISO 16281)",
+    "johnson": "contact stiffness: line contact of two elastic cylinders (Johnson)",
+    "point": "contact stiffness: elliptical point contact, k δ^(3/2) (Hertz)",
+    "kraemer": "contact damping: β times the contact stiffness (Krämer)",
+    "hunt-crossley": "contact damping: χ times the contact force (Hunt and Crossley)",
+    "film": "contact damping: of the oil film",
+}
+"""Meaning of models and laws that a study names by a word."""
 
 
 def _tally(column: "pd.Series[str]") -> str:

@@ -11,6 +11,11 @@ if TYPE_CHECKING:
 
 BRACKET_FACTORS = "0.5, 2"
 """Example of the range of the factor of a bracket's stiffness."""
+VALUES = {
+    "clearance": ("clearance", "clearance"),
+    "bracket": ("stiffness of the bracket", "rig.bracket_stiffness"),
+}
+"""Name and path of the parameter that an uncertainty varies."""
 CLEARANCE_MARGIN = 10.0  # um; example of the uncertainty of a clearance given as a length
 
 
@@ -25,9 +30,20 @@ def assumption_texts(results: "Results") -> list[str]:
     examples = {"clearance": _clearance_range, "bracket": lambda _: BRACKET_FACTORS}
     unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in examples]
     return [*assumption_notes(results.plan, frame), *remarks] + [
-        f"{name} has one value per case; `uncertainty: {{{name}: [{examples[name](results)}]}}` varies it"
+        f"{VALUES[name][0]} {_values(results, VALUES[name][1])}, not varied; "
+        f"`uncertainty: {{{name}: [{examples[name](results)}]}}` varies it"
         for name in unvaried_names
     ]
+
+
+def _values(results: "Results", path: str) -> str:
+    """Format the value of a parameter, or its range over the cases."""
+    from bearingsim.plots.caption import SMALL
+    from bearingsim.plots.labels import value_text
+
+    values, units = results.parameters()[path].dropna(), SMALL | dict(results.plan["units"])
+    ends = (float(values.min()), float(values.max()))
+    return " to ".join(dict.fromkeys(value_text(path, end, units) for end in ends))
 
 
 def plain(text: str) -> str:

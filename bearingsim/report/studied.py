@@ -27,6 +27,8 @@ DIMENSIONS = {
     "clearance": "clearance",
 }
 """Parameters of a bearing on the page, with their names."""
+DAMPING = {path for path, _ in CAPTION_FIELDS if path.startswith("contact.damping.")}
+"""Parameters of the contact damping."""
 FREQUENCIES = {family.line: family.fundamental for family in FAMILIES.values()} | {
     "FTF": Line(cage=1),
     "fr": SHAFT,
@@ -52,7 +54,11 @@ def studied(results: "Results") -> Iterator[Fact]:
         yield "Varied", "; ".join(texts)
     if tried:
         ranges = [labels.printed(PARAMETER_KINDS[name].range_text(values)) for name, values in tried.items()]
-        texts = [f"{name} {text}" for name, text in zip(tried, ranges, strict=True)]
+        laws = machine_values(results, rows, {path for path, _ in CAPTION_FIELDS} - DAMPING)
+        nominal = {"damping": ", ".join(laws).removeprefix("damping ")}
+        nominal["clearance"] = _span("clearance", parameters, SMALL | dict(units))
+        values = [f" (nominal: {nominal[name]})" if nominal.get(name) else "" for name in tried]
+        texts = [f"{name} {text}{value}" for name, text, value in zip(tried, ranges, values, strict=True)]
         yield "Varied (uncertainty)", "; ".join(texts)
     if results.plan["design"]:
         from bearingsim.plots.design import description
@@ -60,13 +66,16 @@ def studied(results: "Results") -> Iterator[Fact]:
         yield "Design", description(results.plan["design"])
     stated = set(varied) | {"bearing.name", "clearance"}
     if "damping" in tried:
-        stated |= {path for path, _ in CAPTION_FIELDS if path.startswith("contact.damping.")}
+        stated |= DAMPING
     defect = [*_races(parameters), *defect_values(results, rows, stated)]
     if defect:
         yield "Defect", ", ".join(defect)
     fixed = [*machine_values(results, rows, stated), *["quick grid"] * bool(results.plan["quick"])]
     if fixed:
         yield "Fixed", ", ".join(fixed)
+    if len(parameters) and "rig.sensor.angle" in parameters and "rig.sensor.angle" not in varied:
+        angle = _span("rig.sensor.angle", parameters, units)
+        yield "Directions", f"load along the load line, 0°; sensor at {angle} from it, positive outward"
 
 
 def _bearing(parameters: "pd.DataFrame", units: dict[str, str], uncertain_clearance: bool) -> Iterator[str]:

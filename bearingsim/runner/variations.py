@@ -34,7 +34,8 @@ def variation_effects(
                 if PARAMETER_KINDS[quantity].choices
                 else f" {PARAMETER_KINDS[quantity].range_text(tried_values)}"
             )
-            yield f"{quantity}{values_text} changes {', '.join(map(str, effects)).replace('by', preposition, 1)}"
+            effects_text = ", ".join(map(str, effects)).replace("by", preposition, 1)
+            yield f"{quantity}{values_text} changes {effects_text}"
             yield from _chaotic_variations(plan, frame, quantity)
 
 
@@ -83,4 +84,5 @@ def _chaotic_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity
         return
     count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
     if count:
-        yield f"{count} of {len(jobs)} {quantity} variations are chaotic; the change includes their standard error"
+        chaotic = f"{count} of {len(jobs)} {quantity} variations are chaotic"
+        yield f"{chaotic}; the change includes standard errors where estimated"

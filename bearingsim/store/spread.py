@@ -58,7 +58,8 @@ def spread(
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the standard error (SI) of a feature for chaotic motions and for records that ended early.
 
-    0 for all other jobs and if no estimate exists; NaN if the record is too short for an estimate.
+    0 for all other jobs and if no estimate exists; NaN if the record is too short for an estimate. The relative
+    error of an RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few.
     """
     import numpy as np
     import pandas as pd
@@ -67,7 +68,10 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if f"features/{feature}-scatter" in frame:
         error = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
-        error = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
+        relative = frame["features/rms_scatter"] / STANDARD_DEVIATIONS
+        blocks = frame.get(f"features/{BLOCK_ERRORS['velocity.rms']}")
+        relative = relative if blocks is None else blocks.where(blocks.notna(), relative)
+        error = relative * frame[f"features/{feature}"].abs()
     chaotic_jobs = error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
     early_errors = early_end_errors(frame, feature)
     return (

@@ -105,6 +105,16 @@ def test_following_writes_the_page_until_no_job_is_missing(results, monkeypatch)
     assert '"reload":null' in (opened.path / "report.html").read_text()
 
 
+def test_following_waits_for_a_plan(results, monkeypatch):
+    opened = results(STUDY + FIGURES)
+    plan, hidden = opened.path / "plan.json", opened.path / "hidden.json"
+    plan.rename(hidden)
+    monkeypatch.setattr("bearingsim.cli.reporting.time.sleep", lambda _: hidden.rename(plan))
+    stdout, stderr = type_("report", opened.path, "--follow")
+    assert stderr.startswith("waiting for a run in ")
+    assert "report.html: " in stdout
+
+
 def test_no_study_is_named_like_a_script(write):
     with pytest.raises(StudyError):
         load_study(write(STUDY.replace("study: known", "study: '</script><img src=x onerror=alert(1)>'")))

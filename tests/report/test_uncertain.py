@@ -31,30 +31,50 @@ def uncertain(results):
     return opened
 
 
-def test_each_feature_has_the_ranges_of_its_extreme_cases(uncertain):
+def test_each_feature_has_its_range_over_all_cases(uncertain):
     [rms, line] = feature_results(uncertain)
     numbers = uncertain._frame["features/acceleration.rms"]
-    largest = numbers[
-        [entry["job"] for entry in uncertain.plan["jobs"] if not entry["twin"] | entry["variation"]]
-    ].idxmax()
-    for quantity in ("damping", "clearance"):
-        jobs = [v["job"] for v in uncertain.variations if (v["of"], v["what"]) == (largest, quantity)]
-        ends = numbers[[largest, *jobs]]
-        assert f"; {quantity}: {ends.min():.3g} to {ends.max():.3g} m/s²" in rms.remarks[-2]
-    assert "damping" in line.remarks[-2]
+    cases = [entry["job"] for entry in uncertain.plan["jobs"] if not entry["twin"] | entry["variation"]]
+    for quantity, values in (("damping", "1 to 5 µs"), ("clearance", "0 to 5 µm")):
+        jobs = [v["job"] for v in uncertain.variations if v["what"] == quantity]
+        ends = numbers[[*cases, *jobs]]
+        text = f"with {quantity} {values}: {ends.min():.3g} to {ends.max():.3g} m/s²"
+        assert f"{text}, the ranges of all cases overlap" in rms.remarks
+        assert any(remark.startswith(f"with {quantity} ") for remark in line.remarks)
 
 
-def test_unknown_range_is_named_in_the_card(uncertain):
+def test_ranges_that_share_a_value_overlap(uncertain):
+    features = uncertain._frame["features/acceleration.rms"]
+    cases = [entry["job"] for entry in uncertain.plan["jobs"] if not entry["twin"] | entry["variation"]]
+    features[cases] = 2.0
+    features[~features.index.isin(cases)] = np.resize([1.0, 3.0], len(features) - len(cases))
+    [rms, _] = feature_results(uncertain)
+    assert any(remark.endswith(", the ranges of all cases overlap") for remark in rms.remarks)
+
+
+def test_unknown_range_is_named_in_the_card_with_its_reason(uncertain):
     uncertain._frame["features/chaotic"] = 1.0
     uncertain._frame["features/rms_scatter"] = np.inf
     [rms, _] = feature_results(uncertain)
-    assert "; damping: range unknown; clearance: range unknown" in rms.remarks[-2]
+    text = "with damping 1 to 5 µs: unknown in 6 of 6 cases (variation missing, or chaotic and too short)"
+    assert text in rms.remarks
+
+
+def test_rms_of_a_recorded_acceleration_has_a_numerical_error(uncertain):
+    uncertain._table[["step_error.record", "chaotic"]] = 0.004, 0.0
+    [rms, _] = feature_results(uncertain)
+    assert not rms.has_error
+    uncertain._parameters["record"] = "ring.velocity, ring.acceleration"
+    [rms, _] = feature_results(uncertain)
+    assert rms.values.endswith("numerical error 0.4 %")
 
 
 def test_varied_damping_is_stated_once(uncertain):
     page = page_of(uncertain)
     facts = dict(page.studied)
-    assert facts["Varied (uncertainty)"] == "damping 1 to 5 µs; clearance 0 to 5 µm"
+    assert facts["Varied (uncertainty)"] == (
+        "damping 1 to 5 µs (nominal: kraemer, beta 2.5 µs); clearance 0 to 5 µm (nominal: 5 µm)"
+    )
     others = [*(value for name, value in facts.items() if name != "Varied (uncertainty)"), *page.assumptions]
     assert not any(word in text for text in others for word in ("damping", "beta", "c/k", "clearance"))
 
@@ -83,7 +103,8 @@ def test_bearing_has_its_dimensions_and_frequencies(results):
 
 def test_assumptions_are_free_of_settings_and_pages_of_the_documentation(results):
     page = page_of(results())
-    assert {"clearance has one value per case", "damping not varied"} & set(page.assumptions)
+    assert "clearance 5 µm, not varied" in page.assumptions
+    assert "stiffness of the bracket 1e7 N/m, not varied" in page.assumptions
     assert not any("uncertainty:" in text or "docs/" in text for text in page.assumptions)
 
 

@@ -363,6 +363,12 @@ def test_unknown_standard_error_gives_no_rms_error() -> None:
     assert result["error.damping"].loc["a"] > 0.0
 
 
+def test_standard_error_from_blocks_of_the_record_comes_before_that_of_the_pilots() -> None:
+    scatter = {"rms_scatter": [0.0, math.inf, 0.0], "standard_error.rms": [math.nan, 0.05, math.nan]}
+    plan, frame = synthetic_plan(**CHAOTIC | scatter)
+    assert spread(plan, frame, "velocity.rms").loc["a", "least"] == pytest.approx(0.95 * 90.0)
+
+
 def test_range_of_a_non_negative_feature_ends_at_zero() -> None:
     plan, frame = synthetic_plan(**CHAOTIC | {"velocity@BPFO-scatter": [0.0, 20.0, 0.0]})
     assert spread(plan, frame, "velocity@BPFO").loc["a", "least"] == 0.0
@@ -400,7 +406,7 @@ def test_effect_on_a_single_job_is_no_maximum() -> None:
     plan, frame = synthetic_plan(**CHAOTIC)
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
     text = "damping 1 to 10 us changes velocity@BPFO by 37 %, velocity.rms by 24 %, outer_force.max by 10 %"
-    chaotic = "1 of 2 damping variations are chaotic; the change includes their standard error"
+    chaotic = "1 of 2 damping variations are chaotic; the change includes standard errors where estimated"
     assert list(variation_effects(plan, frame)) == [text, chaotic]
     frame["features/chaotic"] = 0.0
     assert list(variation_effects(plan, frame)) == [text.replace("37", "30").replace("24", "15")]
@@ -418,15 +424,24 @@ DRAWN = CHAOTIC | {"acceleration.rms": [100.0, 90.0, 105.0]}
 def test_effect_is_that_on_the_features_of_the_figures() -> None:
     plan, frame = synthetic_plan(**DRAWN)
     text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO", "velocity@FTF"])
-    assert text == "damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 %"
+    assert (
+        text
+        == "damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 %"
+    )
 
 
 def test_effect_counts_the_cases_of_unknown_range() -> None:
     """The RMS of `b` has an unknown standard error; case `d`, with one variation, has a range of 50 %."""
     plan, frame = synthetic_plan(**DRAWN | {"rms_scatter": [0.0, math.inf, 0.0]})
     text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO"])
-    assert text == "damping 1 to 10 us changes acceleration.rms by an unknown amount, velocity@BPFO by 37 %"
+    assert (
+        text
+        == "damping 1 to 10 us changes acceleration.rms by an unknown amount, velocity@BPFO by 37 %"
+    )
     frame.loc["d"], frame.loc["e"] = frame.loc["a"], frame.loc["a"] * 1.5
     plan["variations"].append({"of": "d", "what": "damping", "value": 1e-5, "job": "e"})
     text, _ = variation_effects(plan, frame, ["acceleration.rms"])
-    assert text == "damping 1 to 10 us changes acceleration.rms by up to 50 % (range unknown in 1 of 2 cases)"
+    assert (
+        text
+        == "damping 1 to 10 us changes acceleration.rms by up to 50 % (range unknown in 1 of 2 cases)"
+    )

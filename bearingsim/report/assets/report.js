@@ -4,7 +4,6 @@ const root = document.documentElement;
 const SYMBOLS = ['circle', 'rect', 'triangle', 'diamond', 'pin', 'arrow', 'roundRect'];
 const FONT = { fontSize: 12, fontFamily: 'system-ui, sans-serif' };
 const drawings = []; // functions that draw a chart anew
-
 const finite = (value) => value !== null && value !== undefined;
 const digits = (value, count = 4) => String(Number(value.toPrecision(count)));
 /** Return a colour of the style sheet, or the CSS colour itself. */
@@ -15,8 +14,7 @@ const shade = (share) => (finite(share) ? `hsl(${270 - 150 * share}, 50%, 50%)` 
 const shapes = (name, points, draw, z) => ({
   type: 'custom', name, data: points, silent: true, clip: true, z, tooltip: { show: false },
   encode: { x: 0, y: points[0]?.length > 2 ? [1, 2] : [] },
-  renderItem: (params, api) =>
-    draw((x, y) => api.coord([x, y]), points[params.dataIndex], params.coordSys),
+  renderItem: (at, api) => draw((x, y) => api.coord([x, y]), points[at.dataIndex], at.coordSys),
 });
 
 /** Draw vertical bars [x, low, high]. */
@@ -50,7 +48,7 @@ const texts = (points, fill, high) => ({ ...shapes('text', points, (place, [x, t
 /** Mark the spectral lines [frequency, name]; names that would overlap are left out. */
 function marks(points, area) {
   const named = points.filter((p) => p[1]);
-  const step = Math.ceil(named.length / Math.max(1, area / 70));
+  const step = Math.ceil(named.length / Math.max(1, area / 105));
   const stroke = { stroke: colour('faint'), lineWidth: 1, lineDash: [2, 3] };
   return [
     shapes('marks', points, (place, [x], { y, height }) => {
@@ -113,7 +111,8 @@ function tooltip(panel, axis, items) {
     const i = item.data.point;
     const bound = finite(at('error', i)) ? ` ± ${digits(at('error', i), 2)}` : '';
     const [low, high] = [at('low', i), at('high', i)];
-    const range = finite(low) ? ` (${digits(low)} to ${digits(high)})` : '';
+    const unknown = panel.columns.low ? ' (range unknown)' : '';
+    const range = finite(low) ? ` (${digits(low)} to ${digits(high)})` : unknown;
     const value = finite(at('y', i)) ? digits(at('y', i)) : 'no value';
     const name = item.seriesName && `${item.seriesName}: `;
     return `${name}${value}${bound} ${panel.unit}${range}${at('chaotic', i) ? ', chaotic' : ''}`;
@@ -132,11 +131,14 @@ function optionOf(chart, panel, axis, view) {
     axisTick: lines, axisLine: { ...lines, onZero: false },
     splitLine: { lineStyle: { color: colour('line') } } };
   const turned = axis.words.join('').length * 7 > 0.6 * view.width ? 30 : 0;
-  const words = { type: 'category', data: axis.words,
-    axisLabel: { ...style.axisLabel, interval: 0, rotate: turned } };
-  const numbers = (log, ends) => ({ type: log ? 'log' : 'value', ...ends,
-    axisLabel: { ...style.axisLabel, formatter: (value) => digits(value, 6) } });
-  const tight = ['line', 'signal'].includes(chart.kind) && { min: 'dataMin', max: 'dataMax' };
+  const all = { ...style.axisLabel, interval: 0, rotate: turned };
+  const words = { type: 'category', data: axis.words, axisLabel: all };
+  const numbers = (log, { label, ...ends }) => ({ type: log ? 'log' : 'value', ...ends,
+    axisLabel: { ...style.axisLabel, ...label, formatter: (value) => digits(value, 6) } });
+  const pad = chart.kind === 'line' && !axis.log ? 0.02 : 0; // points lie off the frame
+  const tight = ['line', 'signal'].includes(chart.kind) ? {
+    min: (x) => x.min - pad * (x.max - x.min), max: (x) => x.max + pad * (x.max - x.min),
+    label: { showMinLabel: !pad, showMaxLabel: axis.log } } : {};
   const ends = panel.axis.phase ? { min: -180, max: 180, interval: 90 }
     : { scale: values.some((value) => value < 0) };
   return {
@@ -175,8 +177,7 @@ function start(section) {
     const all = [...chart.x[0].keys()];
     const lists = chart.shades.length ? [all] : chart.curves.map((_, k) => all.filter((i) =>
       chart.points.curve[i] === k && chart.points.combination[i] === wanted));
-    const trend = chart.axes.length > 1 ? setting[0] : 0;
-    const shares = chart.shades[setting[1] - 1];
+    const [trend, shares] = [chart.axes.length > 1 ? setting[0] : 0, chart.shades[setting[1] - 1]];
     plots.forEach((plot, k) => {
       plot.resize({ width: 'auto', height: 'auto' });
       const view = { x: chart.x[trend], lists, hidden, shares, trend, width: plot.getWidth() };
@@ -201,9 +202,8 @@ function start(section) {
   plots.forEach((plot, k) => {
     const zoom = (start) => plot.dispatchAction({ type: 'dataZoom', start, end: 100 - start });
     boxes[k].addEventListener('dblclick', () => zoom(0));
-    boxes[k].addEventListener('keydown', ({ key }) => {
-      if (key === '+' || key === '-') zoom(key === '+' ? 25 : 0);
-    });
+    const keys = { '+': 25, '-': 0 };
+    boxes[k].addEventListener('keydown', ({ key }) => key in keys && zoom(keys[key]));
   });
   drawings.push(draw);
   draw();
