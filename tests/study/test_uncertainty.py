@@ -424,24 +424,15 @@ DRAWN = CHAOTIC | {"acceleration.rms": [100.0, 90.0, 105.0]}
 def test_effect_is_that_on_the_features_of_the_figures() -> None:
     plan, frame = synthetic_plan(**DRAWN)
     text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO", "velocity@FTF"])
-    assert (
-        text
-        == "damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 %"
-    )
+    assert text == "damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 %"
 
 
 def test_effect_counts_the_cases_of_unknown_range() -> None:
     """The RMS of `b` has an unknown standard error; case `d`, with one variation, has a range of 50 %."""
     plan, frame = synthetic_plan(**DRAWN | {"rms_scatter": [0.0, math.inf, 0.0]})
     text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO"])
-    assert (
-        text
-        == "damping 1 to 10 us changes acceleration.rms by an unknown amount, velocity@BPFO by 37 %"
-    )
+    assert text == "damping 1 to 10 us changes acceleration.rms by an unknown amount, velocity@BPFO by 37 %"
     frame.loc["d"], frame.loc["e"] = frame.loc["a"], frame.loc["a"] * 1.5
     plan["variations"].append({"of": "d", "what": "damping", "value": 1e-5, "job": "e"})
     text, _ = variation_effects(plan, frame, ["acceleration.rms"])
-    assert (
-        text
-        == "damping 1 to 10 us changes acceleration.rms by up to 50 % (range unknown in 1 of 2 cases)"
-    )
+    assert text == "damping 1 to 10 us changes acceleration.rms by up to 50 % (range unknown in 1 of 2 cases)"
