@@ -171,11 +171,11 @@ def most_detailed_model() -> str:
 
 # The program's own
 
-_STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls"})
+_STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls", "form"})
 _RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
 _ROLLERS = _RING | {"roller inertia"}
 _PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
-_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
+_SPATIAL = _PLANAR - {"balls", "shared pressure", "form"} | {"tilt", "leaning rings", "profile"}
 
 _M, _S, _C, _A = (
     "bearingsim.core.models",

@@ -14,6 +14,7 @@ PAGES = {
     "P": ("planar",),
     "S": ("spatial",),
     "R": ("ring",),
+    "F": ("form",),
 }
 """Pages of the equations of each letter."""
 NUMBER = re.compile(rf"\(([{''.join(PAGES)}])(\d+)\)")

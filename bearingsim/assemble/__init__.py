@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.assemble import bending, contacts, defects, free, geometry, scales, space
+from bearingsim.assemble import bending, contacts, defects, form, free, geometry, scales, space
 from bearingsim.assemble.rest import bracket_anchor, static_model
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, call, code
 from bearingsim.config import Case
@@ -55,6 +55,7 @@ PARAMETER_BUILDERS: dict[str, Any] = {
     "inner": contacts.inner,
     "defects": lambda case: defects_of_case(case),
     "bending": lambda case: bending_of_case(case),
+    "form": form.form,
     "motion": free.motion,
     "friction": free.friction,
     "cage": free.cage,
@@ -135,7 +136,9 @@ def _build_model(case: Case) -> Any:
 
 def _builder_fields(parameters: Any) -> list[str]:
     """List the fields of a model's parameters that are built from a case."""
-    fields = [name for name in parameters._fields if name not in parameters._field_defaults]
+    fields = [
+        name for name in parameters._fields if name not in parameters._field_defaults or name in PARAMETER_BUILDERS
+    ]
     unknown = [name for name in fields if name not in PARAMETER_BUILDERS]
     if unknown:
         raise UserError(

@@ -15,8 +15,9 @@ from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.bending import RigidRing
+from bearingsim.core.parts.form import Smooth
 
-RIGID_RING = RigidRing()
+RIGID_RING, SMOOTH = RigidRing(), Smooth()
 CACHED_EQUILIBRIA = 1 << 14
 """Number of cached cases, large because a run needs all jobs of a study several times."""
 
@@ -32,14 +33,23 @@ def static_model(model: Any) -> Static:
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         defects = defects._replace(groups=groups)
     ring_bending = bending.undamped_bending(model.bending) if "bending" in model._fields else RigidRing()
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, ring_bending)
+    form = model.form if "form" in model._fields else SMOOTH
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, ring_bending, form)
 
 
 def static_bearing(
-    bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, ring_bending: Any = RIGID_RING
+    bearing: Bearing,
+    support: Support,
+    outer: Any,
+    inner: Any,
+    defects: Defects,
+    ring_bending: Any = RIGID_RING,
+    form: Any = SMOOTH,
 ) -> Static:
-    """Build the static model, with undamped contact laws; ring_bending: bending of the outer ring."""
-    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), defects, ring_bending)
+    """Build the static model, with undamped contact laws; ring_bending: bending of the outer ring; form: of the
+    surfaces."""
+    laws = Undamped(outer.stiffness), Undamped(inner.stiffness)
+    return Static(bearing, support, *laws, defects, ring_bending, form)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:

@@ -6,6 +6,8 @@ The tolerances of adaptive methods are fractions of these.
 from math import inf, pi, sqrt
 from typing import Any
 
+import numpy as np
+
 from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
 from bearingsim.core.defects.excitations import STEP_EXCITATIONS
@@ -20,6 +22,7 @@ from bearingsim.core.defects.pairs import (
 )
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import Tolerances
+from bearingsim.core.parts.form import Race, Smooth, UnequalRollers
 
 MIN_STEPS_PER_CROSSING = 8  # with fewer steps a method may skip a defect
 DAMPER_TOLERANCE = 1e-3  # of the load: largest change of a damping force by an error in velocity
@@ -41,8 +44,16 @@ def crossing_time(model: Any) -> float:
     return float(min(times, default=inf))
 
 
+def wave_time(case: Case) -> float:
+    """Compute the shortest time (s) in which a contact passes a wave of the surfaces; inf for smooth ones."""
+    b = geometry.bearing(case)
+    speeds = {"outer": b.omega_c, "inner": b.omega_i - b.omega_c, "roller": b.omega_b}
+    orders = {} if case.surfaces is None else case.surfaces.highest_orders
+    return min((2.0 * pi / (order * speeds[element]) for element, order in orders.items()), default=inf)
+
+
 def closing_speed(model: Any) -> float:
-    """Estimate the closing speed (m/s) of a roller at the far edge of the steepest defect.
+    """Estimate the closing speed (m/s) of a roller at the far edge of the steepest defect, or over the form.
 
     The slope of the roller path is at most x/R, with x the distance from the rim at which the roller touches the
     wall or the floor, at most half the width; the contact moves along it at the passing speed.
@@ -55,7 +66,24 @@ def closing_speed(model: Any) -> float:
         for d in range(len(defects.head))
         for group in defects.groups[d, : int(defects.head[d, GROUP_COUNT])]
     ]
-    return float(max(speeds, default=0.0))
+    return float(max(speeds, default=0.0)) + form_bounds(model)[1]
+
+
+def form_bounds(model: Any) -> tuple[float, float]:
+    """Bound the height (m) of the form at a contact, and the speed (m/s) at which it changes; 0 if smooth."""
+    form, b = getattr(model, "form", None), model.bearing
+    surfaces = () if form is None or isinstance(form, Smooth) else form
+    height, speed = 0.0, 0.0
+    for surface, omega in zip(surfaces, (b.omega_c, b.omega_i - b.omega_c, b.omega_b), strict=False):
+        if isinstance(surface, Smooth):
+            continue
+        if isinstance(surface, UnequalRollers):
+            height += float(np.abs(surface.recess).max())
+            continue
+        count = len(surface.pieces) * (b.Z if isinstance(surface, Race) else 1)
+        height += float(np.abs(surface.pieces[:, 0]).max())
+        speed += float(np.abs(surface.pieces[:, 1]).max()) * count / (2.0 * pi) * omega
+    return height, speed
 
 
 MAX_SEARCH_APPROACH = 1e9  # m, upper bound of the search for an approach
@@ -101,7 +129,8 @@ def damping_over_stiffness(law: Any, delta: float) -> float:
 
 
 def largest_roller_drop(model: Any) -> float:
-    """Compute the largest drop (m) of a roller in a defect, where it rests on the rims or on the floor."""
+    """Compute the largest drop (m) of a roller in a defect, where it rests on the rims or on the floor, and into
+    the form of the surfaces."""
     defects = model.defects
     drops = [
         float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], rim_drop))
@@ -111,7 +140,7 @@ def largest_roller_drop(model: Any) -> float:
             group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * defects.head[d, REDUCED_RADIUS])
         ]
     ]
-    return max(drops, default=0.0)
+    return max(drops, default=0.0) + form_bounds(model)[0]
 
 
 def tolerances(case: Case, model: Any, full_speed_model: Any, h: float, tolerance: float) -> tuple[float, ...]:
@@ -128,7 +157,8 @@ def tolerances(case: Case, model: Any, full_speed_model: Any, h: float, toleranc
     c = max(damping_bound(law, approach(law, F), 0.0) for law in laws)
     speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
     atol_v = min(tolerance * speed, DAMPER_TOLERANCE * F / c if c > 0.0 else inf)
-    longest = min(crossing_time(full_speed_model), ball_pass(full_speed_model)) / MIN_STEPS_PER_CROSSING
+    fastest = min(crossing_time(full_speed_model), ball_pass(full_speed_model), wave_time(full_speed_case(case)))
+    longest = fastest / MIN_STEPS_PER_CROSSING
     return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
 
 

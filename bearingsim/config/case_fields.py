@@ -32,6 +32,7 @@ from bearingsim.config.sections.contact import Contact
 from bearingsim.config.sections.defect import Defect, Excitation
 from bearingsim.config.sections.machine import Bearing, Rig, default_rig, library_section
 from bearingsim.config.sections.space import Misalignment
+from bearingsim.config.sections.surfaces import Surfaces
 from bearingsim.config.vocabulary import explanation
 
 if TYPE_CHECKING:
@@ -69,8 +70,9 @@ class CaseFields(Section):
 
     Values that depend on others are filled in: `clearance` by class becomes a length; `model` is never
     `reference`; `method` is None for models without one; `contact.stiffness` suits the bearing. `friction` and
-    `cage` are None for models without slip, and set for all others. `drag`, `ramp`, `shaft`, `unbalance` and
-    `misalignment` are None if absent. A line load in `record` becomes one channel per slice of the roller.
+    `cage` are None for models without slip, and set for all others. `drag`, `ramp`, `shaft`, `unbalance`,
+    `misalignment` and `surfaces` are None if absent. A line load in `record` becomes one channel per slice of the
+    roller.
     """
 
     bearing: Annotated[Bearing, library_section("bearings")]
@@ -91,6 +93,9 @@ class CaseFields(Section):
     """Diametral radial clearance in operation: a length (negative: preload), or a class of ISO 5753-1."""
     defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_check_list)] = ()
     """Defects of the bearing. A single one may be given as `defect`; without any the bearing is healthy."""
+    surfaces: Annotated[Surfaces | None, OPTIONAL] = None
+    """Form of the surfaces: waviness of races and rollers, unequal rollers. Default: smooth races, equal rollers.
+    """
     excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
     """Action of a defect on the contact. `envelope`: geometric path of the roller's centre; the others are the
     pulses and stiffness changes of the literature. Default of the model `impulse`: `impulse-train`.

@@ -46,8 +46,14 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("interference", "shaft_fit", "shrink_fit", "press_fit", "housing_fit"): (
         "fits are not modelled; `clearance` is the value after mounting"
     ),
-    ("waviness", "roughness", "surface_roughness", "surface_finish", "out_of_roundness", "form_error"): (
-        "races and elements are smooth and round except for `defects`"
+    ("waviness", "roundness", "out_of_roundness", "form_error", "form"): (
+        "as in `surfaces: {outer: {spectrum: {amplitude: 0.2 um}}}`"
+    ),
+    ("roughness", "surface_roughness", "surface_finish"): (
+        "roughness is not modelled; `surfaces` has waves down to a thousandth of a turn"
+    ),
+    ("tolerance_class", "grade", "class"): (
+        "no tolerance class is known to the program: give `harmonics` or a `spectrum` in `surfaces`"
     ),
     ("wear", "contamination", "debris", "particles", "current", "corrosion"): (
         "damage does not grow: `defects` are constant during a run"

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from math import ceil
 
 from bearingsim.config import Case
-from bearingsim.simulation.pilot import DEFECT_TURN
+from bearingsim.simulation.pilot import DEFECT_TURN, elements_with_deviations
 
 MIN_PASSES, MIN_CAGE_TURNS, MIN_UNITS = 64, 5, 6
 """Smallest numbers of ball passes, of cage turns and of units (``unit``) in a record that ends early."""
@@ -24,9 +24,10 @@ RMS is at most half the distance times the ratio of the largest mean square with
 
 
 def turn_lengths(case: Case) -> list[float]:
-    """Return the number of ball passes in a turn through the load zone, for each kind of rotating defect."""
+    """Return the number of ball passes in a turn through the load zone, for each element that turns with a defect
+    or form."""
     rate = case.bearing.ball_pass_frequency(case.speed)
-    lengths = (DEFECT_TURN[race](case) * rate for race in dict.fromkeys(defect.race for defect in case.defects))
+    lengths = (DEFECT_TURN[element](case) * rate for element in elements_with_deviations(case))
     return [float(length) for length in lengths if length > 0.0]
 
 

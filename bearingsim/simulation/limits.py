@@ -23,6 +23,7 @@ from bearingsim.assemble.scales import (
     damping_time,
     full_speed_case,
     largest_roller_drop,
+    wave_time,
 )
 from bearingsim.catalogue import METHODS, MODELS, simplest_model
 from bearingsim.config import Case
@@ -51,7 +52,8 @@ class Limits:
     The limits are those of the method on the linearised bearing; ``impact_force`` is an estimate of the peak.
     damping_ratio: of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s): c/k of
     a contact under the largest static load, the larger of both races; fastest_rate (1/s): largest eigenvalue of
-    the bearing at rest, of this body or of one that is much lighter or more stiffly supported; approach_bound (m),
+    the bearing at rest, of this body or of one that is much lighter or more stiffly supported; wave: shortest time
+    (s) in which a contact passes a wave of the surfaces' form; approach_bound (m),
     energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not exceed.
     """
 
@@ -65,6 +67,7 @@ class Limits:
     impact_force: float
     at_impact: float
     crossing: float
+    wave: float
     approach_bound: float
     energy_bound: float
 
@@ -108,6 +111,7 @@ def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
         impact_force=rest_load,
         at_impact=inf,
         crossing=inf,
+        wave=wave_time(case),
         approach_bound=inf,
         energy_bound=inf,
     )

@@ -73,8 +73,20 @@ def check_cost(case: Case) -> float:
 
 
 def turns_of_defects(case: Case) -> float:
-    """Return the time (s) of ``TURNS`` turns of the slowest defect through the load zone; 0 if none turns."""
-    return TURNS * max((float(DEFECT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
+    """Return the time (s) of ``TURNS`` turns of the slowest defect or form through the load zone; 0 if none
+    turns."""
+    return TURNS * longest_turn(case)
+
+
+def longest_turn(case: Case) -> float:
+    """Return the time (s) of one turn of the slowest defect or form through the load zone; 0 if none turns."""
+    return max((float(DEFECT_TURN[element](case)) for element in elements_with_deviations(case)), default=0.0)
+
+
+def elements_with_deviations(case: Case) -> list[str]:
+    """List the elements (`outer`, `inner`, `roller`) that have a defect or deviations of form."""
+    formed = [] if case.surfaces is None else case.surfaces.elements
+    return list(dict.fromkeys([*(defect.race for defect in case.defects), *formed]))
 
 
 DEFECT_TURN = {

@@ -19,6 +19,7 @@ from bearingsim.simulation.channels import (
     feature_cells,
     project_on_sensor,
 )
+from bearingsim.simulation.pilot import elements_with_deviations
 from bearingsim.simulation.pricing import BLOCK
 from bearingsim.simulation.recording import LowPassed, RawRecord, first_sample, whole_passes, windows
 from bearingsim.simulation.settling import has_free_cage
@@ -108,7 +109,7 @@ def ball_pass_lines(case: Case, pass_lines: Mapping[str, np.ndarray]) -> dict[st
 
 def has_other_lines(case: Case) -> bool:
     """Check if a record has lines other than those of BPFO, whose periods do not fit into a ball pass."""
-    return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
+    return has_free_cage(case) or any(element != "outer" for element in elements_with_deviations(case))
 
 
 def lines_of_passes(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:

@@ -72,7 +72,7 @@ def requested_step(case: Case) -> float:
     limits = step_limits(case)
     if case.step == "auto":
         return automatic_step(case, limits)
-    max_step = min(SAFETY * limits.at_impact, limits.crossing / MIN_STEPS_PER_CROSSING)
+    max_step = min(SAFETY * limits.at_impact, min(limits.crossing, limits.wave) / MIN_STEPS_PER_CROSSING)
     if case.step > max_step:
         advice = f"use `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
         raise Refused(_refusal(case.step, limits), advice)
@@ -85,6 +85,8 @@ def _refusal(step: float, limits: Limits) -> str:
             f"a step of {1e6 * step:.3g} us is over {1e6 * SAFETY * limits.at_impact:.3g} us, {SAFETY:.0%} of the"
             f" method's limit at an impact ({1e6 * limits.at_rest:.3g} us at rest)"
         )
+    if limits.wave < limits.crossing:
+        return f"a step of {1e6 * step:.3g} us passes a wave of {1e6 * limits.wave:.3g} us in too few steps"
     return f"a step of {1e6 * step:.3g} us passes a defect of {1e6 * limits.crossing:.3g} us in too few steps"
 
 

@@ -20,7 +20,7 @@ from bearingsim.config.names import LINES, Line, read_band
 from bearingsim.simulation import recording, spectral_lines
 from bearingsim.simulation.comparison import FORCE, low_pass_rows
 from bearingsim.simulation.features import band_of
-from bearingsim.simulation.pilot import DEFECT_TURN, PILOT_FRACTION, ROUNDING
+from bearingsim.simulation.pilot import PILOT_FRACTION, ROUNDING, elements_with_deviations, longest_turn
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import cage_turn
@@ -123,7 +123,7 @@ def lengthen_for_trial(case: Case) -> Case:
 
 def defect_turn(case: Case) -> float:
     """Return the time (s) for one turn of the slowest defect through the load zone; 0 if none turns."""
-    return max((float(DEFECT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
+    return longest_turn(case)
 
 
 def last_pass(setup: Setup, passes: int) -> int:
@@ -235,8 +235,8 @@ def nearby_angles(case: Case, sample_angles: SampleAngles, name: str, span: slic
 
 
 def excited_lines(case: Case) -> list[str]:
-    """Return the lines at which a case vibrates, due to its defects and to the passing rollers."""
-    races = {defect.race for defect in case.defects}
+    """Return the lines at which a case vibrates, due to its defects, its form and the passing rollers."""
+    races = elements_with_deviations(case)
 
     def is_excited(line: Line) -> bool:
         of_inner, of_rollers = line.inner or line.shaft, line.spin or line.cage

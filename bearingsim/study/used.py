@@ -23,6 +23,7 @@ INACTIVE: dict[str, Any] = {
     "shaft": None,
     "unbalance": None,
     "misalignment": None,
+    "surfaces": None,
     "tolerance": "auto",
     "prove": True,
     "periodic": True,

@@ -39,6 +39,7 @@ EXAMPLES: dict[str, Keys] = {
     "drag": {"drag": {}},
     "shaft": {"shaft": SHAFT},
     "unbalance": {"shaft": SHAFT, "unbalance": {"mass_radius": "100 g mm"}},
+    "surfaces": {"surfaces": {"rollers": {"diameter": {"scatter": "0.5 um"}}}},
     "misalignment": {"misalignment": {"inner": "0.2 mrad"}},
     "contact.damping": {"contact": {"damping": "kraemer"}},
     "bearing.roller_profile": {"bearing": {"roller_profile": "logarithmic"}},

@@ -31,6 +31,7 @@ NEEDS = {
     "a ramp, gravity, friction, cage, drag, a shaft, an unbalance, rotation of the ring": {
         *("ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"),
     },
+    "form of the surfaces": {"form"},
     "a flexible outer ring": {"bending ring"},
     "tilt": {"tilt"},
     "load along the roller, tilt of rings": {"leaning rings", "profile"},

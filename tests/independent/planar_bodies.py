@@ -26,6 +26,7 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.laws.friction.curves import StaticDynamic, Traction
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuided
+from bearingsim.core.parts.form import Smooth, UnequalRollers
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
 
 
@@ -164,11 +165,13 @@ def race(s: Scene, outer: bool) -> Flow:
     rho = np.abs(offset)
     n = offset / rho
     delta, closing = (rho + b.R_w - b.R_o if outer else b.R_i + b.R_w - rho), sign * dot(n, speed)
-    contacts = press(law, delta, closing, 0.0)
+    form = form_at(s, ring, n, sign, dot(1j * n, speed) / rho)
+    delta, closing = delta - form.depth, closing - form.rate
+    contacts = press(law, delta, closing, -form.race_slope, form.slope)
     for head, groups in zip(model.defects.head, model.defects.groups, strict=True):
         if head[SIDE] == (0 if outer else 1):
             x, x_rate = defect_distance(s, head, ring, n, sign, dot(1j * n, speed) / rho)
-            over_contacts = over_defect(law, delta, closing, head, groups, x, x_rate)
+            over_contacts = over_defect(law, delta, closing, head, groups, x, x_rate, form)
             contacts = PressedContacts(*np.where(np.abs(x) < head[HALF_WIDTH], over_contacts, contacts))
     normal = n - sign * contacts.moment / (rho * np.maximum(contacts.force, 1e-300)) * 1j * n
     normal /= np.abs(normal)
@@ -194,7 +197,46 @@ def defect_distance(s: Scene, head, ring: Body, n, sign, sweep):
     )
 
 
-def over_defect(law, delta, closing, head, groups, x, x_rate) -> PressedContacts:
+class FormAt(NamedTuple):
+    """Form at contacts (Z, n): depth of both surfaces (m), its rate (m/s) and slope (m/rad), that of the race."""
+
+    depth: Any
+    rate: Any
+    slope: Any
+    race_slope: Any
+
+
+def form_at(s: Scene, ring: Body, n, sign, sweep) -> FormAt:
+    """Form of race and rollers where they touch along ``n``, which turns at ``sweep`` (rad/s)."""
+    flat, form, b = np.zeros(n.shape), s.model.form, s.model.bearing
+    if isinstance(form, Smooth):
+        return FormAt(flat, flat, flat, flat)
+    race_form, depth, rate, race_slope, slope = (form.outer if sign > 0 else form.inner), flat, flat, flat, flat
+    if not isinstance(race_form, Smooth):
+        table = np.concatenate([race_form.pieces[:, :, 1 + sector] for sector in range(b.Z)])
+        depth, race_slope = on_pieces(np.repeat(table[np.newaxis], b.Z, axis=0), angle_between(ring.angle, n))
+        slope, rate = race_slope, race_slope * (sweep - ring.angular_velocity)
+    if isinstance(form.rollers, UnequalRollers):
+        depth = depth + form.rollers.recess[: b.Z, np.newaxis]
+    elif not isinstance(form.rollers, Smooth):
+        material = s.rollers.angle + pockets(b, b.theta_0)
+        table = form.rollers.pieces[:, :, : b.Z].transpose(2, 0, 1)
+        of_roller, roller_slope = on_pieces(table, angle_between(material, sign * n))
+        depth, slope = depth + of_roller, slope + roller_slope
+        rate = rate + roller_slope * (sweep - s.rollers.angular_velocity)
+    return FormAt(depth, rate, slope, race_slope)
+
+
+def on_pieces(tables, angle):
+    """Value (m) and slope (m/rad) at ``angle`` (Z, n), rad, of a turn of pieces for each roller (Z, N, 4)."""
+    count, x = tables.shape[1], np.mod(angle, 2 * np.pi) / (2 * np.pi) * tables.shape[1]
+    piece = np.minimum(np.floor(x).astype(int), count - 1)
+    a, b, c, d = np.moveaxis(tables[np.arange(len(tables))[:, np.newaxis], piece], -1, 0)
+    x = x - piece
+    return a + b * x + c * x**2 + d * x**3, (b + 2 * c * x + 3 * d * x**2) * count / (2 * np.pi)
+
+
+def over_defect(law, delta, closing, head, groups, x, x_rate, form) -> PressedContacts:
     """Contacts at ``x`` (m) from the middle of a rectangular defect: all its groups together."""
     total = PressedContacts(*np.zeros((6, *delta.shape)))
     for group in groups[: int(head[GROUP_COUNT])]:
@@ -203,8 +245,9 @@ def over_defect(law, delta, closing, head, groups, x, x_rate) -> PressedContacts
         h = np.where(on_floor, group[DEPTH], rim**2 / (2 * head[REDUCED_RADIUS]))
         slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS])
         # a roller's own defect turns the roller, not the race
-        aside = -slope * head[RADIUS] if head[CARRIER] < 0 else 0.0
-        contact_ = press(law, delta - h, closing - slope * x_rate, aside, slope * head[RADIUS])
+        aside = (-slope * head[RADIUS] if head[CARRIER] < 0 else 0.0) - form.race_slope
+        steep = slope * head[RADIUS] + form.slope
+        contact_ = press(law, delta - h, closing - slope * x_rate, aside, steep)
         total = PressedContacts(
             *(sum_ + group[GROUP_WEIGHT] * term for sum_, term in zip(total, contact_, strict=True))
         )

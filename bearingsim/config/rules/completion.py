@@ -13,6 +13,7 @@ from bearingsim.config.sections.contact import Contact
 from bearingsim.config.sections.defect import EDGE_RADIUS, Defect, Edge
 from bearingsim.config.sections.machine import Rig
 from bearingsim.config.sections.ring import MAX_HARMONICS, RingLoad
+from bearingsim.config.sections.surfaces import Surfaces
 
 
 def complete(case: CaseFields) -> None:
@@ -31,6 +32,7 @@ def complete(case: CaseFields) -> None:
     _fill(case, "defects", tuple(_with_edge(case, _with_roller(defect)) for defect in case.defects))
     if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
         _fill(case, "misalignment", None)
+    _fill(case, "surfaces", complete_surfaces(case.surfaces))
     _fill_free_motion(case)
     _fill(case, "record", tuple(name for channel in case.record for name in slice_channels(channel, case)))
 
@@ -40,6 +42,19 @@ def _fill_reference(case: CaseFields) -> None:
     _fill(case, "model", hierarchy.reference_model(case) or catalogue.most_detailed_model())
     if catalogue.MODELS[case.model].slips and not hierarchy.specifies_slip(case):
         _fill(case, "cage", free.Cage(motion="kinematic"))
+
+
+def complete_surfaces(surfaces: Surfaces | None) -> Surfaces | None:
+    """Replace surfaces without deviation by None, and a seed without effect by 0."""
+    if surfaces is None:
+        return None
+    names = ("outer", "inner", "rollers")
+    forms = {name: getattr(surfaces, name) for name in names}
+    forms = {name: None if form is None or form.is_smooth else form for name, form in forms.items()}
+    if not any(forms.values()):
+        return None
+    rough = surfaces.model_copy(update=forms)
+    return rough if rough.is_random else rough.model_copy(update={"seed": 0})
 
 
 EXTRA_HARMONICS, HOUSING_HARMONICS = 7, 8

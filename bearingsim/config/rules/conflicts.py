@@ -13,8 +13,10 @@ from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.completion import slice_count
 from bearingsim.config.rules.defects import defect_conflicts
 from bearingsim.config.rules.flexible_ring import flexible_ring_conflicts
+from bearingsim.config.rules.surfaces import surface_conflicts
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
+from bearingsim.config.sections.surfaces import repeats_each_pass
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from defect_conflicts(case)
     yield from _model(case)
     yield from _contact(case)
+    yield from surface_conflicts(case)
     yield from _free_motion(case)
     yield from _in_space(case)
     yield from flexible_ring_conflicts(case)
@@ -270,6 +273,9 @@ PASS_CONDITIONS: dict[str, PassCondition] = {
     "ramp": PassCondition(lambda case: case.ramp is None, "the speed changes"),
     "unbalance": PassCondition(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
     "defects": PassCondition(lambda case: all(d.race == "outer" for d in case.defects), "a defect turns"),
+    "surfaces": PassCondition(
+        lambda case: repeats_each_pass(case.surfaces), "the surfaces of inner race or rollers turn"
+    ),
     "excitation": PassCondition(lambda case: case.excitation != "random-impulses", "impulses are random"),
     "model": PassCondition(
         lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"

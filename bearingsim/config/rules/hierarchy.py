@@ -142,6 +142,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
     ("drag", "drag", "`drag` needs rollers and a cage that can slip"),
     ("shaft", "shaft", "a `shaft` needs a moving inner ring"),
     ("unbalance", "shaft", "an `unbalance` needs a moving inner ring"),
+    ("surfaces", "form", "`surfaces` needs a model with form of the surfaces"),
     ("misalignment", "leaning rings", "a `misalignment` loads the rollers unevenly along their length"),
 )
 

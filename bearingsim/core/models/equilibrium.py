@@ -27,6 +27,7 @@ from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, bend, bend_race, supported_position
+from bearingsim.core.parts.form import RECESS_I, RECESS_O, fill_recesses, recess
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
 # of the outer contact (of the inner one, one row further): roller-defect pair of the contact (-1 if none), and its
@@ -57,21 +58,25 @@ def contact_force(contact, side, defects, y, j, delta):
 
 
 @jit
-def excess_force(model, y, j, q_touch, q):
+def excess_force(model, y, j, q_touch, q, recess_i):
     """Return the net inward force (N) on a roller at ``q`` (m), and the stiffness of its contacts (N/m).
 
-    q_touch: position of first contact with the outer race (m).
+    q_touch: position of first contact with the outer race (m); recess_i: of the inner contact (m), from which
+    positions are measured.
     """
     bearing = model.bearing
     Q_o, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - q_touch)
     Q_i, k_i, _ = contact_force(model.inner, INNER, model.defects, y, j, -bearing.gap - q)
-    r = 0.5 * (bearing.R_o + bearing.R_i) + q
+    r = 0.5 * (bearing.R_o + bearing.R_i) + q - recess_i
     return Q_o - Q_i - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
 
 
 @jit
-def roller_balance(model, y, j, u_r):
+def roller_balance(model, y, j, u_r, recess_i):
     """Return the position q (m) of a roller when the outer race is displaced outwards by ``u_r`` (m) at its angle.
+
+    With deviations of form, ``u_r`` includes the recesses of both contacts, and the position is measured from that
+    at which the roller would touch the inner race without ``recess_i`` (m).
 
     Newton's method, started at the position of a massless roller over undamaged races. Outward steps are limited
     to a reach that doubles until the outer race supports the roller; then a step is replaced by bisection if it
@@ -89,7 +94,7 @@ def roller_balance(model, y, j, u_r):
             return q
     low, high, reach, second_last_step, last_step = q_touch, inf, FIRST_REACH, inf, inf
     for _ in range(MAX_STEPS):
-        excess, spring_rate = excess_force(model, y, j, q_touch, q)
+        excess, spring_rate = excess_force(model, y, j, q_touch, q, recess_i)
         if excess > 0.0:
             high = q
         else:
@@ -132,12 +137,15 @@ def balance_rollers(model, t, y):
     theta_c, _, _ = kinematic_angles(bearing, t)
     C, S = cos_sin(theta_c)
     bend_race(model.bending, C, S, bearing.omega_c, y, lanes(bearing))
+    fill_recesses(model.form, bearing, t, y)
     for j in range(bearing.Z):
         c = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
         s = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
         u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s + bend(model.bending, y, j)
-        q = roller_balance(model, y, j, u_r)
-        y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j] = c, s, q
+        recess_i = recess(model.form, RECESS_I, y, j)
+        u_r = u_r + recess(model.form, RECESS_O, y, j) + recess_i
+        q = roller_balance(model, y, j, u_r, recess_i)
+        y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j] = c, s, q - recess_i
         outer, inner = q - u_r - bearing.gap, -bearing.gap - q
         y[lay.Q_O + j], k_o, y[lay.DELTA_O + j] = contact_force(model.outer, OUTER, defects, y, j, outer)
         y[lay.Q_I + j], k_i, y[lay.DELTA_I + j] = contact_force(model.inner, INNER, defects, y, j, inner)

@@ -16,8 +16,10 @@ path. Angles are stored relative to their kinematic values, to avoid loss of dig
 Neglected: tilt, skew and axial motion of rollers, bending of rings and cage, stiffness of oil films.
 """
 
-from math import sqrt
+from math import pi, sqrt
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump, next_jump_with_slip
@@ -36,7 +38,7 @@ from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
-from bearingsim.core.jit import inlined, jit
+from bearingsim.core.jit import add, generic, inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu, mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged, lagged_friction
@@ -71,6 +73,24 @@ from bearingsim.core.parts.cage import (
     pocket_stiffness,
     sum_pocket_forces,
 )
+from bearingsim.core.parts.form import (
+    RACE_I,
+    RACE_O,
+    RACE_SLOPE_I,
+    RACE_SLOPE_O,
+    ROLLER_I,
+    ROLLER_O,
+    ROLLER_SLOPE_I,
+    ROLLER_SLOPE_O,
+    Form,
+    Smooth,
+    form_rows,
+    locate_on_race,
+    locate_on_roller,
+    race_on,
+    read_surface,
+    stored,
+)
 from bearingsim.core.parts.shaft import (
     accelerate_inner_ring,
     accelerate_ring_rotation,
@@ -88,7 +108,7 @@ class Planar(NamedTuple):
     outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: law of friction at the races
     (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
     e_0, acting on rollers and cage (a ring's weight is part of its load); lag: lag of the friction, s
-    (``friction/lag.py``).
+    (``friction/lag.py``); form: form of the surfaces (``parts/form.py``).
     """
 
     bearing: Bearing
@@ -104,6 +124,7 @@ class Planar(NamedTuple):
     bracket: Any
     gravity: float
     lag: float = 0.0
+    form: Any = Smooth()
 
 
 @state_width.register(Planar)
@@ -139,13 +160,14 @@ def _roller_at_defect(model, d, t, y):
 class Plane(NamedTuple):
     """Pocket angle, body speeds and centres, computed once per evaluation.
 
-    time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); C, S: cosine and sine of the
-    first pocket's angle; omega_cage, omega_i, omega_o: speeds of the cage, the inner and the outer ring (rad/s);
-    spin: nominal spin of a roller (rad/s).
+    time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); theta_c, C, S: the first
+    pocket's angle (rad), its cosine and sine; omega_cage, omega_i, omega_o: speeds of the cage, the inner and the
+    outer ring (rad/s); spin: nominal spin of a roller (rad/s).
     """
 
     time: float
     ramp_rate: float
+    theta_c: float
     C: float
     S: float
     omega_cage: float
@@ -169,6 +191,7 @@ def _shared(model, t, y):
     return Plane(
         time=time,
         ramp_rate=ramp_rate,
+        theta_c=theta_c,
         C=C,
         S=S,
         omega_cage=b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C],
@@ -186,10 +209,94 @@ def _load_roller(model, common, y, j):
     roller_direction(common.C, common.S, y, j)
     approach(OuterSide(), model.bearing, common.outer, common.omega_cage, y, j)
     approach(InnerSide(), model.bearing, common.inner, common.omega_cage, y, j)
+    load_contacts(model.form, model, common, y, j)
+
+
+@generic(inline="late")
+def load_contacts(form: Any, model: Any, common: Any, y: np.ndarray, j: int) -> None:
+    """Compute the forces on roller ``j`` whose contacts need no table, those between smooth surfaces."""
+
+
+@generic(inline="late", absent=0.0)
+def load_formed_contacts(form: Any, model: Any, common: Any, y: np.ndarray) -> float:
+    """Compute the forces on all rollers between surfaces with form; return the torque (N m) of the outer race's
+    form on the outer ring."""
+
+
+@load_contacts.register(Smooth)
+def _load_contacts_smooth(form, model, common, y, j):
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     y[lay.DEFECT_TORQUE + j] = 0.0
     tangential_forces(model, common, 0.0, 0.0, y, j)
+
+
+@load_contacts.register(Form)
+def _load_contacts_form(form, model, common, y, j):
+    """Do nothing, because tables are read roller by roller, after the vectorised loop."""
+
+
+@load_formed_contacts.register(Form)
+def _load_formed_contacts(form, model, common, y):
+    b, n = model.bearing, lanes(model.bearing)
+    angle_o = common.theta_c - y[lay.POSITION + lay.PSI]
+    angle_i = common.theta_c - b.omega_i * common.time
+    cage_roll = b.omega_b * common.time + y[lay.POSITION + lay.PHI_C]
+    for j in range(n):
+        locate_on_surfaces(OuterSide(), form.outer, form.rollers, angle_o, cage_roll, b.Z, y, j)
+        locate_on_surfaces(InnerSide(), form.inner, form.rollers, angle_i, cage_roll + pi, b.Z, y, j)
+    read_surface(form.outer, b.Z, RACE_O, RACE_SLOPE_O, y, n)
+    read_surface(form.inner, b.Z, RACE_I, RACE_SLOPE_I, y, n)
+    read_surface(form.rollers, b.Z, ROLLER_O, ROLLER_SLOPE_O, y, n)
+    read_surface(form.rollers, b.Z, ROLLER_I, ROLLER_SLOPE_I, y, n)
+    torque = 0.0
+    for j in range(n):
+        spin_v = common.spin + y[lay.SPIN_V + j]
+        tilt_o = recede(OuterSide(), form.outer, form.rollers, common.omega_o, spin_v, y, j)
+        tilt_i = recede(InnerSide(), form.inner, form.rollers, common.omega_i, spin_v, y, j)
+        Q_o = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        Q_i = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
+        y[lay.Q_O + j], y[lay.Q_I + j] = Q_o, Q_i
+        y[lay.DEFECT_FORCE_O + j], y[lay.DEFECT_FORCE_I + j] = tilt_o * Q_o, tilt_i * Q_i
+        roller_o = stored(form.rollers, ROLLER_SLOPE_O, y, j)
+        roller_i = stored(form.rollers, ROLLER_SLOPE_I, y, j)
+        y[lay.DEFECT_TORQUE + j] = -(roller_o * Q_o + roller_i * Q_i)
+        torque = add(torque, -stored(form.outer, RACE_SLOPE_O, y, j) * Q_o)
+        tangential_forces(model, common, tilt_o, tilt_i, y, j)
+    return torque
+
+
+@inlined
+def locate_on_surfaces(side, race, rollers, race_angle, roll, Z, y, j):
+    """Fill the places of one contact of roller ``j`` in the tables of race and roller.
+
+    race_angle: of pocket 0 on the race (rad); roll: angle on the roller (rad) in contact if it were in the middle
+    of its pocket, had not slipped, and the normal pointed along e_r.
+    """
+    _, normal_t, _, _, _ = normal_rows(side)
+    of_race, race_slope, of_roller, roller_slope, _ = form_rows(side)
+    offset = y[lay.EPS + j] + small_angle(y[normal_t + j])
+    locate_on_race(race, race_angle, offset, Z, of_race, race_slope, y, j)
+    locate_on_roller(rollers, roll + offset - y[lay.SPIN + j], of_roller, roller_slope, y, j)
+
+
+@inlined
+def recede(side, race, rollers, omega_race, spin_v, y, j):
+    """Subtract the recesses at one contact of roller ``j`` from its approach, and their rates; return the tangent
+    of the tilt of the normal.
+
+    omega_race, spin_v: speed of the race and spin of the roller (rad/s). Equation (F2) of docs/form.md.
+    """
+    _, approach, rate, _, _ = contact_rows(side)
+    _, _, distance, transverse_speed, rho_v = normal_rows(side)
+    of_race, race_slope, of_roller, roller_slope, rates = form_rows(side)
+    omega = y[transverse_speed + j] / y[distance + j]
+    slope_of_race, slope_of_roller = stored(race, race_slope, y, j), stored(rollers, roller_slope, y, j)
+    y[rho_v + j] = sign(side) * y[rate + j]
+    y[rates + j] = slope_of_race * (omega - omega_race) + slope_of_roller * (omega - spin_v)
+    y[approach + j] -= stored(race, of_race, y, j) + stored(rollers, of_roller, y, j)
+    y[rate + j] -= y[rates + j]
+    return (slope_of_race + slope_of_roller) / y[distance + j]
 
 
 @inlined
@@ -284,16 +391,41 @@ def correct_for_defect(model, common, d, j, s, t, y):
     on_roller, outer = on >= 0.0, defects.head[d, SIDE] == OUTER
     omega_defect = common.omega_i if on == ON_INNER else common.omega_o
     omega_defect = common.spin + y[lay.SPIN_V + j] if on_roller else omega_defect
+    Q_o, Q_i = y[lay.Q_O + j], y[lay.Q_I + j]
     if outer:
         tangential = tilt_contact(OuterSide(), model.outer, defects, d, j, s, omega_defect, y)
+        form_torque = add_form(model.form, OuterSide(), Q_o, y, j)
     else:
         tangential = tilt_contact(InnerSide(), model.inner, defects, d, j, s, omega_defect, y)
+        form_torque = add_form(model.form, InnerSide(), Q_i, y, j)
     torque = tangential * defects.head[d, RADIUS]
     y[lay.DEFECT_TORQUE + j] -= torque if on_roller else 0.0
     normal_slope_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
     normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
     tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j)
-    return -torque if outer and not on_roller else 0.0
+    return (-torque if outer and not on_roller else 0.0) + (form_torque if outer else 0.0)
+
+
+@generic(absent=0.0)
+def add_form(form: Any, side: Any, Q: float, y: np.ndarray, j: int) -> float:
+    """Add tilt and torques of the form to a contact over a defect, whose force was ``Q`` (N) without the defect.
+
+    Returns the change of the torque (N m) of the race's form on its ring.
+    """
+
+
+@add_form.register(Form)
+def _add_form(form, side, Q, y, j):
+    _, _, rho, _, rho_v = normal_rows(side)
+    force, _, _, _, tilt_row = contact_rows(side)
+    _, race_slope, _, roller_slope, rates = form_rows(side)
+    slope_of_race = stored(race_on(side, form), race_slope, y, j)
+    slope_of_roller = stored(form.rollers, roller_slope, y, j)
+    change = y[force + j] - Q
+    y[rho_v + j] += sign(side) * y[rates + j]
+    y[tilt_row + j] += (slope_of_race + slope_of_roller) / y[rho + j] * y[force + j]
+    y[lay.DEFECT_TORQUE + j] -= slope_of_roller * change
+    return -slope_of_race * change
 
 
 @jit
@@ -318,7 +450,8 @@ def tilt_contact(side, law, defects, d, j, s, omega_defect, y):
 def _accelerate_shared(model, common, t, y):
     b = model.bearing
     n, alpha_kinematic = lanes(b), b.omega_c * common.ramp_rate
-    torque = correct_for_defects(model, common, t, y)
+    form_torque = load_formed_contacts(model.form, model, common, y)
+    torque = correct_for_defects(model, common, t, y) + form_torque
     sum_loads(lay.F_X, lay.M_RING, y, n)
     sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
     sum_pocket_forces(model.cage, y, n)

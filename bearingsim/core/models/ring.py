@@ -68,19 +68,21 @@ from bearingsim.core.models.outer_ring import (
     ring_motion,
 )
 from bearingsim.core.parameters import Bearing, Support, lanes
+from bearingsim.core.parts.form import RECESS_I, RECESS_O, RECESS_V_I, RECESS_V_O, Smooth, fill_recesses, recess
 
 # tangent stiffness and damping of a roller's two contacts in series
 K_RING, C_RING = lay.rows(lay.WORK + 5 * lay.ROW, "N/m, N s/m", "ring", "evaluation")
 
 
 class Ring(NamedTuple):
-    """Parameters of the model; ``bearing.m_r`` must be 0."""
+    """Parameters of the model; ``bearing.m_r`` must be 0. form: form of the surfaces (``parts/form.py``)."""
 
     bearing: Bearing
     support: Support
     outer: Any
     inner: Any
     defects: Defects
+    form: Any = Smooth()
 
 
 @state_width.register(Ring)
@@ -100,6 +102,7 @@ register_roller_model(Ring)
 
 @shared.register(Ring)
 def _shared(model, t, y):
+    fill_recesses(model.form, model.bearing, t, y)
     return ring_motion(model, t, y)
 
 
@@ -108,12 +111,15 @@ def share_approach(model, common, c, s, y, j):
     """Divide the approach of roller ``j`` between its two contacts over undamaged races; each has half of the
     rate.
 
-    Equation (M9) of docs/model.md.
+    Equation (M9) of docs/model.md; with form (F1) of docs/form.md.
     """
+    form = model.form
     delta = -(common.u_x * c + common.u_y * s) - 2.0 * model.bearing.gap
+    delta = delta - recess(form, RECESS_O, y, j) - recess(form, RECESS_I, y, j)
+    rate = -(common.w_x * c + common.w_y * s) - recess(form, RECESS_V_O, y, j) - recess(form, RECESS_V_I, y, j)
     inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
-    y[lay.V_O + j] = y[lay.V_I + j] = -0.5 * (common.w_x * c + common.w_y * s)
+    y[lay.V_O + j] = y[lay.V_I + j] = 0.5 * rate
 
 
 @load_roller.register(Ring)
@@ -133,7 +139,7 @@ def correct_for_defect(model, y, j):
     """
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
-    q = roller_balance(model, y, j, u_r)
+    q = roller_balance(model, y, j, u_r, 0.0)
     outer, inner, half_rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = outer, inner
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
@@ -246,7 +252,7 @@ def derivatives_over_defect_in_series(model, y, j):
     """Fill tangent stiffness and damping of a roller with a contact over a defect (``correct_for_defect``)."""
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
-    q = roller_balance(model, y, j, u_r)
+    q = roller_balance(model, y, j, u_r, 0.0)
     outer, inner, half_rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]

@@ -58,6 +58,7 @@ from bearingsim.core.models.outer_ring import (
 )
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts import bending
+from bearingsim.core.parts.form import RECESS_I, RECESS_O, RECESS_V_I, RECESS_V_O, Smooth, fill_recesses, recess
 
 # tangent stiffness and damping of the contacts
 K_O, C_O, K_I, C_I = lay.rows(lay.WORK, "N/m, N s/m", "rollers", "linearise", count=2)
@@ -66,7 +67,7 @@ K_O, C_O, K_I, C_I = lay.rows(lay.WORK, "N/m, N s/m", "rollers", "linearise", co
 class Rollers(NamedTuple):
     """Parameters of the model; ``outer``, ``inner``: contact laws (``laws/damping``) at the two races.
 
-    bending: bending of the outer ring (``parts/bending.py``).
+    bending: bending of the outer ring (``parts/bending.py``); form: form of the surfaces (``parts/form.py``).
     """
 
     bearing: Bearing
@@ -75,6 +76,7 @@ class Rollers(NamedTuple):
     inner: Any
     defects: Defects
     bending: Any
+    form: Any = Smooth()
 
 
 @state_width.register(Rollers)
@@ -102,6 +104,7 @@ register_roller_model(Rollers)
 def _shared(model, t, y):
     common = ring_motion(model, t, y)
     bending.bend_race(model.bending, common.C, common.S, model.bearing.omega_c, y, lanes(model.bearing))
+    fill_recesses(model.form, model.bearing, t, y)
     return common
 
 
@@ -109,13 +112,20 @@ def _shared(model, t, y):
 def approach_races(model, common, c, s, y, j):
     """Fill the approaches of both contacts of roller ``j`` over undamaged races, and their rates.
 
-    Equation (M7) of docs/model.md without h; for a flexible ring (R3) of docs/ring.md.
+    Equation (M7) of docs/model.md without h; for a flexible ring (R3) of docs/ring.md; with form (F1) of
+    docs/form.md.
     """
-    gap, r, v = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j]
-    y[lay.DELTA_O + j] = r - (common.u_x * c + common.u_y * s) - gap - bending.bend(model.bending, y, j)
-    y[lay.V_O + j] = v - (common.w_x * c + common.w_y * s) - bending.bend_rate(model.bending, y, j)
-    y[lay.DELTA_I + j] = -gap - r
-    y[lay.V_I + j] = -v
+    gap, r, v, form = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j], model.form
+    delta = r - (common.u_x * c + common.u_y * s) - gap - bending.bend(model.bending, y, j)
+    rate = v - (common.w_x * c + common.w_y * s) - bending.bend_rate(model.bending, y, j)
+    y[lay.DELTA_O + j], y[lay.V_O + j] = (
+        delta - recess(form, RECESS_O, y, j),
+        rate - recess(form, RECESS_V_O, y, j),
+    )
+    y[lay.DELTA_I + j], y[lay.V_I + j] = (
+        -gap - r - recess(form, RECESS_I, y, j),
+        -v - recess(form, RECESS_V_I, y, j),
+    )
 
 
 @load_roller.register(Rollers)

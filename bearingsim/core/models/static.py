@@ -13,6 +13,7 @@ from bearingsim.core.models import flexible_equilibrium  # noqa: F401  (register
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, register_solved_model, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.parts.form import Smooth
 
 
 class Static(NamedTuple):
@@ -20,7 +21,7 @@ class Static(NamedTuple):
 
     ``bearing.m_r`` determines the centrifugal load of a roller; it is 0 in models with massless rollers.
 
-    bending: bending of the outer ring (``parts/bending.py``).
+    bending: bending of the outer ring (``parts/bending.py``); form: form of the surfaces (``parts/form.py``).
     """
 
     bearing: Bearing
@@ -29,6 +30,7 @@ class Static(NamedTuple):
     inner: Any
     defects: Defects
     bending: Any
+    form: Any = Smooth()
 
 
 register_solved_model(Static)

@@ -260,7 +260,7 @@ def test_the_balance_of_a_roller_equals_a_bisection(named):
             middle = 0.5 * (low + high)
             Q = loads(middle)
             low, high = (low, middle) if Q[0] - Q[1] >= centrifugal * (R_mean + middle) else (middle, high)
-        assert loads(roller_balance(model, y, 0, u_r)) == pytest.approx(loads(high), rel=1e-9, abs=1e-8)
+        assert loads(roller_balance(model, y, 0, u_r, 0.0)) == pytest.approx(loads(high), rel=1e-9, abs=1e-8)
 
 
 def test_the_search_ends_at_rounding_error():

@@ -108,6 +108,15 @@ def rate(values, h):
     return (8 * (values[3] - values[1]) - (values[4] - values[0])) / (12 * h)
 
 
+SETUPS["between surfaces with form"] = SETUPS["on rollers"] | {
+    "surfaces": {
+        "outer": {"spectrum": {"amplitude": "2 um", "orders": [2, 60]}},
+        "inner": {"spectrum": {"amplitude": "2 um", "orders": [2, 60]}},
+        "rollers": {"diameter": {"scatter": "1 um"}, "spectrum": {"amplitude": "0.5 um", "orders": [2, 20]}},
+    }
+}
+
+
 @pytest.mark.parametrize("setup", SETUPS)
 def test_every_effect_acts_in_the_random_states(setup):
     """Each defect, the cage's guide, and pockets on both sides."""

@@ -1,0 +1,72 @@
+"""Conflicts of the form of surfaces with the bearing and the method."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from bearingsim import catalogue
+from bearingsim.config.fields import Conflict, Path
+from bearingsim.text.units import show
+
+if TYPE_CHECKING:
+    from bearingsim.config.case_fields import CaseFields
+
+MAX_HEIGHT = 0.01
+"""Largest height of a surface relative to the rolling element's diameter: 0.1 mm of 10 mm, a damaged surface."""
+
+
+def surface_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+    """Yield the conflicts of `surfaces`."""
+    if case.surfaces is None:
+        return
+    yield from _rollers(case)
+    yield from _heights(case)
+    method = catalogue.METHODS.get(case.method or "")
+    if method is not None and method.implicit and catalogue.MODELS[case.model].slips:
+        paths: tuple[Path, ...] = (("method",), ("surfaces",))
+        message = f"`{case.method}` needs derivatives, which {case.model} does not have with `surfaces`"
+        yield Conflict("form method", paths, message, "use an explicit method, or `method: auto`")
+
+
+def _rollers(case: "CaseFields") -> Iterator[Conflict]:
+    surface = case.surfaces and case.surfaces.rollers
+    if not surface:
+        return
+    count, deviations = case.bearing.rollers, surface.diameter and surface.diameter.deviations
+    if deviations and len(deviations) != count:
+        paths: tuple[Path, ...] = (("surfaces", "rollers", "diameter"), ("bearing", "rollers"))
+        message = f"{len(deviations)} diameters for {count} rollers"
+        yield Conflict("diameters", paths, message, "give one deviation for each roller")
+    for number, harmonic in enumerate(surface.harmonics):
+        if harmonic.roller is not None and harmonic.roller > count:
+            path: Path = ("surfaces", "rollers", "harmonics", number, "roller")
+            message = f"there is no roller {harmonic.roller}: the bearing has {count}"
+            yield Conflict("roller", (path, ("bearing", "rollers")), message, "they count from 1")
+
+
+def _heights(case: "CaseFields") -> Iterator[Conflict]:
+    limit = MAX_HEIGHT * case.bearing.roller_diameter
+    for path, height in _largest_lengths(case):
+        if abs(height) > limit:
+            message = f"{show(height, 'um')} is over 1 % of the rolling element's diameter"
+            yield Conflict("height", (path, ("bearing",)), message, "is the unit right?")
+
+
+def _largest_lengths(case: "CaseFields") -> Iterator[tuple[Path, float]]:
+    """Yield the path and value (m) of each amplitude and deviation."""
+    for name in ("outer", "inner", "rollers"):
+        surface = getattr(case.surfaces, name)
+        if surface is None:
+            continue
+        for number, harmonic in enumerate(surface.harmonics):
+            yield ("surfaces", name, "harmonics", number, "amplitude"), harmonic.amplitude
+        if surface.spectrum is not None:
+            low = surface.spectrum.orders[0]
+            yield (
+                ("surfaces", name, "spectrum", "amplitude"),
+                surface.spectrum.amplitude * low**-surface.spectrum.exponent,
+            )
+        diameter = surface.diameter if name == "rollers" else None
+        if diameter is not None and diameter.scatter is not None:
+            yield ("surfaces", name, "diameter", "scatter"), diameter.scatter
+        for number, deviation in enumerate((diameter and diameter.deviations) or ()):
+            yield ("surfaces", name, "diameter", "deviations", number), deviation

@@ -1,0 +1,202 @@
+"""Form of the surfaces: waviness of races and rolling elements, and unequal diameters of the rolling elements."""
+
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+
+from bearingsim.config.fields import (
+    OPTIONAL,
+    Angle,
+    FileFormat,
+    Length,
+    Number,
+    Schema,
+    Section,
+    SignedLength,
+    describe_value,
+    integer,
+    or_words,
+    quantity_schema,
+    refuse,
+)
+
+MAX_ORDER = 1000
+"""Largest order (waves per turn): at a race of 40 mm a wavelength of 0.25 mm; shorter ones are roughness."""
+MAX_HARMONICS = 200
+"""Limit of the given harmonics of a surface."""
+
+
+class Harmonic(Section):
+    """Waviness of one order: height `amplitude` cos(`order` x angle - `phase`), positive where there is material.
+
+    The angle counts in the sense of rotation: on the outer race from the load line, on the inner race from it at
+    t = 0, rotating with the ring; on a roller from its outermost point at t = 0, so that rolling brings increasing
+    angles to the outer race.
+    """
+
+    order: Annotated[int, integer(1, MAX_ORDER)]
+    """Waves per turn."""
+    amplitude: Length
+    """Amplitude of the height, half of peak to valley."""
+    phase: Angle = 0.0
+    """Phase of the height's cosine."""
+
+
+class RollerHarmonic(Harmonic):
+    """Waviness of one order, of one roller or of all."""
+
+    roller: Annotated[int, integer(1, 64)] | None = None
+    """Number of the roller, counted from 1. Default: all rollers, with equal phases."""
+
+
+def _read_orders(raw: Any) -> Any:
+    """Check that a value is a pair of orders, the lower first."""
+    if not isinstance(raw, list | tuple) or len(raw) != 2:
+        refuse("orders", "expected two orders, the lowest and the highest", "as in `orders: [2, 200]`")
+    read = integer(1, MAX_ORDER).read
+    low, high = read(raw[0]), read(raw[1])
+    if low > high:
+        refuse("orders", f"the lowest order, {low}, is above the highest, {high}", "give the lower one first")
+    return low, high
+
+
+def _orders_schema(_: Schema) -> Schema:
+    order = {"type": "integer", "minimum": 1, "maximum": MAX_ORDER}
+    return {"type": "array", "items": order, "minItems": 2, "maxItems": 2}
+
+
+class Spectrum(Section):
+    """Waviness of many orders n with amplitudes `amplitude` x n^-`exponent` and random phases."""
+
+    amplitude: Length
+    """Amplitude A of A n^-p: that of order 1, whether it is among the orders or not."""
+    exponent: Number = 1.3
+    """Exponent p of A n^-p (assumed)."""
+    orders: Annotated[tuple[int, int], FileFormat(_read_orders, _orders_schema)] = (2, 200)
+    """Lowest and highest order."""
+
+
+def _check_list(raw: Any) -> Any:
+    if not isinstance(raw, list | tuple):
+        hint = "as in `[{order: 12, amplitude: 20 nm}]`"
+        refuse("list", f"expected a list of mappings, got {describe_value(raw)}", hint)
+    return raw
+
+
+def _check_values(raw: Any) -> Any:
+    if not isinstance(raw, list | tuple):
+        refuse("list", f"expected a list of lengths, got {describe_value(raw)}", "as in `[0 um, 0.5 um, ...]`")
+    return raw
+
+
+class _Surface(Section):
+    """Waviness of a surface: given harmonics and a random spectrum, which add."""
+
+    harmonics: tuple[Harmonic, ...] = ()
+    spectrum: Annotated[Spectrum | None, OPTIONAL] = None
+    """Waviness of many orders with random phases."""
+
+    @property
+    def is_smooth(self) -> bool:
+        """True without any deviation."""
+        return not self.harmonics and self.spectrum is None
+
+    @property
+    def highest_order(self) -> int:
+        """Highest order of the waviness; 0 without any."""
+        orders = [harmonic.order for harmonic in self.harmonics]
+        return max([*orders, self.spectrum.orders[1] if self.spectrum else 0])
+
+
+class RaceSurface(_Surface):
+    """Waviness of a race: `harmonics`, and a random `spectrum`, which add."""
+
+    harmonics: Annotated[tuple[Harmonic, ...], Field(max_length=MAX_HARMONICS), FileFormat(_check_list, dict)] = ()
+    """Waviness of given orders."""
+
+
+class Diameters(Section):
+    """Deviations of the rollers' diameters from the nominal one: a random scatter, or a list."""
+
+    scatter: Length | None = None
+    """Difference of the largest and the smallest diameter; the diameters are random with the nominal mean."""
+    deviations: Annotated[tuple[SignedLength, ...], FileFormat(_check_values, dict)] | None = None
+    """Deviation of each roller's diameter, in the order of the rollers."""
+
+    @model_validator(mode="after")
+    def _check_one(self) -> "Diameters":
+        if (self.scatter is None) == (self.deviations is None):
+            refuse("diameter", "expected either `scatter` or `deviations`", "as in `diameter: {scatter: 0.5 um}`")
+        return self
+
+
+def _list_as_mapping(raw: Any) -> Any:
+    """Convert a list to the mapping that it abbreviates."""
+    return {"deviations": raw} if isinstance(raw, list | tuple) else None if raw == "none" else raw
+
+
+def _diameter_schema(own: Schema) -> Schema:
+    deviations = {"type": "array", "items": quantity_schema("length")}
+    return or_words({"anyOf": [deviations, own]}, "none")
+
+
+class RollerSurface(_Surface):
+    """Form of the rolling elements: unequal diameters, and waviness, which add."""
+
+    harmonics: Annotated[
+        tuple[RollerHarmonic, ...], Field(max_length=MAX_HARMONICS), FileFormat(_check_list, dict)
+    ] = ()
+    """Waviness of given orders."""
+    spectrum: Annotated[Spectrum | None, OPTIONAL] = None
+    """Waviness of many orders, with random phases of each roller."""
+    diameter: Annotated[Diameters | None, FileFormat(_list_as_mapping, _diameter_schema)] = None
+    """Deviations of the diameters: `scatter`, or a list with a length for each roller."""
+
+    @property
+    def is_smooth(self) -> bool:
+        """True without any deviation."""
+        return super().is_smooth and (self.diameter is None or not any(self.diameter.deviations or (True,)))
+
+
+class Surfaces(Section):
+    """Form of the surfaces. A surface that is not given is smooth, rollers that are not given are equal."""
+
+    outer: Annotated[RaceSurface | None, OPTIONAL] = None
+    """Waviness of the outer race."""
+    inner: Annotated[RaceSurface | None, OPTIONAL] = None
+    """Waviness of the inner race, rotating with it."""
+    rollers: Annotated[RollerSurface | None, OPTIONAL] = None
+    """Unequal diameters and waviness of the rolling elements."""
+    seed: Annotated[int, integer(0, 999_999_999)] = 0
+    """Seed of random phases and diameters."""
+
+    @property
+    def is_random(self) -> bool:
+        """True if the form depends on `seed`."""
+        surfaces = self._given
+        diameter = self.rollers and self.rollers.diameter
+        return bool(diameter and diameter.scatter) or any(
+            surface.spectrum is not None for surface in surfaces.values()
+        )
+
+    @property
+    def elements(self) -> list[str]:
+        """Elements with deviations, in the words of a defect's `race`."""
+        return list(self._given)
+
+    @property
+    def _given(self) -> dict[str, _Surface]:
+        surfaces = {"outer": self.outer, "inner": self.inner, "roller": self.rollers}
+        return {element: surface for element, surface in surfaces.items() if surface is not None}
+
+    @property
+    def highest_orders(self) -> dict[str, int]:
+        """Highest order of each element with waviness, in the words of a defect's `race`."""
+        return {
+            element: surface.highest_order for element, surface in self._given.items() if surface.highest_order
+        }
+
+
+def repeats_each_pass(surfaces: Surfaces | None) -> bool:
+    """Check if each ball pass meets the same form: only that of the outer race stays where it is."""
+    return surfaces is None or surfaces.elements == ["outer"]
