@@ -162,16 +162,20 @@ def test_units_are_spelt_in_ascii_and_other_characters_escaped() -> None:
 
 
 def test_unwritable_messages_are_dropped() -> None:
+    attempts = []
+
     class Full(io.RawIOBase):
         def writable(self) -> bool:
             return True
 
         def write(self, content: Any) -> int:
+            attempts.append(bytes(content))
             raise OSError(errno.ENOSPC, "No space left on device")
 
     messages = streams.Messages(io.BufferedWriter(Full(), 8), line_buffering=True)
     print("a message of more than 8 bytes", file=messages, flush=True)
     messages.detach()
+    assert attempts == [b"a message of more than 8 bytes\n"]
 
 
 def test_full_disk_and_missing_inodes_are_distinguished(tmp_path, monkeypatch) -> None:

@@ -427,7 +427,9 @@ def test_workers_die_with_their_parent(tmp_path: Path) -> None:
         workers = [int(path.stem.split("-")[-2]) for path in tmp_path.glob("units/??/*.started")]
         process.kill()
         process.wait()
+        assert len(workers) == 2
         wait_for(lambda: not any(is_running(pid) for pid in workers), timeout=2.0)
+        assert [pid for pid in workers if is_running(pid)] == []
 
 
 def is_running(pid: int) -> bool:

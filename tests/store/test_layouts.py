@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable
+from contextlib import nullcontext as does_not_raise
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +50,11 @@ def replaced(plan: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
 
 
 def test_expanded_study_is_a_valid_plan(plan: dict[str, Any]) -> None:
-    layouts.check_plan(plan)
-    layouts.check_plan(plan | {"figures": [FIGURE], "of another version": [1]})
     ids = [entry["job"] for entry in plan["jobs"]]
-    layouts.check_plan(plan | {"design": DESIGN | {"ids": ids[:2]}})
+    with does_not_raise():
+        layouts.check_plan(plan)
+        layouts.check_plan(plan | {"figures": [FIGURE], "of another version": [1]})
+        layouts.check_plan(plan | {"design": DESIGN | {"ids": ids[:2]}})
 
 
 @pytest.mark.parametrize(
