@@ -53,7 +53,7 @@ def commit() -> str:
 
 
 def is_left_out(file: str, name: str) -> bool:
-    """Tell whether a test is none of those drawn for this commit."""
+    """Check if a test is not drawn for this commit."""
     fraction = int(os.environ.get("SAMPLE") or 1)
     if f"{file.removeprefix('test_')}::{name.partition('[')[0]}" not in SAMPLED:
         return False

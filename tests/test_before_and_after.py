@@ -1,4 +1,4 @@
-"""What benchmarks/same_numbers.py says of two states of the code."""
+"""Comparison of two states of the code by benchmarks/same_numbers.py."""
 
 import math
 import sys

@@ -31,7 +31,7 @@ def test_a_latin_hypercube_has_a_point_in_each_stratum() -> None:
 
 
 def test_sobol_points_are_spread_evenly() -> None:
-    """A net: of 2^m points in one dimension one lies in each of 2^m parts, and in two in each square of 2^m."""
+    """The points are a net: each of 2^m intervals, and of 2^m squares in two dimensions, has one of 2^m points."""
     points = cube("sobol", 64, 2, seed=3)
     assert sorted(np.floor(64 * points[:, 0])) == list(range(64))
     assert len({tuple(np.floor(8 * point)) for point in points}) == 64

@@ -60,7 +60,7 @@ def test_a_citation_names_the_page_of_its_equation() -> None:
 
 
 def test_other_pages_number_no_equation() -> None:
-    """A number stands for one equation, so pages of evidence refer to it without repeating it."""
+    """Each equation has one number, to which pages of evidence refer."""
     pages = {page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")}
     numbered = {page for page in pages if TAG.search((ROOT / "docs" / page).read_text(encoding="utf-8"))}
     assert numbered == {f"{page}.md" for pages in PAGES.values() for page in pages}

@@ -72,7 +72,7 @@ def run_python(site: Path, *words: str, stdin: str = "") -> subprocess.Completed
 
 
 def type_commands(site: Path, *commands: tuple[str, ...]) -> Outputs:
-    """What commands say that are typed in one new process, one after the other."""
+    """Return the outputs of commands run one after the other in a new process."""
     process = run_python(site, "-c", TYPE, stdin=json.dumps(commands))
     assert process.returncode == 0, process.stdout + process.stderr
     return {words: tuple(output) for words, output in zip(commands, json.loads(process.stdout), strict=True)}
@@ -95,7 +95,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def command_outputs(site: Path) -> Outputs:
-    """What most commands of this file say; they are typed in one process, which starts and compiles once."""
+    """Outputs of most commands of this file, run in one process that compiles once."""
     checks = [("check", f"{name}.yaml") for name in TOY_STUDIES | WRONG_STUDIES]
     return type_commands(
         site, *checks, ("check", "--schema"), *(run(name) for name in TOY_STUDIES if name != "figure")
@@ -176,7 +176,7 @@ def test_a_law_without_its_derivatives_is_refused_by_name(command_outputs: Outpu
 
 @pytest.fixture(scope="module")
 def edited(site: Path, before: pd.DataFrame) -> Outputs:
-    """What a second process says while a law is edited: it runs a study again, and another one by two workers."""
+    """Outputs of a second process while a law is edited: it repeats a study and runs one with two workers."""
     law = site / "toy_bearing" / "quadratic.py"
     text = law.read_text()
     try:

@@ -1,4 +1,4 @@
-"""HDF5 files that state more than they hold, or lie elsewhere, are refused by name and before memory is taken."""
+"""Rejection of HDF5 files that claim more data than they contain or refer to other files, before allocation."""
 
 import io
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""How much memory there is, read from files as Linux has them; and what is done with a study that needs more."""
+"""Available memory, read from files as on Linux, and the treatment of studies that need more."""
 
 from math import inf
 from pathlib import Path

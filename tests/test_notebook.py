@@ -20,7 +20,7 @@ def study(study_folder: Path) -> Study:
 
 
 class Texts(HTMLParser):
-    """Texts of a page by the tag they stand in; a tag that is not a table's is an error."""
+    """Texts of a page by their tag; a tag that is not a table's is an error."""
 
     def __init__(self, page: str) -> None:
         super().__init__()

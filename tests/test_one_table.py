@@ -1,4 +1,4 @@
-"""What is known of a model, a method or a law stands in the catalogue and in its own module, nowhere else."""
+"""Facts on a model, method or law are only in the catalogue and in its own module."""
 
 import ast
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What the benchmarks of speed make of their numbers: exponents, costs at an error, losses, prices. No times."""
+"""Evaluation of speed benchmarks: exponents, costs at an error, losses, prices. No times are measured."""
 
 import json
 from functools import partial
@@ -32,7 +32,7 @@ def measure(seconds: float, yardstick: float = 1.0, noise: float = 0.01) -> Meas
 
 
 class TestCompare:
-    """A loss is one beyond noise, over the yardstick of its own run."""
+    """A loss is an increase beyond noise, relative to the yardstick of its own run."""
 
     def test_loss_beyond_noise_is_flagged(self) -> None:
         (change,) = compare.changes(run(step=measure(1.15)), run(step=measure(1.0)))
@@ -84,7 +84,7 @@ class TestCompare:
 
 
 class TestNumbers:
-    """What is made of the times."""
+    """Evaluation of times."""
 
     @pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
     def test_exponent_of_power_law(self, power: float) -> None:
@@ -145,7 +145,7 @@ class TestNumbers:
 
 
 class TestAccuracy:
-    """What is made of runs at several settings."""
+    """Evaluation of runs at several settings."""
 
     @staticmethod
     def runs(method: str, errors: list[float], seconds: list[float], ours: bool) -> list[accuracy.Run]:
@@ -174,7 +174,7 @@ class TestAccuracy:
 
 
 class TestPeers:
-    """All step the same equations; one that is not here is named."""
+    """All peers integrate the same equations; missing ones are named."""
 
     def test_problem_of_peers_has_accelerations_of_model(self) -> None:
         model = assemble.model(case("rollers"))
@@ -206,7 +206,7 @@ class TestPeers:
 
 
 class TestPrices:
-    """A proposal stands beside the table, which stays as it is."""
+    """A proposal is a separate file; the table is not changed."""
 
     def test_proposal_replaces_measured_prices_only(self, tmp_path: Path) -> None:
         content = TABLE.read_bytes()

@@ -26,12 +26,12 @@ class Change(NamedTuple):
 
     @property
     def is_loss(self) -> bool:
-        """Whether the cost has increased beyond noise."""
+        """Increase of the cost beyond noise."""
         return self.ratio > 1.0 + self.noise
 
     @property
     def is_gain(self) -> bool:
-        """Whether the cost has decreased beyond noise."""
+        """Decrease of the cost beyond noise."""
         return self.ratio < 1.0 / (1.0 + self.noise)
 
     def __str__(self) -> str:

@@ -20,7 +20,7 @@ class Target(NamedTuple):
 
     @property
     def met(self) -> bool:
-        """Whether the number is within its bounds."""
+        """Check that the number is within its bounds."""
         low = self.at_least is None or self.found >= self.at_least
         return low and (self.at_most is None or self.found <= self.at_most)
 

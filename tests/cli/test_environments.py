@@ -65,7 +65,7 @@ def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def environment_variables(root: Path, variables: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables of a shell; without a home the compiled code lies in the temporary folder."""
+    """Return the variables of a shell; without a home the compiled code is in the temporary folder."""
     (root / "tex").mkdir()
     (root / "tex/matplotlibrc").write_text("text.usetex: True\n")
     (root / "file").touch()

@@ -433,7 +433,7 @@ def test_file_changed_after_reading_is_refused(tmp_path: Path) -> None:
 def test_a_sweep_over_many_scans_reads_and_traces_each_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The cache holds all of them and their paths."""
+    """The cache contains all of them and their paths."""
     files = [write_grid(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
              range(100)]  # fmt: skip
     counts = {"read": 0, "traced": 0}

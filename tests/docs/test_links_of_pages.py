@@ -67,7 +67,7 @@ def test_every_anchor_is_that_of_one_heading() -> None:
 
 
 def test_links_of_the_documentation_stay_inside_it() -> None:
-    """The site holds docs/ only; other files are named as code."""
+    """The site contains docs/ only; other files are named as code."""
     inside = [link for link in ALL_LINKS if link.page.is_relative_to(DOCS)]
     assert [link for link in inside if not link.file.is_relative_to(DOCS) or link.file.is_dir()] == []
 

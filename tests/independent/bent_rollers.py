@@ -32,7 +32,7 @@ from tests.independent.bent_static import PASS, R_MEAN, Scene, Springs, minimise
 
 
 class Motion(NamedTuple):
-    """What only motion needs: Kraemer's beta (s), damping ratio and cap (Hz) of the harmonics, kg, N s/m."""
+    """Parameters of motion only: Kraemer's beta (s), damping ratio and cap (Hz) of the harmonics, kg, N s/m."""
 
     beta: float = 2.5e-6
     ratio: float = 0.01
@@ -50,7 +50,7 @@ def at_rest(scene, first, anchor):
 
 
 def anchor_position(scene, phases=32):
-    """Mean place over a ball pass of what the bracket holds, healthy, without the bracket."""
+    """Compute the mean position over a ball pass of the body on the bracket, healthy and without the bracket."""
     angles = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
     rows = bent_static.bracket_rows(scene)
     return np.mean([at_rest(scene._replace(width=0.0), first, None)[rows] for first in angles], axis=0)
@@ -160,7 +160,7 @@ def equations(scene: Scene, motion: Motion = Motion()) -> Equations:  # noqa: B0
 
 
 class Record(NamedTuple):
-    """What the sensor reads, velocity in m/s at ``per_pass`` instants of each ball pass (passes, per_pass)."""
+    """Velocity (m/s) at the sensor at ``per_pass`` instants of each ball pass (passes, per_pass)."""
 
     velocity: np.ndarray
 
@@ -181,7 +181,7 @@ class Record(NamedTuple):
         return np.sqrt(2 * np.sum(np.abs(spectrum[:, is_below]) ** 2, axis=1))
 
     def pass_difference(self):
-        """How far the last pass is from the one before it: RMS of the difference over RMS."""
+        """Compute the RMS of the difference between the last two passes over their RMS."""
         return np.sqrt(np.mean((self.velocity[-1] - self.velocity[-2]) ** 2)) / self.velocity[-1].std()
 
 

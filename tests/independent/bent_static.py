@@ -1,28 +1,28 @@
-"""A bearing at rest at each cage angle, its outer ring bending in its plane: the least energy of all parts.
+"""Equilibrium of a bearing with a flexible outer ring at each cage angle, by minimum energy.
 
 It shares no code with the package. NF308, 1800 rpm, 150 N, clearance 0, one box over the whole roller on the
 outer race. The radial motion of the ring at the angle phi, outward, is
 
     s(phi).x,   s = (cos phi, sin phi, 1, cos 2 phi, sin 2 phi, ..., cos N phi, sin N phi)
 
-so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. Roller j is
-q_j outward of the pitch circle; its approaches are q_j - s(theta_j).x - h_j to the outer race, -q_j to the inner.
-Everything is where its energy is least (convex but for the last term, a millionth of the contacts'):
+so that x = (u_x, u_y, a_0, a_2, b_2, ...): two of rigid motion, the others of bending. Roller j is q_j outward of
+the pitch circle; its approaches are q_j - s(theta_j).x - h_j to the outer race, -q_j to the inner. The energy is
+minimal (it is convex except for the last term, a millionth of the contacts'):
 
-    E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j [V(outer) + V(inner)] + what presses the ring from outside
+    E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j [V(outer) + V(inner)] + energy of the loads on the ring
         - sum_j m_r omega_c^2 (d_m/2 + q_j)^2/2
 
-The last presses rollers outward as they go round. K holds the stiffness of the harmonics
-(tests/independent/beam_ring.py); u has none. From outside press
+The last term is the centrifugal force. K has the stiffness of the harmonics
+(tests/independent/beam_ring.py), zero for u. The ring is loaded by
 
-- `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or
-  more it has soft pads, which keep their force. `soft_pads` makes them equal with the resultant -load e_0.
-- `Springs`: springs that push only, between the ring's outside and a stiff carrier at U, which carries the
-  load: load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). Some points, or the whole seat in many
-  pieces.
+- `Forces`: given forces, inward, at given angles: F s(phi).x each. One angle is a point load, two or
+  more are soft pads of constant force. `soft_pads` makes them equal with the resultant -load e_0.
+- `Springs`: compression-only springs between the ring's outside and a rigid carrier at U, on which the
+  load acts: load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). They are at some points, or
+  discretise the whole seat.
 
-The bracket (1e7 N/m; it can be 0) holds u or, where there is one, the carrier. Its anchor is the mean place of
-what it holds over a ball pass of the healthy bearing without a bracket, so that its mean force is none.
+The bracket (1e7 N/m, or 0) acts on the carrier, or on u without one. Its anchor is the mean position of that body
+over a ball pass of the healthy bearing without a bracket, so that its mean force is zero.
 
 SI throughout; angles in radians from the load line.
 """
@@ -89,7 +89,7 @@ def soft_pads(*degrees, load=rollers.LOAD):
 
 
 def points(*degrees, stiffness=1e8):
-    """Push-only springs at single places."""
+    """Return compression-only springs at single angles."""
     return Springs(tuple(np.radians(degrees)), stiffness)
 
 
@@ -100,7 +100,7 @@ def seat(per_metre, fit=0.0, pieces=360, radius=0.045):
 
 
 class Scene(NamedTuple):
-    """What is computed. ``last``: the highest harmonic, 0 for a ring that does not bend. ``width`` 0: healthy."""
+    """Scene. ``last``: highest harmonic, 0 for a rigid ring; ``width`` 0: healthy."""
 
     last: int = 30
     outside: Any = POINT
@@ -138,9 +138,9 @@ class System(NamedTuple):
 
 
 def minimise(system, y, tolerance=1e-9, floor=1e5):
-    """Where the energy is least: Newton's method, its steps halved as long as they pass the lowest place by far.
+    """Minimise the energy by Newton's method, with steps halved while they overshoot the minimum.
 
-    floor: a stiffness (N/m) in the matrix alone, for what is held by nothing on the way.
+    floor: stiffness (N/m) added to the matrix only, for bodies without contact during the iteration.
     """
     regularisation = floor * np.eye(y.size)
     for _ in range(200):
@@ -156,7 +156,7 @@ def minimise(system, y, tolerance=1e-9, floor=1e5):
 
 
 def bracket_rows(scene):
-    """Where in y what the bracket holds has its two places: the carrier, which is last, or the ring."""
+    """Return the indices in y of the body on the bracket: the carrier, which is last, or the ring."""
     return slice(-2, None) if isinstance(scene.outside, Springs) else slice(0, 2)
 
 
@@ -233,7 +233,7 @@ def static_path(scene, turned, anchor):
 
 
 def anchor_position(scene, phases=32):
-    """Mean place of what the bracket holds over a ball pass of the healthy bearing without it."""
+    """Compute the mean position of the body on the bracket over a ball pass of the healthy bearing without it."""
     healthy = scene._replace(width=0.0)
     turned = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
     return static_path(healthy, turned, None).unknowns[:, bracket_rows(scene)].mean(axis=0)

@@ -1,4 +1,4 @@
-"""An independent solution of a lubricated line contact, and of its answer to an oscillation: no code is shared.
+"""Independent solution of a lubricated line contact and of its response to an oscillation: no code is shared.
 
 The equations (isothermal, Newtonian, smooth, flooded; both surfaces roll at the mean speed u, x along u, so the
 oil comes in at negative x). q is the flow per length, V the rate at which the bodies approach:
@@ -6,7 +6,7 @@ oil comes in at negative x). q is the flow per length, V the rate at which the b
     Reynolds      q = u rho h - rho h^3/(12 eta) dp/dx,    dq/dx + d(rho h)/dt = 0
     gap           h = h_0(t) + x^2/(2 R) - 2/(pi E*) int p(x') ln|x - x'| dx'    (two half-spaces in plane strain)
     load          int p dx = Q/L
-    ends          p = 0 far upstream; p = dp/dx = 0 where the oil leaves, at a place that is unknown
+    ends          p = 0 far upstream; p = dp/dx = 0 where the oil leaves, at an unknown position
     viscosity     Roelands, with the slope alpha at p = 0; density after Dowson and Higginson
 
 Lengths along the film are in half widths b of Hertz's dry strip, gaps in b^2/R, pressures in Hertz's largest.
@@ -15,7 +15,7 @@ Lengths along the film are in half widths b of Hertz's dry strip, gaps in b^2/R,
 at the middles of the cells. What the oil carries there, rho h, is extrapolated from the two nodes upstream (rho h
 at the middles themselves would not see a pressure that alternates from node to node); the pressure's part takes
 the mean of 1/eta over the cell. At rest the flow is the same through all cells, q: "flow = q" with q unknown. All
-nodes are scaled with the unknown place of the exit. Newton's method solves for pressures, h_0, q and exit at once.
+nodes scale with the unknown position of the exit. Newton's method solves for pressures, h_0, q and exit at once.
 
 **Oscillation.** To first order of a small amplitude the condition p = dp/dx = 0 at a moving exit is dp = 0 at the
 exit at rest, where p and its slope vanish. The perturbed flow obeys d(q)/dx = -i omega d(rho h) over the cells
@@ -113,7 +113,7 @@ def nodes(cells, far=FAR, growth=GROWTH):
 
 
 def deformation(at, node):
-    """-(1/pi) int ln|x - x'| of unit hats on the inner nodes (a column each), at the places ``at``."""
+    """-(1/pi) int ln|x - x'| of unit hats on the inner nodes (a column each), at the points ``at``."""
 
     def second_integral(d):  # second integral of ln|d| over d
         distance = np.where(d == 0.0, 1.0, np.abs(d))
@@ -179,8 +179,10 @@ def density(contact, P):
 
 
 def gaps(matrix, unit, weight, P, H_0, exit):
-    """Gap at the places ``unit`` of a mesh stretched by ``exit``, ln(s x) = ln s + ln x, with its derivatives by
-    the pressures and the exit."""
+    """Return the gap at the nodes ``unit`` of a mesh stretched by ``exit``, with its derivatives.
+
+    ln(s x) = ln s + ln x.
+    """
     by_P = exit * matrix - exit * log(exit) / pi * weight[None, :]
     by_exit = exit * unit**2 + matrix @ P - (log(exit) + 1.0) / pi * (weight @ P)
     return H_0 + (exit * unit) ** 2 / 2.0 + by_P @ P, by_P, by_exit

@@ -1,8 +1,8 @@
-"""Rest of a bearing in space by its energy alone: rings are circles about leaning axes, rollers points with axes.
+"""Equilibrium of a bearing in space by its energy: rings are circles about tilted axes, rollers points with axes.
 
-Of the model only its data are used. The state x holds the ring's place (2,) and q (Z,) in um, then the tilts (Z,)
-in 1e-3 rad; so ``gradient`` has forces in N and moments in N mm. The defect stays where it is under its
-roller: the model too leaves out the force along the race that its slope would give.
+Only the data of the model are used. The state x has the ring's position (2,) and q (Z,) in um, then the tilts (Z,)
+in 1e-3 rad, so ``gradient`` has forces in N and moments in N mm. The defect does not move relative to its roller,
+because the model, too, omits the force along the race due to its slope.
 """
 
 from math import pi
@@ -14,23 +14,23 @@ from scipy.optimize import minimize
 from bearingsim.core.defects.closed_forms import roller_drop
 from bearingsim.core.defects.pairs import RADIUS
 
-STEP = 1e-6  # of a state, for the slopes of forces
-CONVERGED = 1e-8  # of the load; rounding of places leaves 1e-10 of it
+STEP = 1e-6  # of a state, for derivatives of forces
+CONVERGED = 1e-8  # of the load; rounding of positions leaves 1e-10 of it
 
 
 def unpack(model, x):
-    """The ring's place (2,) and q (Z,) in m, tilts (Z,) in rad."""
+    """Return the ring's position (2,) and q (Z,) in m, and the tilts (Z,) in rad."""
     Z = model.bearing.Z
     return x[:2] * 1e-6, x[2 : 2 + Z] * 1e-6, x[2 + Z :] * 1e-3
 
 
 def angles(model):
-    """Where the rollers stand (Z,), rad."""
+    """Return the angles of the rollers (Z,), rad."""
     return model.bearing.theta_0 + 2 * pi * np.arange(model.bearing.Z) / model.bearing.Z
 
 
 def defect_drops(model):
-    """Sinking (Z, slices) of each slice at the outer race's defect, if there is one."""
+    """Return the drop (Z, slices) of each slice into the outer race's defect, if any."""
     defects, h = model.defects, np.zeros((model.bearing.Z, len(model.slices.table)))
     if len(defects.head):
         distances = defects.head[0, RADIUS] * np.angle(np.exp(1j * (angles(model) - defects.head[0, 2])))
@@ -40,7 +40,7 @@ def defect_drops(model):
 
 
 def slice_positions(model, q, tilt):
-    """Places (Z, slices, 3) of the slices, and how they move along with q and with the tilt."""
+    """Return the positions (Z, slices, 3) of the slices, and their derivatives by q and by the tilt."""
     theta, zeta = angles(model), model.slices.table[:, 0, None]
     e_r = np.stack([np.cos(theta), np.sin(theta), 0 * theta], axis=1)[:, None]
     e_z, tilt = np.array([0.0, 0.0, 1.0]), tilt[:, None, None]
@@ -50,7 +50,7 @@ def slice_positions(model, q, tilt):
 
 
 def radial_distance(away, mount):
-    """Distance (Z, slices) of places from a ring's axis, and the direction (Z, slices, 3) away from it."""
+    """Return the distance (Z, slices) of points from a ring's axis, and its direction (Z, slices, 3)."""
     axis = np.array([mount.tilt_x, mount.tilt_y, 0.0])
     axis[2] = np.sqrt(1 - axis @ axis)
     across = away - (away @ axis)[..., None] * axis
@@ -59,7 +59,7 @@ def radial_distance(away, mount):
 
 
 def contacts(model, x):
-    """Law, approach (Z, slices) and its slopes (4, Z, slices), along the ring's place, q, tilt, of either race."""
+    """Return law, approach (Z, slices) and its derivatives (4, Z, slices) by ring position, q, tilt, by race."""
     b, drop = model.bearing, model.slices.table[:, 2]
     u, q, tilt = unpack(model, x)
     p, by_q, by_tilt = slice_positions(model, q, tilt)
@@ -72,13 +72,13 @@ def contacts(model, x):
 
 
 def gyration(model):
-    """What tilts an axis that goes round with the cage and turns about itself, per tilt (N m)."""
+    """Return the gyroscopic moment over tilt (N m) of a roller that orbits with the cage and spins."""
     b = model.bearing
     return b.omega_c * (b.I_r * (b.omega_c - b.omega_b) - model.I_t * b.omega_c)
 
 
 def energy(model, x):
-    """Elastic energy (J) of the bearing less what load and centrifugal force give."""
+    """Return the elastic energy (J) of the bearing less the work of load and centrifugal force."""
     b, support, weight = model.bearing, model.support, model.slices.table[:, 1]
     u, q, tilt = unpack(model, x)
     r, displacement = (b.R_o + b.R_i) / 2 + q, u - np.array([support.x_0, support.y_0])
@@ -111,10 +111,10 @@ def hessian(model, x):
 
 
 def minimum(model, start):
-    """The least energy that lies near ``start``, and what is left of the load (1) there.
+    """Return the state of minimum energy near ``start``, and the residual force there over the load.
 
-    A minimiser stops where rounding hides the energy's fall: where, differs from one processor to the next.
-    Newton's steps on the forces go on to where these vanish. They raise ``LinAlgError`` where there is no minimum.
+    Rounding of the energy limits a minimiser, by an amount that depends on the processor. Newton steps on the
+    forces then reduce the residual. They raise ``LinAlgError`` where there is no minimum.
     """
 
     def micro(x: np.ndarray) -> float:

@@ -43,7 +43,7 @@ class Bearing(NamedTuple):
 
 
 def add_body(system, mass, inertia, centre, velocity, angular_velocity):
-    """(node, body) of a rigid body of the plane at its place at t = 0."""
+    """Return (node, body) of a rigid body of the plane at its position at t = 0."""
     from exudyn import utilities as eu
 
     rates = [velocity.real, velocity.imag, angular_velocity]
@@ -56,7 +56,7 @@ def add_body(system, mass, inertia, centre, velocity, angular_velocity):
 def add_contact(system, scene, roller, other, radius, gap=1.0, hollow=False):
     """Contact of two markers with the scene's law.
 
-    The sign of ``gap`` tells EXUDYN's first step whether the two touch. A gap of 1 m: switched off as yet.
+    The sign of ``gap`` is the initial contact state of EXUDYN's first step. A gap of 1 m: not active yet.
     """
     from exudyn import utilities as eu
 
@@ -79,7 +79,7 @@ def add_contact(system, scene, roller, other, radius, gap=1.0, hollow=False):
 
 
 def assemble(scene) -> Bearing:
-    """In the reference's static start: the same places and rates, given to EXUDYN as numbers."""
+    """Assemble the system in the reference's static start, with the same positions and rates."""
     import exudyn as exu
     from exudyn import utilities as eu
 
@@ -139,7 +139,7 @@ def set_damping(bearing, scene):
 
 
 def edge_switch(bearing, scene):
-    """What EXUDYN calls before each step: over a slot the roller is borne by the edges, elsewhere by the race."""
+    """Return EXUDYN's callback before each step: over a slot the edges support the roller, elsewhere the race."""
     (defect,) = scene.defects
     was_inside = np.zeros(scene.Z, bool)
 

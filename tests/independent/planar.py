@@ -393,10 +393,10 @@ def kinetic(scene, v: Coordinates):
 
 
 def momentum_residual(scene, anchor, t, x: Coordinates, v: Coordinates):
-    """What inertia and outside forces leave over: force x, y and torque about the origin, and the scale of each.
+    """Return the residual of inertia and external forces: force x, y, torque about the origin, and their scales.
 
-    Outside act the load, the bracket, the drag, and the shaft that holds the inner ring. The ring must be free to
-    turn (``torsion``) and the cage to move for all three to vanish.
+    External: load, bracket, drag, and the shaft of the inner ring. All three vanish if the ring can rotate
+    (``torsion``) and the cage can move.
     """
     f = forces(scene, anchor, t, x, v)
     a = accelerations(scene, f, x, v)
@@ -421,7 +421,7 @@ def momentum_residual(scene, anchor, t, x: Coordinates, v: Coordinates):
 
 
 def static_approach(scene, side, centre, angle, r, j):
-    """Approach of roller ``j`` at radius ``r``, ``angle``, everything as it stands at t = 0; and n.e_r."""
+    """Return the approach of roller ``j`` at radius ``r``, ``angle`` at t = 0, and n.e_r."""
     e_r = direction(angle)
     offset = r * e_r - centre
     rho = abs(offset)
@@ -446,7 +446,7 @@ def roller_at_rest(scene, u, angle, j):
 
 
 def static_state(scene, angles, k_b, anchor):
-    """Place of the ring and radii of the rollers (Z,) in balance, on a bracket of ``k_b`` at ``anchor``."""
+    """Return ring position and roller radii (Z,) in equilibrium, with a bracket of ``k_b`` at ``anchor``."""
 
     def net(microns):
         u = 1e-6 * complex(*microns)
@@ -466,7 +466,7 @@ def static_state(scene, angles, k_b, anchor):
 
 @lru_cache(maxsize=32)
 def healthy_position(scene, phases=16):
-    """Mean place of the healthy ring over a ball pass, held by nothing but the rollers."""
+    """Return the mean position of the healthy ring over a ball pass, supported by the rollers only."""
     angles = 2 * np.pi / scene.Z * (np.arange(phases) + 0.5) / phases
     return np.mean([static_state(scene, scene.angles + shift, 0.0, 0.0)[0] for shift in angles])
 
@@ -476,7 +476,7 @@ def anchor_of(scene):
 
 
 def start(scene, anchor):
-    """Static equilibrium, kinematic rates: the state at t = 0 as (places, rates)."""
+    """Return the state at t = 0 as (positions, rates): static equilibrium, kinematic rates."""
     u, r = static_state(scene, scene.angles, scene.k_b, anchor)
     c = r * direction(scene.angles)
     x = Coordinates(u, 0.0, c, scene.angles.copy(), 0.0, scene.theta_0)
@@ -520,7 +520,7 @@ def longest_step(scene):
 
 
 def simulate(scene: Scene, times, rtol=1e-7, initial=None) -> Motion:
-    """The motion at ``times`` (s, from 0). ``given``: (places, rates) at t = 0 instead of the static start.
+    """Return the motion at ``times`` (s, from 0). ``given``: (positions, rates) at t = 0, not the static start.
 
     Against ``rtol`` 1e-9 the ring's displacement differed by 3e-7 of its range, the velocity by 1e-6 (2 mm slot).
     """

@@ -31,9 +31,7 @@ from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
 
 
 def state_rows(Z: int) -> np.ndarray:
-    """Places in the buffer of all that moves, positions then velocities, for Z rollers: (2 * 3 * (FIRST_LANE +
-    Z),).
-    """
+    """Return the cells of all coordinates, positions then velocities: (2 * 3 * (FIRST_LANE + Z),)."""
     row = np.arange(lay.FIRST_LANE + Z)
     return np.concatenate([block + k * lay.ROW + row for block in (lay.POSITION, lay.VELOCITY) for k in range(3)])
 
@@ -74,7 +72,7 @@ class Scene(NamedTuple):
 
 
 def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
-    """The bodies of ``values`` (places, n) at ``t`` (n,), s."""
+    """Return the bodies of ``values`` (cells, n) at ``t`` (n,), s."""
     b = model.bearing
     p, v = values.reshape(2, 3, lay.FIRST_LANE + b.Z, -1)
     time, rate, growth = np.array([kinematic_time(model.motion, float(x)) for x in t]).T
@@ -124,7 +122,7 @@ def force(law, delta, rate):
 
 
 class Flow(NamedTuple):
-    """What contacts do: energy stored (J), power lost (W), torque (N m) on the inner ring about its centre."""
+    """Energy stored (J) and power lost (W) by contacts, and torque (N m) on the inner ring about its centre."""
 
     stored: Any
     lost: Any
@@ -304,7 +302,7 @@ def land(s: Scene, guide: RingGuided) -> Flow:
 
 
 class Balance(NamedTuple):
-    """What there is of momentum and energy, and what changes it from outside: (n,) each.
+    """Momentum and energy, and the external forces and power that change them: (n,) each.
 
     momentum (N s, complex), spin (N m s, about the origin; without the inner ring's own), energy (J); force (N,
     complex), torque (N m, about the origin), power put in (W), power lost (W).
@@ -320,9 +318,9 @@ class Balance(NamedTuple):
 
 
 def balance(s: Scene) -> Balance:
-    """All sums over the bodies and over what acts on them from outside.
+    """Return all sums over the bodies and over the external forces on them.
 
-    The force does not hold for a rigid shaft or a cage whose centre is held, the torque not for a ring that is.
+    The balance of forces excludes a rigid shaft and a centred cage, that of torques a fixed ring.
     """
     contacts = race(s, outer=True) + race(s, outer=False) + cage_contacts(s)
     momentum, spin, energy = inertia(s)

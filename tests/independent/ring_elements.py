@@ -143,7 +143,7 @@ def radial_field(ring, values, nodes):
 
 
 def circle_nodes(ring, radius):
-    """The nodes on a circle, and the arc (m) that stands for each: Simpson's weights, as quadratic sides have."""
+    """Return the nodes on a circle and their arc lengths (m): Simpson's weights, for quadratic sides."""
     nodes = np.flatnonzero(np.abs(ring.mesh.radius - radius) < 1e-9)
     nodes = nodes[np.argsort(ring.mesh.angle[nodes])]
     weights = np.where(np.arange(nodes.size) % 2 == 0, 2 / 3, 4 / 3)

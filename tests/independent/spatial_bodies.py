@@ -32,7 +32,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def state_rows(Z: int) -> np.ndarray:
-    """Places in the buffer of all that moves, positions then velocities: (2 * 6 * (FIRST_LANE + Z),)."""
+    """Return the cells of all coordinates, positions then velocities: (2 * 6 * (FIRST_LANE + Z),)."""
     row = np.arange(lay.FIRST_LANE + Z)
     return np.concatenate([block + k * lay.ROW + row for block in (lay.POSITION, lay.VELOCITY) for k in range(6)])
 
@@ -110,7 +110,7 @@ def axes(x, y, w_x, w_y):
 
 
 def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
-    """The bodies of ``values`` (places, n) at ``t`` (n,), s."""
+    """Return the bodies of ``values`` (cells, n) at ``t`` (n,), s."""
     b = model.bearing
     p, v = np.moveaxis(values.reshape(2, 6, lay.FIRST_LANE + b.Z, -1), -1, 1)
     time, rate, growth = np.array([kinematic_time(model.motion, float(x)) for x in t]).T
@@ -152,7 +152,7 @@ def sliced(rollers: Body) -> Body:
 
 
 class Flow(NamedTuple):
-    """What contacts do: energy stored (J) and power lost (W), at each instant."""
+    """Energy stored (J) and power lost (W) by contacts, at each instant."""
 
     stored: Any
     lost: Any
@@ -316,7 +316,7 @@ def stop(law, play, out, rate) -> Flow:
 
 
 class Balance(NamedTuple):
-    """What there is of momentum, angular momentum about the origin and energy, and what changes it from outside.
+    """Momentum, angular momentum about the origin and energy, and the external forces and power that change them.
 
     ``power`` and ``torque`` without the inner ring's drive.
     """

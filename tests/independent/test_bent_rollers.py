@@ -22,7 +22,7 @@ UNDAMPED = Motion(beta=0.0, ratio=0.0, damper=0.0)
 
 
 def any_state(scene, size, seed=0):
-    """Some place and rate of ring and rollers, near rest."""
+    """Return positions and rates of ring and rollers, near equilibrium."""
     rng = np.random.default_rng(seed)
     place, speed = 1e-7 * rng.normal(size=size + rollers.Z), 1e-3 * rng.normal(size=size + rollers.Z)
     place[0] -= 1e-6
@@ -57,7 +57,7 @@ def test_undamped_the_start_is_at_rest(outside):
 
 
 def test_undamped_forces_do_the_work_of_the_energy():
-    """Power of the accelerations, with the rollers held in their places, is minus the change of the energy."""
+    """Power of the accelerations, with fixed rollers, is minus the change of the energy."""
     scene = Scene(last=8, width=0.0, bracket=0.0)
     motion = equations(scene, UNDAMPED)
     x, q, w, v = any_state(scene, 17, seed=3)

@@ -67,7 +67,7 @@ def test_rollers_and_bracket_carry_the_load(outside):
 
 
 def test_rest_is_least_energy():
-    """The slope is that of the energy, and no place nearby has less."""
+    """The gradient is that of the energy, and no neighbouring state has less."""
     system_ = system(
         Scene(last=8, outside=points(-60, 0, 60)), ANGLES[0] + bent_static.PASS * np.arange(13), np.zeros(2)
     )

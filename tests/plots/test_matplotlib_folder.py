@@ -1,4 +1,4 @@
-"""matplotlib's font list lies in the user's folders, or in our cache if they cannot be written."""
+"""matplotlib's font list is in the user's folders, or in the program's cache if they cannot be written."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""The caption of a figure: what moves along its curves and stands on no axis, the band of its records."""
+"""Captions of figures: parameters that vary along curves without an axis, and the band of the records."""
 
 import pytest
 

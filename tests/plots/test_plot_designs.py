@@ -1,4 +1,4 @@
-"""Designs drawn: points over each parameter, no line through them, and where their middle lies."""
+"""Figures of designs: points over each parameter, without a line through them, and their medians."""
 
 import math
 

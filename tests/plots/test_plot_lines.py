@@ -1,4 +1,4 @@
-"""Which lines a figure shows and marks, and how words stand on an axis."""
+"""Spectral lines that figures show and mark, and axes of words."""
 
 import numpy as np
 import pandas as pd

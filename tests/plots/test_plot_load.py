@@ -1,4 +1,4 @@
-"""Load along a roller: which slices, which time, which instants."""
+"""Figure of the load along a roller: its slices, time span and instants."""
 
 import math
 from types import SimpleNamespace
@@ -34,11 +34,11 @@ record: [roller.2.outer_line_load]
 """
 OMEGA_C = cage_speed(60.0 * math.pi, 0.012, 0.065)
 R_O = 0.0385
-START = -0.6  # rad: where the cage is as the record starts
+START = -0.6  # rad, cage angle at the start of the record
 
 
 def loads(case, channel):
-    """4 N/mm on the sound race, none over the defect of 0.8 mm at 20 deg; just after it, 9 N/mm everywhere."""
+    """Return 4 N/mm on the undamaged race, 0 over the defect of 0.8 mm at 20 deg, and 9 N/mm just after it."""
     time = np.arange(round(case.duration * case.sampling)) / case.sampling
     ends = slice_ends(case)
     middles = (ends[1:] + ends[:-1]) / 2.0
@@ -68,7 +68,7 @@ def loaded(results, monkeypatch):
 
 
 def middle():
-    """When the second roller is over the defect, s."""
+    """Return the time (s) at which the second roller is over the defect."""
     return (math.radians(20.0) - START - 2.0 * math.pi / 13 + 2.0 * math.pi) % (2.0 * math.pi) / OMEGA_C
 
 
@@ -164,7 +164,7 @@ def test_profiles_without_defect_are_at_largest_and_least_load(loaded):
 
 
 def test_scan_whose_file_is_deleted_is_read_from_results(loaded, tmp_path):
-    """Where the defect ends along the roller is dotted: that takes the scan."""
+    """The defect's ends along the roller are dotted, which needs the scan."""
     text = "".join(line + "\n" for line in STUDY.splitlines() if not line.startswith("defect"))
     scan = write_grid(tmp_path / "a.csv", 0.5 * bowl())
     opened = loaded(text=text + "defect: {shape: scan, file: a.csv, angle: 0 deg}\n")
@@ -235,7 +235,7 @@ def test_unrecorded_channel_is_refused(results, monkeypatch, recorded, options, 
 
 
 def test_instant_over_defect_has_least_load_even_if_no_slice_lifts():
-    """Half of the load left over the defect, least in the middle of the stretch."""
+    """Over the defect half of the load remains, in the middle of the interval."""
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
     passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(0.0, 1.0)))

@@ -78,7 +78,7 @@ def test_file_names_contain_job_ids(results):
 
 
 def test_panels_of_different_magnitude_have_own_axes(results):
-    """150 N beside 30 kN: on one axis the curves of the smaller would lie flat."""
+    """With 150 N and 30 kN on one axis the curves of the smaller would be flat."""
     text = STUDY.replace("[150 N, 300 N]", "[150 N, 30 kN]")
     _, canvas = only(drawn(results(text), x="defect.length", panels=["load"], y=["velocity@BPFO"]))
     small, large = (ax.get_ylim()[1] for ax in canvas.axes)

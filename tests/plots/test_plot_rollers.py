@@ -1,4 +1,4 @@
-"""Tilt and skew in time: their units, several rollers in one panel, leans of rings."""
+"""Tilt and skew over time: their units, several rollers in one panel, tilt of rings."""
 
 import math
 from types import SimpleNamespace

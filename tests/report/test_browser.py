@@ -117,7 +117,7 @@ TOOLTIP = "[...document.querySelector('.plot').querySelectorAll('svg text')].map
 
 
 def hover(tab: Tab, x: float, y: float, begin: str) -> list[str]:
-    """Move the mouse to a place of a plot; return the lines of the tooltip that begins with a text."""
+    """Move the mouse to a point of a plot; return the lines of the tooltip that begins with a text."""
     tab.call("Input.dispatchMouseEvent", type="mouseMoved", x=x - 1, y=y)
     tab.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
     end = time.monotonic() + 10.0

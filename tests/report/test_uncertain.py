@@ -1,4 +1,4 @@
-"""Uncertain parameters on the page: ranges of the features of the figures, and where they stand."""
+"""Uncertain parameters on the page: ranges of the features of the figures, and their position on the page."""
 
 import re
 

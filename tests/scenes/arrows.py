@@ -28,13 +28,13 @@ def _degrees_of_freedom(model):
 
 
 def cells(model: ArrowModel, block: int = 0) -> np.ndarray:
-    """Where the coordinates stand in a state block, in the order of the dense matrix: rollers, then border."""
+    """Return the offsets of the coordinates in a block, in the dense matrix's order: rollers, then border."""
     rollers = [block + i * lay.ROW + lay.FIRST_LANE + j for j in range(model.Z) for i in range(model.own)]
     return np.array(rollers + [block + lay.shared_cell(k) for k in range(model.shared)])
 
 
 def arrow_cells(model: ArrowModel, matrix: int) -> np.ndarray:
-    """Where the entries of the dense matrix stand in the arrow at ``matrix``; -1 where the arrow has none."""
+    """Return the cells of the dense matrix's entries in the arrow at ``matrix``; -1 outside the arrow."""
     own, shared, Z = model
     N = own * Z
     cells_ = np.full((N + shared, N + shared), -1)

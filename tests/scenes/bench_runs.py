@@ -1,4 +1,4 @@
-"""Runs of `bearingsim bench` that are counted in place of being computed."""
+"""Runs of `bearingsim bench` that are counted instead of computed."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""HDF5 datasets that state more than they hold, or lie elsewhere: each function adds one to an open file."""
+"""HDF5 datasets that claim more data than they contain, or refer to other files, one per function."""
 
 import struct
 import zlib
@@ -96,10 +96,10 @@ DATASETS: dict[str, tuple[Callable[[Any, str, Path], None], str]] = {
 
 
 def share_text(content: bytes, offset: int, count: int) -> bytes:
-    """The texts of a dataset of variable length whose references lie at ``of``, all made the first of them."""
+    """Replace the texts of a dataset of variable length, with references at ``of``, by the first of them."""
     return content[:offset] + count * content[offset : offset + 16] + content[offset + 16 * count :]
 
 
 def overstate_text(content: bytes, offset: int, length: int) -> bytes:
-    """The text of a dataset whose reference lies at ``of``, stated to have so many letters."""
+    """Change the stated length of the text of a dataset whose reference is at ``of``."""
     return content[:offset] + struct.pack("<I", length) + content[offset + 4 :]

@@ -17,7 +17,7 @@ SLOPES = (3e-3, 1e-3)
 
 @dataclass
 class DesignStudy(FakeStudy):
-    """A study whose cases are a design; ``deeds`` by row. Rows that are one job are there once."""
+    """Study whose cases are a design; ``deeds`` by row. Rows of the same job are listed once."""
 
     kind: Any = "saltelli"
     n: int = 16

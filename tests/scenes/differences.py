@@ -22,7 +22,7 @@ def compute_derivatives(model, t, y):
 
 
 def cells(model: Any) -> np.ndarray:
-    """Where the model's coordinates stand in a block: the shared ones, then each of all rollers in turn."""
+    """Return the offsets of the model's coordinates in a block: the shared ones, then those of the rollers."""
     own, shared = degrees_of_freedom(model)
     rollers = [lay.FIRST_LANE + i * lay.ROW + j for i in range(own) for j in range(model.bearing.Z)]
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)

@@ -1,4 +1,4 @@
-"""How an editor reads a study file: as YAML 1.2, against the JSON schema."""
+"""Validation of a study file as by an editor: YAML 1.2 against the JSON schema."""
 
 import re
 from typing import Any
@@ -37,6 +37,6 @@ VALIDATOR = jsonschema.Draft7Validator(json_schema())
 
 
 def schema_errors(text: str) -> list[str]:
-    """What an editor marks as wrong: places, and why."""
+    """Return the errors that an editor marks: position and reason."""
     errors = VALIDATOR.iter_errors(yaml.load(text, _Core))
     return [f"{'.'.join(map(str, error.absolute_path))}: {error.message}" for error in errors]

@@ -105,7 +105,7 @@ FAULTS: dict[str, Callable[[], AbstractContextManager[None]]] = {
 
 
 def replace_long_computations() -> None:
-    """Replace the runs of `stability` and `bench` by rows that nobody computed."""
+    """Replace the runs of `stability` and `bench` by made-up rows."""
     from bearingsim.bench import measure, plan
     from bearingsim.stability import mapping
     from bearingsim.store import write_text

@@ -1,4 +1,4 @@
-"""Small stand-ins for a study and its simulation, importable from worker processes."""
+"""Fake study and simulation, importable from worker processes."""
 
 import errno
 import hashlib
@@ -36,7 +36,7 @@ class FakeError(Exception):
 
 @dataclass(frozen=True)
 class FakeCase:
-    """A case whose ``deed`` says what computing it does beside a signal of amplitude ``width``."""
+    """Case with a signal of amplitude ``width``; ``deed`` is a side effect of its computation."""
 
     width: float = 1e-3
     deed: str = ""
@@ -120,7 +120,7 @@ def estimate(case: FakeCase) -> SimpleNamespace:
 
 
 def notes(cases: list[FakeCase]) -> list[str]:
-    """What is to be known of cases: their deeds that are told; one read from a file is what the file says."""
+    """Return the notes: deeds that begin with ``told``, or the content of the file that such a deed names."""
     deeds = dict.fromkeys(case.deed for case in cases if case.deed.startswith("told"))
     return [f"the deed is {_read(deed)}" for deed in deeds]
 
@@ -164,7 +164,7 @@ def integrator_seconds(case: FakeCase) -> float:
 
 
 def simulate(case: FakeCase) -> SimpleNamespace:
-    """Take its time, do its deed, and give the record if that can still be."""
+    """Wait for the case's duration, perform its deed, and return the record."""
     end = time.process_time() + integrator_seconds(case)
     while time.process_time() < end:
         cpu_time.check()

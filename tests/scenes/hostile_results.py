@@ -204,7 +204,7 @@ def text_features(root: Path, outside: Path) -> None:
 
 
 def scan_elsewhere(digest: str, root: Path, outside: Path) -> None:
-    """A scan that lies elsewhere, by its path or by its digest."""
+    """Add a scan outside the folder, by its path or by its digest."""
     for path in (first_unit(root), root / "study.h5"):
         with reseal(path) as file:
             names, texts = list(file["parameter_text_name"].asstr()[()]), file["parameter_text"][()].astype("S200")
@@ -252,7 +252,7 @@ def choices(root: Path, outside: Path) -> None:
 
 
 def link(name: str, to: str, root: Path, outside: Path) -> None:
-    """A link in the place of a file or folder; ``*`` in its name: the first."""
+    """Replace a file or folder by a link; ``*`` in its name: the first match."""
     path = next(iter(sorted(root.glob(name))), root / name)
     path.parent.mkdir(exist_ok=True)
     if path.exists():
@@ -266,7 +266,7 @@ def linked_files(root: Path, outside: Path) -> None:
 
 
 def linked_unit(root: Path, outside: Path) -> None:
-    """A unit that lies elsewhere."""
+    """Replace a unit by a link to another file."""
     path = first_unit(root)
     path.rename(outside / "unit.h5")
     path.symlink_to(outside / "unit.h5")
@@ -280,7 +280,7 @@ def linked_failures(root: Path, outside: Path) -> None:
 
 
 def pipes(root: Path, outside: Path) -> None:
-    """Pipes that nobody writes to, in the place of files."""
+    """Replace files by pipes without a writer."""
     unit = first_unit(root)
     unit.unlink()
     (root / "failed").mkdir(exist_ok=True)

@@ -1,4 +1,4 @@
-"""Whether a compiled loop over rollers kept its vector lanes, read from its LLVM code."""
+"""Vectorisation of compiled loops over rollers, read from their LLVM code."""
 
 import re
 from collections.abc import Callable
@@ -31,7 +31,7 @@ def rows(*values: float) -> np.ndarray:
 
 
 def keeps_lanes(loop: Any, *arguments: Any) -> bool:
-    """Whether the loop of a compiled function computes with vectors and calls no function."""
+    """Check if the loop of a compiled function is vectorised and calls no function."""
     loop(*arguments)
     code = loop.inspect_llvm(tuple(numba.typeof(argument) for argument in arguments))
     blocks = re.split(r"\n(?=[\w.]+:)", code)

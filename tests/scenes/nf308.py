@@ -32,7 +32,7 @@ def case(**fields: Any) -> Case:
 
 
 def light_rollers(factor: float) -> dict[str, Any]:
-    """Fields of a case: the NF308 of a material so light that only the rollers tell (the ring's mass is given)."""
+    """Return fields of an NF308 whose inertia is that of a light material (the ring's mass is given)."""
     default = case()
     material = default.bearing.material.model_copy(update={"density": factor * default.bearing.material.density})
     bearing = default.bearing.model_copy(update={"material": material})

@@ -57,7 +57,7 @@ def bouncing_roller(g: float, K: float, n: float) -> Oscillator:
 
 
 def jump_at(P: float, at: float) -> Oscillator:
-    """q'' = P (1 + v) up to the time ``at``, -P after it: a jump, of which ``next_jump`` tells."""
+    """q'' = P (1 + v) up to the time ``at``, -P after it: a jump that ``next_jump`` announces."""
     return Oscillator(0.0, -P, g=-P, until=at, after=-P, jump_time=at)
 
 
@@ -88,7 +88,7 @@ def _accelerations(model, t, y):
 
 @jit
 def start(method, model, t, q, v, y):
-    """Put the roller in its place, ready for the first step."""
+    """Set the roller's position, ready for the first step."""
     y[:] = 0.0
     y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     accelerations(model, t, y)
@@ -97,14 +97,14 @@ def start(method, model, t, q, v, y):
 
 @jit
 def take_steps(method, model, start_step, y, out):
-    """Take len(out) steps from step number ``first``, recording place and speed after each: out (n, 2)."""
+    """Take len(out) steps from step number ``first``, recording position and velocity after each: out (n, 2)."""
     for n in range(len(out)):
         step(method, model, (start_step + n) * method.h, y)
         out[n, 0], out[n, 1] = y[lay.RADIAL], y[lay.RADIAL_V]
 
 
 def run(method: Any, model: Any, steps: int, q: float = 0.5, v: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
-    """Places and speeds (steps, 2) from (q, v) at t = 0, and the buffer."""
+    """Return positions and velocities (steps, 2) from (q, v) at t = 0, and the buffer."""
     y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
     start(method, model, 0.0, q, v, y)
     take_steps(method, model, 0, y, out)
@@ -135,7 +135,7 @@ def with_tolerance(parameters: Any, h: float, tolerance: float, longest: float =
 
 
 def counts(y: np.ndarray) -> dict[str, float]:
-    """What a run took."""
+    """Counters of a run."""
     return {
         "taken": y[lay.STEPS_TAKEN],
         "refused": y[lay.STEPS_REJECTED],

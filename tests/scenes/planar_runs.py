@@ -11,7 +11,7 @@ from tests.scenes.nf308 import case
 
 
 def record_run(model, method, span, y):
-    """Instants (n + 1,) and all that moves (places, n + 1) over ``span`` (s) from the state in ``y``."""
+    """Return instants (n + 1,) and coordinates (cells, n + 1) over ``span`` (s) from the state in ``y``."""
     rows, n = bodies.state_rows(model.bearing.Z), round(span / method.h)
     y, out = y.copy(), np.empty((len(rows), n + 1))
     out[:, 0], columns = y[rows], np.empty((len(rows), n))

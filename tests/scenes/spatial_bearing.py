@@ -44,7 +44,7 @@ def uneven_slices(n: int, seed: int = 0, L_w: float = L_W) -> Slices:
 
 
 def slice_defects(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
-    """Defects of one section, met by every slice whose middle lies between the ends ``reach`` (m)."""
+    """Return defects of one section, met by every slice with its middle between the ends ``reach`` (m)."""
     head, n = defects.head.copy(), len(table)
     groups = np.zeros((len(head), n, defects.groups.shape[2]))
     for d in range(len(head)):

@@ -1,4 +1,4 @@
-"""What the tests of studies start from."""
+"""Study text and fixtures shared by the tests of studies."""
 
 from collections.abc import Callable
 from pathlib import Path

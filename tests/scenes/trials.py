@@ -79,7 +79,7 @@ TrialFunction = Callable[[TrialRequest], Trial | None]
 
 
 def run_trials(study: Study, trial_of: TrialFunction) -> dict[str, Trial | None]:
-    """The trials of a study, each as it is told."""
+    """Return the trials of a study as ``trial_of`` gives them."""
     choosing, results = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
     while requests := choosing.next_trials(results):
         results |= {wanted_trial.id: trial_of(wanted_trial) for wanted_trial in requests}
@@ -87,7 +87,7 @@ def run_trials(study: Study, trial_of: TrialFunction) -> dict[str, Trial | None]
 
 
 def trials_by_model(factors: Mapping[str, float], **options: Any) -> TrialFunction:
-    """Trials whose features are the load, times what a model makes of it."""
+    """Return trials whose features are the load times the factor of the model."""
     return lambda wanted_trial: trial(
         wanted_trial.case.load * factors[wanted_trial.case.model], names=wanted_trial.features, **options
     )

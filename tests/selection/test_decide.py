@@ -1,4 +1,4 @@
-"""Which model is taken, of trials whose numbers are known; and the study with it."""
+"""Choice of models from trials with given numbers, and the study with the choice."""
 
 import json
 import math
@@ -29,7 +29,7 @@ SAID, HALF, QUARTER, SIXTH = candidates.SLICES
 
 
 def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
-    """What is chosen for each case of a study."""
+    """Return the choice for each case of a study."""
     numbers = range(len(study.cases()))
     result = selection.ModelSelector(study, numbers).decide(run_trials(study, evaluate)).choices
     return [result[key(study, case)] for case in study.cases()]

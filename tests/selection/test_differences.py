@@ -1,4 +1,4 @@
-"""How far one trial is from another, of trials whose difference is known."""
+"""Errors between trials of known difference."""
 
 import math
 from dataclasses import replace

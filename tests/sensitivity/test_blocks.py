@@ -1,4 +1,4 @@
-"""What a results folder gives of a feature in the rows of its design, and what it refuses."""
+"""Values of a feature in the rows of a design, read from a results folder, and refusals."""
 
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""What is said of indices and effects: no more than their intervals allow."""
+"""Statements on indices and effects, as far as their intervals allow."""
 
 import numpy as np
 import pytest

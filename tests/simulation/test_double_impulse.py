@@ -58,7 +58,7 @@ def test_measured_spacing_corresponds_to_a_depth_of_10_to_50_um(rpm, measured):
 
 
 def test_spacing_from_the_ring_velocity_agrees_with_that_of_forces():
-    """The velocity is evaluated like a measured signal, in which an event lies at its centre of energy."""
+    """The velocity is evaluated like a measured signal, in which an event is at its centre of energy."""
     case = scene("nf308", 900, 4e-3, 30e-6)
     assert spacing_of_ring(case, "velocity") == pytest.approx(reading("nf308", 4e-3, 30e-6, 900).spacing, rel=0.05)
 

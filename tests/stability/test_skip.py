@@ -1,4 +1,4 @@
-"""No automatic method steps over a defect, wherever it lies in a step; tighter tolerances reduce the error."""
+"""No automatic method steps over a defect, at any position in a step; tighter tolerances reduce the error."""
 
 from itertools import pairwise
 from unittest import mock

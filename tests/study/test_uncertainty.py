@@ -340,7 +340,7 @@ CHAOTIC = {
 
 
 def test_a_chaotic_value_counts_with_its_standard_error() -> None:
-    """Of `b` alone: 12 +- 0.7, and 90 +- 9, since the scatter stands for 2.5 standard deviations."""
+    """Of `b` alone: 12 +- 0.7, and 90 +- 9, since the scatter is 2.5 standard deviations."""
     plan, frame = synthetic_plan(**CHAOTIC)
     assert list(standard_error(frame, "velocity@BPFO")) == [0.0, 0.7, 0.0]
     assert list(standard_error(frame, "velocity.rms")) == pytest.approx([0.0, 9.0, 0.0])

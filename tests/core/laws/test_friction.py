@@ -66,7 +66,7 @@ def test_traction_curve(v, u):
 
 
 def test_traction_peaks_at_a_hundredth_and_falls_to_a_tenth():
-    """The peak lies at 1/c - a/b = 0.0100; there mu = d + (b/c) e^(a c/b - 1) = 0.1200."""
+    """The peak is at 1/c - a/b = 0.0100; there mu = d + (b/c) e^(a c/b - 1) = 0.1200."""
     values = [mu(KRAGELSKII, s, 1.0) for s in np.linspace(0.0, 0.2, 20001)]
     assert np.argmax(values) == pytest.approx(1000, abs=1)
     assert max(values) == pytest.approx(0.1200, abs=5e-5)
