@@ -63,7 +63,7 @@ def test_an_unknown_name_is_an_attribute_error():
         _ = bs.simulat
 
 
-def test_the_command_frees_no_objects_as_it_ends():
+def test_command_skips_final_garbage_collection():
     """An interrupted run would take half a second more for it."""
     code = (
         "import atexit, gc\nfrom bearingsim.cli import main\n"

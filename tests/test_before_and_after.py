@@ -11,7 +11,7 @@ from benchmarks import same_numbers
 BEFORE = {"static: velocity.rms": (3e-4).hex(), "static: method": "equilibrium", "schema": "{}"}
 
 
-def test_what_is_the_same_is_not_told() -> None:
+def test_equal_numbers_are_not_listed() -> None:
     assert same_numbers.differences(BEFORE, dict(reversed(BEFORE.items()))) == []
 
 
@@ -26,7 +26,7 @@ def test_a_name_that_is_gone_and_a_new_one_are_differences() -> None:
     assert same_numbers.differences(fewer, BEFORE) == ["static: method: None -> equilibrium"]
 
 
-def test_steps_are_told_by_all_their_bits() -> None:
+def test_steps_are_compared_by_all_bits() -> None:
     assert same_numbers.exact(1e-6) != same_numbers.exact(math.nextafter(1e-6, 1.0))
     assert same_numbers.exact(None) is None
 
@@ -35,7 +35,7 @@ def test_steps_are_told_by_all_their_bits() -> None:
     ("current", "code", "message"),
     [(BEFORE, 0, "3 numbers and words, all the same"), (BEFORE | {"schema": "[]"}, 1, "schema: {} -> []")],
 )
-def test_the_exit_code_says_whether_anything_differs(
+def test_exit_code_is_1_if_numbers_differ(
     current: dict[str, str],
     code: int,
     message: str,

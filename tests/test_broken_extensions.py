@@ -50,7 +50,7 @@ def install(monkeypatch: pytest.MonkeyPatch, value: str) -> None:
 
 
 @pytest.mark.parametrize("kind", BROKEN)
-def test_whatever_an_extension_does_it_is_left_out(kind, no_extensions, monkeypatch) -> None:
+def test_broken_extension_is_skipped(kind, no_extensions, monkeypatch) -> None:
     text, error = BROKEN[kind]
     value = VALUES.get(kind, "flawed")
     (no_extensions / "flawed.py").write_text(text)
@@ -95,8 +95,8 @@ def test_a_feature_with_a_name_of_the_program_is_left_out(monkeypatch) -> None:
     assert {"mine": reason} == extensions.BROKEN
 
 
-def test_nothing_is_computed_without_a_broken_extension(write, monkeypatch) -> None:
-    """Neither here nor by a worker; the extensions that are skipped already stay so."""
+def test_no_job_is_computed_without_a_broken_extension(write, monkeypatch) -> None:
+    """Neither by this process nor by a worker; other skipped extensions remain skipped."""
     monkeypatch.setenv(extensions.SKIP, "other")
     extensions.leave_out("mine", "it is broken")
     extensions.leave_out("mine", "in two ways")

@@ -31,7 +31,7 @@ def test_time_spent_before_counts_and_is_not_reported_as_the_limit() -> None:
         cpu_time.check()
 
 
-def test_what_is_not_charged_leaves_the_job_its_time() -> None:
+def test_uncharged_time_does_not_count() -> None:
     with cpu_time.at_most(0.02):
         start, end = cpu_time.now(), cpu_time.end()
         with cpu_time.uncharged():
@@ -43,7 +43,7 @@ def test_what_is_not_charged_leaves_the_job_its_time() -> None:
         assert cpu_time.end() - end == pytest.approx(0.06, abs=0.01)
 
 
-def test_compiled_code_is_given_the_time_of_the_thread_at_which_it_must_end() -> None:
+def test_compiled_code_receives_its_deadline_in_thread_time() -> None:
     with cpu_time.at_most(1.0):
         limit = cpu_time.bounded(lambda end: end)
         assert 0.9 < limit - thread_time() <= 1.0

@@ -19,7 +19,7 @@ def test_a_design_has_its_rows_within_the_cube(kind: designs.Kind, n: int, d: in
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_those_that_can_be_extended_keep_their_points(kind: designs.Kind) -> None:
+def test_extensible_designs_preserve_their_points(kind: designs.Kind) -> None:
     few, many = cube(kind, 64, 3, seed=1), cube(kind, 256, 3, seed=1)
     assert np.array_equal(few, many[: len(few)]) == (kind in designs.EXTENDED)
 
@@ -47,12 +47,12 @@ def test_saltelli_blocks_mix_two_samples() -> None:
             assert np.array_equal(row, expected)
 
 
-def test_saltelli_takes_both_samples_from_one_sequence() -> None:
+def test_saltelli_samples_are_from_one_sequence() -> None:
     blocks = cube("saltelli", 16, 2, seed=5).reshape(16, 4, 2)
     assert np.array_equal(np.hstack([blocks[:, 0], blocks[:, 1]]), cube("sobol", 16, 4, seed=5))
 
 
-def test_morris_moves_each_parameter_once_by_its_step() -> None:
+def test_morris_changes_each_parameter_once_by_its_step() -> None:
     d, steps = 5, set()
     for trajectory in cube("morris", 200, d, seed=2).reshape(200, d + 1, d):
         moves = np.diff(trajectory, axis=0)

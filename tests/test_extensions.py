@@ -155,13 +155,13 @@ def test_a_study_runs_with_a_shape(site: Path, command_outputs: Outputs) -> None
     assert wedge > 2.0 * healthy
 
 
-def test_the_schema_knows_them(command_outputs: Outputs) -> None:
+def test_schema_includes_extensions(command_outputs: Outputs) -> None:
     _, schema, _ = command_outputs["check", "--schema"]
     assert json.loads(schema)["properties"]["model"]["enum"][-1] == "one-mass"
     assert all(word in schema for word in ("quadratic", "viscous", "leapfrog", "wedge", "velocity.span"))
 
 
-def test_a_wrong_word_is_answered_with_them(command_outputs: Outputs) -> None:
+def test_unknown_word_suggests_extensions(command_outputs: Outputs) -> None:
     code, _, answer = command_outputs["check", "word.yaml"]
     assert code != 0
     assert "leapfrog" in answer
@@ -186,7 +186,7 @@ def edited(site: Path, before: pd.DataFrame) -> Outputs:
         law.write_text(text)
 
 
-def test_an_edited_law_gives_its_new_number(site: Path, before: pd.DataFrame, edited: Outputs) -> None:
+def test_edited_law_is_recompiled(site: Path, before: pd.DataFrame, edited: Outputs) -> None:
     """Compiled code and results are kept between processes, but not beyond a change of anybody's law."""
     assert "2 of 2 jobs done" in edited[run("contact law")][1]
     after = results(site, "contact law")["velocity.rms"]
@@ -239,7 +239,7 @@ WITHOUT = [
 COMPUTING = [("check", "own.yaml"), run("own"), ("stability", "--quick")]
 
 
-def test_what_needs_no_extension_goes_on_without_it(broken: Path) -> None:
+def test_study_without_the_extension_runs(broken: Path) -> None:
     """A line on stderr names the extension and its error; what computes ends with it, and with the way out."""
     outputs = type_commands(broken, *WITHOUT, *COMPUTING)
     for words in WITHOUT:

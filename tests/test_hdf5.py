@@ -27,7 +27,7 @@ def open_content(content: bytes, most: float = MOST) -> Hdf5:
 
 
 @pytest.mark.parametrize("kind", DATASETS)
-def test_a_dataset_that_is_not_what_it_states_is_refused_by_name(tmp_path: Path, kind: str) -> None:
+def test_dataset_with_false_size_is_refused_by_name(tmp_path: Path, kind: str) -> None:
     other = tmp_path / "other.h5"
     with h5py.File(other, "w") as file:
         file["secret"] = np.arange(4.0)
@@ -67,7 +67,7 @@ def test_texts_in_chunks_are_refused() -> None:
         file.texts("job")
 
 
-def test_texts_of_one_length_are_bounded_by_what_decoding_takes() -> None:
+def test_fixed_length_texts_are_bounded_by_decoded_size() -> None:
     content = file_content(
         lambda file: file.create_dataset("text", (1000, 2000), "S2", chunks=True, compression="gzip")
     )
@@ -93,7 +93,7 @@ def test_an_attribute_of_variable_length_is_read_on_request_only() -> None:
             file.attribute("units")
 
 
-def test_what_is_sound_is_read_as_it_is() -> None:
+def test_valid_file_is_read_unchanged() -> None:
     numbers, words = np.random.default_rng(1).normal(size=(3, 70_000)), ["ä", "", "longer"]
 
     def fill(file: Any) -> None:

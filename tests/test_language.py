@@ -15,9 +15,7 @@ PACKAGES = (  # packages checked; add a package once it passes
     TOP, "assemble", "bench", "cli", "config", "core", "plots", "runner", "selection", "sensitivity",
     "signals", "simulation", "stability", "store", "study", "text",
 )  # fmt: skip
-NO_NOUNS = frozenset(
-    {"What", "How", "Who", "Where", "Which", "Whether"}
-)  # openings of a clause in place of a noun
+NO_NOUNS = frozenset({"What", "How", "Who", "Where", "Which", "Whether"})  # openings of a clause instead of a noun
 NO_VERBS = frozenset({  # openings of a docstring that are no imperative
     "what", "who", "which", "where", "when", "how", "whether", "why", "one", "ones", "those", "these",
     "this", "that", "there", "it", "its", "their", "they", "a", "an", "the", "all", "each", "every",
@@ -84,7 +82,7 @@ def docstrings(tree: ast.Module) -> Iterator[tuple[ast.AST, str]]:
 
 
 def clauses(tree: ast.Module) -> Iterator[str]:
-    """List docstrings that begin with a clause in place of a noun."""
+    """List docstrings that begin with a clause instead of a noun."""
     for node, text in docstrings(tree):
         if text and text.split()[0].rstrip(",.:;") in NO_NOUNS:
             yield f"{getattr(node, 'lineno', 1)} {text.splitlines()[0]}"
@@ -195,7 +193,7 @@ def test_openings_that_are_no_imperative_are_recognised() -> None:
     assert all(is_imperative(sentence) for sentence in ("Return the step.", "Compute it.", "Pass a value on."))
 
 
-def test_clauses_are_recognised_wherever_a_docstring_stands() -> None:
+def test_clauses_are_recognised_in_all_docstrings() -> None:
     source = '''"""What it is."""
 LIMIT = 1
 """Where it ends."""

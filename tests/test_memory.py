@@ -35,9 +35,7 @@ V1 = "sys/fs/cgroup/memory"
         (VERSION_1 | {f"{V1}/memory.limit_in_bytes": "3000000000\n"}, 3 * GB),
     ],
 )
-def test_the_limit_is_the_smaller_of_the_machines_and_of_the_groups(
-    tmp_path: Path, files: dict[str, str], limit: float
-) -> None:
+def test_limit_is_smallest_of_machine_and_cgroups(tmp_path: Path, files: dict[str, str], limit: float) -> None:
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
@@ -51,13 +49,13 @@ def costs(*gigabytes: float) -> list[Cost]:
 @pytest.mark.parametrize(
     ("jobs", "workers"), [(costs(0.1, 0.1, 0.1, 0.1), 4), (costs(2, 2, 2, 2), 3), (costs(7, 1, 0.1), 1), ([], 4)]
 )
-def test_workers_are_as_few_as_the_heaviest_jobs_leave_memory_for(
+def test_number_of_workers_is_limited_by_memory(
     monkeypatch: pytest.MonkeyPatch, jobs: list[Cost], workers: int
 ) -> None:
     monkeypatch.setattr(memory, "limit", lambda: 8 * GB)
     assert workers_in_memory(jobs, 4) == workers
     limit = [line.partition(":")[0] for line in worker_note(jobs, 4)]
-    assert limit == ([] if workers == 4 else [f"{workers} worker{'s' * (workers > 1)} in place of 4"])
+    assert limit == ([] if workers == 4 else [f"{workers} worker{'s' * (workers > 1)} instead of 4"])
 
 
 def long_case(**changes: Any) -> Case:
@@ -66,7 +64,7 @@ def long_case(**changes: Any) -> Case:
     )
 
 
-def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_job_exceeding_memory_is_refused_before_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     case = long_case(duration="300 s", sampling="50 kHz")
     needed = time_grid.estimate(case).most_memory
     monkeypatch.setattr(memory, "limit", lambda: 0.5 * needed)
@@ -83,7 +81,7 @@ def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.Mon
     assert "use a shorter `duration`" in text
 
 
-def test_memory_grows_with_what_is_computed_of_a_record_and_with_its_series() -> None:
+def test_memory_depends_on_computed_passes_and_series() -> None:
     def needed(**changes: Any) -> float:
         return time_grid.estimate(long_case(**changes)).memory
 

@@ -130,7 +130,7 @@ def part_of_spectrum(
 ) -> Curve:
     """Compute the spectrum of whole ball passes of a signal between two frequencies (Hz).
 
-    name, job: whose signal it is, or whose healthy baseline's. Raises PlotError for fewer than ``FEWEST_BINS``
+    name, job: of the signal, or of its healthy baseline. Raises PlotError for fewer than ``FEWEST_BINS``
     frequencies.
     """
     frequency, amplitude = spectrum(*whole_periods(signal, first_line(job.parameters)))
@@ -151,7 +151,7 @@ def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:
 
 
 def _quantity(figure: "Figure", records: Mapping[str, Job]) -> str:
-    """Name what is drawn, of an envelope with its band."""
+    """Name the plotted quantity, with the band of an envelope."""
     if figure.kind != "envelope":
         return "amplitude spectrum"
     passband = PASSBAND * min(float(job.parameters["sampling"]) for job in records.values())
@@ -177,7 +177,7 @@ def _set_scales(ax: "Axes", figure: "Figure", low: float, high: float) -> None:
 
 
 def _limit_range(ax: "Axes", figure: "Figure") -> None:
-    """Cut a logarithmic axis, or one of levels, far below its largest value."""
+    """Limit a logarithmic axis, or one of levels, to a range below its largest value."""
     low, high = ax.get_ylim()
     if "y" in figure.log:
         ax.set_ylim(high / HEADROOM * 10.0**-DECADES, high)

@@ -153,7 +153,7 @@ def refuse_installation(address: str, present: Mapping[str, str], required: Mapp
     """Raise InstallationMismatch if the installation of a worker differs from the required one."""
     names = dict.fromkeys((*required, *present))
     differences = ", ".join(
-        f"{name} {present.get(name, 'absent')} in place of {required.get(name, 'none')}"
+        f"{name} {present.get(name, 'absent')} instead of {required.get(name, 'none')}"
         for name in names
         if present.get(name) != required.get(name)
     )

@@ -115,7 +115,7 @@ def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:
     if count < workers:
         peak = max(cost.memory for cost in costs)
         yield (
-            f"{count} worker{'s' * (count > 1)} in place of {workers}:"
+            f"{count} worker{'s' * (count > 1)} instead of {workers}:"
             f" a job may take {peak / 1e9:.2g} GB of memory,"
             f" and there are {memory.limit() / 1e9:.2g} GB"
         )

@@ -47,7 +47,7 @@ def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
     cases = f"{len(refuted_jobs)} of {len(accuracy['jobs'])} cases"
     text = f"{worst.feature} is {100.0 * worst.difference:.2g} % off its reference"
     yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {text}"
-    yield f"  in job {worst.job}; `model: reference` in place of `accuracy` computes all by it"
+    yield f"  in job {worst.job}; `model: reference` instead of `accuracy` computes all by it"
 
 
 def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

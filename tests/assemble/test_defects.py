@@ -112,12 +112,12 @@ def test_merging_does_not_depend_on_the_order():
             pair = [
                 SHORT | carrier | {"angle": f"{angle} deg", "offset": f"{n} mm"} for n, angle in enumerate(angles)
             ]
-            one, other = packed_defects(case(defects=pair)), packed_defects(case(defects=pair[::-1]))
-            assert len(one.head) == (2 if carrier.get("race") == "roller" else 1)
-            assert np.cos(one.head[0, ANGLE] - other.head[0, ANGLE]) == pytest.approx(1.0, abs=1e-15)
+            packed, reverse_packed = packed_defects(case(defects=pair)), packed_defects(case(defects=pair[::-1]))
+            assert len(packed.head) == (2 if carrier.get("race") == "roller" else 1)
+            assert np.cos(packed.head[0, ANGLE] - reverse_packed.head[0, ANGLE]) == pytest.approx(1.0, abs=1e-15)
             s = np.linspace(-6e-4, 6e-4, 31)
-            assert [mean_drop(one, x) for x in s] == pytest.approx(
-                [mean_drop(other, x) for x in s], rel=1e-9, abs=1e-15
+            assert [mean_drop(packed, x) for x in s] == pytest.approx(
+                [mean_drop(reverse_packed, x) for x in s], rel=1e-9, abs=1e-15
             )
 
 
@@ -177,7 +177,7 @@ def test_traced_defect_equals_its_closed_form(shape, depth):
     )
 
 
-def test_rollers_over_a_traced_slot_move_as_over_its_closed_form():
+def test_traced_slot_gives_the_motion_of_the_closed_form():
     """Forces agree to 1e-6 of the largest over one ball pass, although they jump at the cusp."""
     model = assemble.align_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
     (slot,) = roller_defect_pairs(case(defect=SLOT))

@@ -1,4 +1,4 @@
-"""`bearingsim sensitivity`, as a user types it, on results of a design by the fake engine."""
+"""Command `bearingsim sensitivity` on results of a design by the fake engine."""
 
 import json
 import re
@@ -12,7 +12,7 @@ from tests.scenes.design_results import SLOPES, run_design
 
 LINE = "velocity@BPFO"
 SHARES = np.square(SLOPES) / np.square(SLOPES).sum()
-"""Sobol' indices of a plane; nothing acts together."""
+"""Sobol' indices of a linear function, without interactions."""
 
 
 @pytest.fixture(scope="session")

@@ -52,7 +52,9 @@ def outside_files(work: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("name", ATTACKS)
-def test_nothing_leaves_the_folder_or_its_bounds(name: str, results: Path, forked: Forked, tmp_path: Path) -> None:
+def test_hostile_results_stay_within_folder_and_limits(
+    name: str, results: Path, forked: Forked, tmp_path: Path
+) -> None:
     work = tmp_path / "work"
     shutil.copytree(results, work)
     before = outside_files(work)

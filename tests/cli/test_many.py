@@ -30,7 +30,7 @@ def study_file(tmp_path, monkeypatch):
     return path
 
 
-def test_some_jobs_stand_for_all(study_file, monkeypatch):
+def test_cost_is_estimated_from_a_sample_of_jobs(study_file, monkeypatch):
     sampled = plan.plan_of(load_study(study_file), 1)
     monkeypatch.setattr(plan, "MAX_PRICED", 1000)
     complete = plan.plan_of(load_study(study_file), 1)
@@ -78,8 +78,8 @@ def test_fewer_jobs_are_priced_with_tilting_rollers(study_file, monkeypatch):
 
 
 def test_cases_share_the_healthy_baseline(study_file):
-    twins = [job.baseline for job in load_study(study_file).jobs() if job.baseline is not None]
-    assert (len(twins), len({id(twin) for twin in twins})) == (50, 5)
+    baselines = [job.baseline for job in load_study(study_file).jobs() if job.baseline is not None]
+    assert (len(baselines), len({id(baseline) for baseline in baselines})) == (50, 5)
 
 
 def test_long_table_is_truncated(done, monkeypatch):

@@ -26,7 +26,7 @@ def files_read(study: Path) -> dict[str, str]:
     return {Path(name).name: digest for name, digest in read.files.items() if digest and name != str(study)}
 
 
-def test_a_copy_of_each_study_reads_the_same_files_where_it_lies(empty: Path) -> None:
+def test_copied_study_reads_the_same_files(empty: Path) -> None:
     for name, source in shipped_studies().items():
         write_copy(name, None)
         assert files_read(empty / f"{name}.yaml") == files_read(source)
@@ -44,7 +44,7 @@ def test_files_that_a_study_reads_are_copied_with_it(empty: Path) -> None:
     assert "written" in type_("new", "--from", "shapes", "second.yaml")[0]  # the same scan serves both
 
 
-def test_another_file_of_the_name_of_a_scan_is_kept(empty: Path) -> None:
+def test_existing_file_with_the_name_of_a_scan_is_kept(empty: Path) -> None:
     Path("scans").mkdir()
     Path("scans/spall.csv").write_text("mine")
     _, stderr = type_("new", "--from", "shapes", code=2)

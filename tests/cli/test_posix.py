@@ -46,7 +46,7 @@ for words in json.loads(sys.argv[1]):
 """
 
 
-def test_nothing_of_posix_is_needed(done: Path, tmp_path: Path) -> None:
+def test_posix_modules_are_optional(done: Path, tmp_path: Path) -> None:
     commands = [[str(done) if word == "RESULTS" else word for word in words] for words in COMMANDS]
     process = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", CODE, json.dumps(commands)],

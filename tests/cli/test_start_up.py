@@ -37,7 +37,7 @@ for command, *options in json.loads(sys.argv[1]):
 """
 
 
-def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, monkeypatch):
+def test_commands_on_results_do_not_import_the_simulation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY)
     type_("run", "small.yaml", "--quick", "--jobs", 1, "--out", "small")
@@ -46,7 +46,7 @@ def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, 
     assert result.returncode == 0, result.stderr[-500:]
 
 
-def test_the_simulation_imports_the_parts_of_scipy_where_it_calls_them():
+def test_simulation_imports_scipy_lazily():
     code = "import sys, bearingsim.simulation; print({'scipy.special', 'scipy.optimize'} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
 

@@ -212,11 +212,11 @@ def test_undamped_contact_equals_a_damping_time_of_zero(fields: Any) -> None:
     assert Case.model_validate(undamped.model_dump()) == undamped
 
 
-def test_no_damping_takes_no_numbers(write: Write) -> None:
+def test_no_damping_has_no_parameters(write: Write) -> None:
     with pytest.raises(StudyError, match=r"contact\.damping: unknown key `beta`"):
         load_study(write(BASE + "contact: {damping: {law: none, beta: 1 us}}\n"))
 
 
-def test_no_damping_is_swept_beside_other_laws(write: Write) -> None:
+def test_no_damping_can_be_swept_with_other_laws(write: Write) -> None:
     study = load_study(write(BASE + "sweep: {contact.damping: [none, kraemer]}\n"))
     assert [test_case.contact.damping.model_dump()["law"] for test_case in study.cases()] == ["none", "kraemer"]

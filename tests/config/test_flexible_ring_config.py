@@ -71,7 +71,7 @@ def test_a_rigid_ring_has_neither_ring_nor_load(rig: dict[str, Any]) -> None:
     assert case_id(test_case) == case_id(case(rig={}))
 
 
-def test_keys_of_a_ring_make_it_flexible() -> None:
+def test_ring_keys_imply_bending() -> None:
     assert ring_of(case(rig={"ring": {"harmonics": 12}})).harmonics == 12
 
 

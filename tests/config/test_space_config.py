@@ -179,11 +179,11 @@ def test_too_many_slices_are_reported_with_other_problems() -> None:
 def test_healthy_case_with_line_loads_keeps_its_slices() -> None:
     record = ["ring.velocity", "roller.1.outer_line_load"]
     aside = case(defect=DEFECT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
-    twin = _baseline(aside, {})
-    assert twin is not None
+    baseline = _baseline(aside, {})
+    assert baseline is not None
     assert slice_count(aside) == 25
-    assert slice_count(twin.case) == 24
-    assert twin.case.record == ("ring.velocity",)
+    assert slice_count(baseline.case) == 24
+    assert baseline.case.record == ("ring.velocity",)
 
 
 def test_a_flange_force_without_flanges_stays_zero() -> None:

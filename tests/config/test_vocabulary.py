@@ -37,7 +37,9 @@ def test_names_in_advice_exist(sentence: str) -> None:
         assert command or ":" in name or name in NAMES or name == "check", name
 
 
-@pytest.mark.parametrize("sentence", [one for one in ALL if any(": " in name for name in quoted(one))])
+@pytest.mark.parametrize(
+    "sentence", [sentence for sentence in ALL if any(": " in name for name in quoted(sentence))]
+)
 def test_entries_in_advice_are_valid(write: Write, sentence: str) -> None:
     """With the named model, and the shaft that an unbalance needs."""
     written = {name.partition(":")[0]: name for name in quoted(sentence) if ": " in name}

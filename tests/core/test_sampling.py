@@ -86,7 +86,7 @@ def test_resampling_rejects_aliases(ratio: float, frequency: float) -> None:
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
-def test_a_constant_stays(ratio: float) -> None:
+def test_constant_is_preserved(ratio: float) -> None:
     level = np.full((1, 3000), 0.1234567)
     assert resample_rows(level, ratio)[0] == pytest.approx(0.1234567, rel=1e-14)
     assert decimate_rows(level, 13)[0] == pytest.approx(0.1234567, rel=1e-14)
@@ -100,7 +100,7 @@ def test_channels_do_not_mix() -> None:
         assert not out[[0, 2]].any()
 
 
-def test_pick_is_linear_interpolation_within_the_columns_asked_for() -> None:
+def test_pick_interpolates_linearly_within_requested_columns() -> None:
     raw = np.random.default_rng(3).normal(size=(2, 50))
     out = np.full((2, 30), np.nan)
     pick(raw, -3.7, 2.3, out, 2, 23)

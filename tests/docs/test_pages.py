@@ -126,7 +126,7 @@ def run_blocks(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
-def test_blocks_of_a_page_do_what_it_shows(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_of_page_run_with_shown_output(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     run_blocks(page)
 
@@ -143,9 +143,7 @@ def test_blocks_of_a_page_do_what_it_shows(page: Path, tmp_path: Path, monkeypat
         '```yaml title="a.yaml"\nstudy: a\nbearing: nf308\nspeed: 1800 rpm\n```\n\n```yaml\nlaod: 150 N\n```',
     ],
 )
-def test_block_that_does_not_do_what_is_shown_fails(
-    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_block_with_different_output_fails(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "page.md"
     page.write_text(block + "\n", encoding="utf-8")

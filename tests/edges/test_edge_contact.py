@@ -56,7 +56,7 @@ def test_centre_of_pressure():
     assert narrow_contact(-4.0)[1] == pytest.approx(4.0)
 
 
-def test_far_behind_the_rim_it_is_hertz_on_the_edge():
+def test_contact_far_from_rim_is_hertzian():
     assert one_edge(1.0, HALF, 0.0, 2e-5, R) == pytest.approx(log(R / 2e-5), rel=1e-3)
 
 

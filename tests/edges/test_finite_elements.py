@@ -104,12 +104,12 @@ def test_the_edge_is_converged(rho):
     fine = make_body(PAIR, slot)
     larger = finite_elements(slotted_surface(slot, COARSE, 4e-3), PAIR)
     for s in (-B, 0.0, 3.0 * B):
-        one, two, three = (
+        approach, fine_approach, large_body_approach = (
             contact_under_force(PAIR, slot, body, REFERENCE, s).approach
             for body in (cached_body(slot), fine, larger)
         )
-        assert one == pytest.approx(two, rel=5e-4)
-        assert one == pytest.approx(three, rel=1e-3)
+        assert approach == pytest.approx(fine_approach, rel=5e-4)
+        assert approach == pytest.approx(large_body_approach, rel=1e-3)
 
 
 def test_symmetry_of_the_slot():

@@ -112,14 +112,14 @@ def nodes(cells, far=FAR, growth=GROWTH):
     return np.array(positions[::-1])
 
 
-def deformation(at, node):
+def deformation(points, node):
     """-(1/pi) int ln|x - x'| of unit hats on the inner nodes (a column each), at the points ``at``."""
 
     def second_integral(d):  # second integral of ln|d| over d
         distance = np.where(d == 0.0, 1.0, np.abs(d))
         return d * d * (0.5 * np.log(distance) - 0.75)
 
-    G = second_integral(at[:, None] - node[None, :])
+    G = second_integral(points[:, None] - node[None, :])
     slope = np.diff(G, axis=1) / np.diff(node)[None, :]
     return -np.diff(slope, axis=1) / pi
 

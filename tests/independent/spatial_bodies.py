@@ -116,9 +116,9 @@ def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
     time, rate, growth = np.array([kinematic_time(model.motion, float(x)) for x in t]).T
 
     def shared(x, number, angle, turns):
-        at, moves = (np.stack([q[:, 0, x], q[:, 0, x + 1], q[:, 3, number]], axis=-1) for q in (p, v))
+        positions, velocities = (np.stack([q[:, 0, x], q[:, 0, x + 1], q[:, 3, number]], axis=-1) for q in (p, v))
         axis, tips = axes(p[:, 4, number], p[:, 5, number], v[:, 4, number], v[:, 5, number])
-        return Body(at, moves, axis, tips, angle, turns)
+        return Body(positions, velocities, axis, tips, angle, turns)
 
     ring = shared(lay.X, 0, p[:, 0, lay.PSI], v[:, 0, lay.PSI])
     cage_angle = b.theta_0 + b.omega_c * time + p[:, 0, lay.PHI_C]

@@ -102,14 +102,14 @@ def test_a_very_stiff_ring_does_not_bend(outside):
     assert abs(line(path(Scene(last=8, outside=outside, ring=STIFF), 64)) - stiff) < 1e-4 * abs(stiff)
 
 
-def test_a_very_stiff_seat_with_interference_holds_the_ring_round():
+def test_stiff_seat_with_interference_keeps_ring_circular():
     """0.1 nm of interference is ten times what the load takes off, and no preload of the rollers."""
     stiff = line(path(Scene(last=0), 64))
     tight = Scene(last=8, outside=seat(1e14, 1e-10, 60))
     assert abs(line(path(tight, 64)) - stiff) < 2e-3 * abs(stiff)
 
 
-def test_stiff_points_carry_what_statics_says():
+def test_forces_at_stiff_points_agree_with_statics():
     """Push-only springs at +-60 deg and at 180 deg: each of the first two has the load, the other none."""
     orders = harmonics(8)
     springs = points(-60, 60, 180, stiffness=1e8)
@@ -141,7 +141,7 @@ def test_lines_of_the_loads(last, outside, expected):
 
 
 @pytest.mark.slow
-def test_depth_saturates_later_where_the_ring_bends():
+def test_depth_saturates_later_with_flexible_ring():
     """Less healthy, over that of 50 um: full at 0.55 um under a stiff ring, at 2.4 um under a bent one."""
     for last, full, short in ((0, 0.55e-6, 0.4e-6), (30, 2.5e-6, 1.5e-6)):
         depths = [defect_contribution(Scene(last=last, depth=depth), 256) for depth in (short, full, 50e-6)]

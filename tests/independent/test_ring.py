@@ -38,7 +38,7 @@ def test_elements_of_a_thin_ring_are_the_thin_ring():
     assert free_frequencies(4, thin, 2, 144)[::2] == pytest.approx(own, rel=2e-3)
 
 
-def test_the_beam_meets_the_body():
+def test_beam_agrees_with_finite_elements():
     """Frequencies n = 2 to 5 within 0.3 %, compliances n = 2 to 8 within 2.2 %, n = 0 within 0.1 %."""
     own = [frequencies(n)[0] for n in range(2, 6)]
     assert own == pytest.approx(free_frequencies(8, NF308, *FINE)[::2], rel=3e-3)
@@ -67,7 +67,7 @@ def test_the_closed_form_is_the_matrix_turned_over(n, curved):
     assert compliance(n, ring) == pytest.approx(np.linalg.inv(matrices(n, ring)[0])[0, 0], rel=1e-8)
 
 
-def test_a_shift_bends_nothing_and_moves_the_whole_ring():
+def test_translation_of_ring_has_no_bending():
     stiffness, mass = matrices(1)
     shift = np.array([1.0, -1.0, 0.0])
     assert np.abs(stiffness @ shift).max() < 1e-9 * np.abs(stiffness).max()
@@ -85,12 +85,12 @@ def test_a_thin_beam_is_the_thin_ring():
     thin = Beam(inside=0.0499, outside=0.0501)
     bending = thin.young * thin.second_moment
     for n in (2, 3, 4):
-        stiffness, mass = (found[0] for found in modes([n], thin))
+        stiffness, mass = (mode[0] for mode in modes([n], thin))
         assert stiffness == pytest.approx(np.pi * bending * (n * n - 1) ** 2 / thin.radius**3, rel=1e-3)
         assert mass == pytest.approx(thin.mass / 2 * (1 + 1 / n**2), rel=1e-3)
 
 
-def test_modes_have_the_mass_of_the_rig_and_stay_under_the_cap():
+def test_modes_have_rig_mass_and_are_below_the_cap():
     orders = (0, *range(2, 13))
     stiffness, mass = modes(orders)
     assert modes(orders, mass=2 * beam_ring.NF308.mass)[1] == pytest.approx(2 * mass)

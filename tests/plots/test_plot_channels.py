@@ -155,12 +155,12 @@ def test_roller_figure_shows_channels_over_roller_angle(planar):
     assert axes[0].lines[1].get_xdata()[0] == 0.0  # the defect, at the most loaded position
 
 
-def job_of(known=(), **channels):
+def job_of(changes=(), **channels):
     """A job of the NF308 at 1800 rpm with some series of 1 s."""
     time = np.linspace(0.0, 1.0, 1001)
     series = Series(time, {name: np.full(1001, value) for name, value in channels.items()}, {})
     nf308 = {"speed": 60.0 * math.pi, "bearing.rollers": 13.0, "bearing.roller_diameter": 0.012}
-    return Job(nf308 | {"bearing.pitch_diameter": 0.065} | dict(known), {"cage_angle_start_rad": 0.1}, series)
+    return Job(nf308 | {"bearing.pitch_diameter": 0.065} | dict(changes), {"cage_angle_start_rad": 0.1}, series)
 
 
 @pytest.mark.parametrize(

@@ -224,7 +224,7 @@ def test_every_shape_is_stored_and_drawn(results, tmp_path):
     caption = sheets[0][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     for words in ("edge radius 0.02 mm", "grown 60 %, seed 4", "file scan.csv"):
         assert words in caption
-    assert set(opened.parameters()["defects.4.file"]) == {"scan.csv", ""}  # the twin has none
+    assert set(opened.parameters()["defects.4.file"]) == {"scan.csv", ""}  # the healthy baseline has none
     scan.write_text(scan.read_text().replace("30.000", "31.000"))
     again = figures(store.open_results(opened.path), kind="pit", jobs=opened.jobs[:1])
     assert [canvas.get_suptitle() for _, canvas in again] == [canvas.get_suptitle() for _, canvas in sheets]

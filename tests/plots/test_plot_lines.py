@@ -24,19 +24,19 @@ PAIRS = """\
 """
 
 
-def at(name, race):
+def frequency_of(name, race):
     """The frequency of a mark of the NF308 at 1800 rpm."""
     return {mark.name: mark.hertz for mark in lines.marks(NF308 | race, 1000.0)}[name]
 
 
 def test_marks_are_at_fault_frequencies():
     """159.0, 231.0, 156.96, 12.23 and 30 Hz: BPFO, BPFI, 2 BSF, FTF and shaft (`bearingsim freq nf308`)."""
-    assert at("2 BPFO", {}) == pytest.approx(318.0, abs=1e-9)
-    assert at("BPFI", INNER) == pytest.approx(231.0, abs=1e-9)
-    assert at("BPFI - fr", INNER) == pytest.approx(201.0, abs=1e-9)
-    assert at("2 BPFI + fr", INNER) == pytest.approx(492.0, abs=1e-9)
-    assert at("2 BSF", ROLLER) == pytest.approx(156.96, abs=5e-3)
-    assert at("4 BSF + FTF", ROLLER) == pytest.approx(313.92 + 12.23, abs=1e-2)
+    assert frequency_of("2 BPFO", {}) == pytest.approx(318.0, abs=1e-9)
+    assert frequency_of("BPFI", INNER) == pytest.approx(231.0, abs=1e-9)
+    assert frequency_of("BPFI - fr", INNER) == pytest.approx(201.0, abs=1e-9)
+    assert frequency_of("2 BPFI + fr", INNER) == pytest.approx(492.0, abs=1e-9)
+    assert frequency_of("2 BSF", ROLLER) == pytest.approx(156.96, abs=5e-3)
+    assert frequency_of("4 BSF + FTF", ROLLER) == pytest.approx(313.92 + 12.23, abs=1e-2)
 
 
 def test_marks_of_defects_on_several_elements_are_ordered():

@@ -67,7 +67,7 @@ def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
         yield opened
 
 
-def test_nothing_is_loaded_and_nothing_reported(tab, pages):
+def test_page_loads_no_external_resource_and_logs_no_error(tab, pages):
     for path in pages.values():
         for width, dark in ((1280, False), (360, True)):
             tab.open(path, width, dark)
@@ -260,7 +260,7 @@ def test_table_sorts_filters_and_legend_hides(tab, pages):
 
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `make report-check` installs it")
 @pytest.mark.parametrize("dark", [False, True])
-def test_axe_finds_nothing(tab, pages, dark):
+def test_axe_reports_no_violation(tab, pages, dark):
     for path in pages.values():
         tab.open(path, 1280, dark)
         tab.run(AXE.read_text())

@@ -77,7 +77,7 @@ def test_named_jobs_have_their_signals_on_the_page(results):
     assert page.count(">Signal: length 3 mm, load 150 N, model static<") == 1
 
 
-def test_files_of_others_are_kept(results, tmp_path):
+def test_foreign_files_are_kept(results, tmp_path):
     opened, other = results(STUDY + FIGURES), tmp_path / "mine.html"
     other.write_text("<p>mine</p>")
     _, stderr = type_("report", opened.path, "-o", other, code=2)

@@ -24,7 +24,7 @@ def data_of(text):
     return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text).group(1))
 
 
-def test_bundle_of_echarts_is_the_one_that_is_built():
+def test_bundle_of_echarts_has_the_hash_of_the_build():
     bundle = files("bearingsim.report").joinpath("assets/echarts.min.js").read_bytes()
     assert hashlib.sha256(bundle).hexdigest() == ECHARTS
     assert b"</script" not in bundle
@@ -75,7 +75,7 @@ def test_control_of_a_panel_lists_computed_settings_only(results):
     assert chart.combinations == [[0], [1]]
 
 
-def test_settings_that_nobody_has_computed_yet_are_not_offered(results):
+def test_uncomputed_settings_are_not_offered(results):
     opened = results(STUDY + FIGURES, lost=dict.fromkeys((1, 3, 5, 7, 9, 11), "missing"))  # of the model `ring`
     chart = collect(opened, ()).charts[0]
     assert [control.options for control in chart.controls] == [["static"]]

@@ -35,7 +35,7 @@ def test_page_of_fig16_is_small_and_soon_written(results, monkeypatch):
     assert len(text.encode()) < 1.4e6
 
 
-def test_large_pages_say_what_was_left_out(results, monkeypatch):
+def test_large_pages_list_omitted_content(results, monkeypatch):
     monkeypatch.setattr(render, "MAX_BYTES", 500_000)
     monkeypatch.setattr(render, "FEW_ROWS", 5)
     shown = page_of(results(STUDY + FIGURES))

@@ -329,7 +329,7 @@ def test_worker_with_another_installation_is_refused(
     monkeypatch.setattr(cluster, "required_installation", lambda: installed)
     if joins_late:  # it joined after the check of the others
         monkeypatch.setattr(cluster.Cluster, "wait_for_workers", lambda self: 2)
-    message = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
+    message = rf"worker tcp://\S+: numpy {np.__version__} instead of 1.0, model version \d+ instead of 0"
     with pytest.raises(InstallationMismatch, match=message):
         compute(FakeStudy(), tmp_path, machines.address)
     assert not [*tmp_path.glob("units/??/*.h5")]

@@ -75,7 +75,7 @@ def test_a_quick_study_has_its_own_folder(tmp_path, monkeypatch):
     assert sorted(path.name for path in Path("results").iterdir()) == ["fake", "fake-quick"]
 
 
-def test_interruption_message_tells_how_to_continue(tmp_path):
+def test_interruption_message_has_command_to_continue(tmp_path):
     with pytest.raises(Interrupted) as interruption:
         compute(FakeStudy(deeds={1: "interrupt"}), tmp_path)
     message = str(interruption.value)

@@ -75,7 +75,7 @@ def test_one_run_repairs_a_flipped_bit(
             assert f"1 damaged file ({relative_path})" in str(summary)
 
 
-def test_no_bit_of_a_unit_goes_unnoticed(complete_results: Path, tmp_path: Path) -> None:
+def test_every_flipped_bit_of_a_unit_is_detected(complete_results: Path, tmp_path: Path) -> None:
     [unit] = complete_results.glob("units/??/*.h5")
     content, path = unit.read_bytes(), tmp_path / unit.name
     digest_bits = range(8 * len(content) - 8 * 80, 8 * len(content))  # the digest itself
@@ -86,7 +86,7 @@ def test_no_bit_of_a_unit_goes_unnoticed(complete_results: Path, tmp_path: Path)
             store.check_unit(path)
 
 
-def test_no_bit_of_the_choices_goes_unnoticed(tmp_path: Path) -> None:
+def test_every_flipped_bit_of_choices_is_detected(tmp_path: Path) -> None:
     choice = Choice(candidate="planar", model="planar", why="it is the reference", error={"velocity.rms": 0.01})
     store.write_choices(tmp_path, {"a" * 16: choice})
     path = tmp_path / "choices.json"

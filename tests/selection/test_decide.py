@@ -527,9 +527,9 @@ def test_study_is_expanded_once_per_candidate(
     calls: list[Any] = []
     once = Plan._otherwise
 
-    def counted(plan: Plan, given: Mapping[str, str]) -> list[Case | None]:
-        calls.append(given)
-        return once(plan, given)
+    def counted(plan: Plan, values: Mapping[str, str]) -> list[Case | None]:
+        calls.append(values)
+        return once(plan, values)
 
     monkeypatch.setattr(Plan, "_otherwise", counted)
     study = accuracy_study(write)

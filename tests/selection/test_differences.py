@@ -16,8 +16,8 @@ NAMES = (LINE, RMS)
 ALL = (LINE, RMS, FORCE)
 
 
-def off(feature: str, one: Trial, other: Trial) -> float:
-    return error(value(feature, one, None), value(feature, other, None))
+def off(feature: str, own: Trial, other: Trial) -> float:
+    return error(value(feature, own, None), value(feature, other, None))
 
 
 def with_parts(parts: np.ndarray) -> Trial:
@@ -64,7 +64,9 @@ def test_error_covers_scatter_at_confidence_level() -> None:
 def test_scatter_of_rms_is_from_half_the_power() -> None:
     rng = np.random.default_rng(4)
     noise = [np.array([0.0, *0.1 * rng.normal(size=PASSES - 1)]) for _ in range(2)]
-    pair = [Trial(PASSES, PASSES, False, {}, {RMS: (1.0 + one) * 4.0}, np.ones(PASSES)) for one in noise]
+    pair = [
+        Trial(PASSES, PASSES, False, {}, {RMS: (1.0 + deviation) * 4.0}, np.ones(PASSES)) for deviation in noise
+    ]
     s = float(np.std((noise[0] - noise[1])[1:], ddof=1)) * np.sqrt(2.0 / PASSES)  # half of 4, over an RMS of 2
     assert off(RMS, pair[0], pair[1]) == pytest.approx(stdtrit(PASSES - 2, 0.975) * s, rel=1e-9)
 

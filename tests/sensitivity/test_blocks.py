@@ -23,7 +23,7 @@ def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI
     for rows, status in ((failed, "failed"), (missing, "missing")):
         table.loc[list(rows), ["status"]] = status
     table.loc[[*failed, *missing, *without], [LINE]] = np.nan
-    healthy = pd.DataFrame({"job": ["twin"], "status": ["done"], LINE: [1e9]})
+    healthy = pd.DataFrame({"job": ["healthy"], "status": ["done"], LINE: [1e9]})
     design = {"kind": kind, "n": n, "seed": 1, "paths": PATHS, "ids": ids}
     plan = {"design": design, "file": "my study.yaml", "overrides": {"speed": "900 rpm"}, "quick": True}
     shuffled = pd.concat([table[::-1], healthy], ignore_index=True)  # what belongs together is told by ids alone

@@ -122,12 +122,12 @@ FORCES = {
 PERIODIC = {"model": "rollers", "duration": "1 s", **FORCES}
 
 
-def largest_memory(given: Case) -> int:
+def largest_memory(limited_case: Case) -> int:
     """Return the largest traced memory (bytes) of a case whose code is compiled."""
-    simulate(given.model_copy(update={"duration": 0.05}))
+    simulate(limited_case.model_copy(update={"duration": 0.05}))
     tracemalloc.start()
     try:
-        simulate(given)
+        simulate(limited_case)
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -107,7 +107,7 @@ def test_gross_slip_equals_the_balance_of_forces(rpm, load, friction):
     ("rpm", "friction"),
     [(1800, "traction"), (3000, "static-dynamic"), (6000, "static-dynamic"), (1800, "static-dynamic")],
 )
-def test_the_onset_of_gross_slip_is_where_drag_exceeds_friction(rpm, friction):
+def test_gross_slip_begins_if_drag_exceeds_friction(rpm, friction):
     """Within 20 % in load, from rolling."""
     onset = onset_by_balance(oil_case(rpm, 20, friction=friction))
     assert (

@@ -31,7 +31,7 @@ def line(model: str, length: float, offset: float = 0.0) -> float:
     return run(model, length, offset).features["velocity@BPFO"]
 
 
-def test_the_line_rises_with_the_defects_length_in_rollers_and_in_spatial_alike() -> None:
+def test_amplitude_increases_with_defect_length_in_rollers_and_spatial() -> None:
     lengths = (3.0, 6.0, 9.0, 12.0)
     flat, sliced = ([line(model, length) for length in lengths] for model in ("rollers", "spatial"))
     assert np.all(np.diff(flat) > 0.0)
@@ -49,7 +49,7 @@ def test_spatial_agrees_with_planar_without_tilt() -> None:
     assert np.abs(run("spatial", 12.0).series["roller.10.tilt"]).max() < 1e-12
 
 
-def test_a_defect_off_the_middle_tilts_the_roller_and_raises_the_line() -> None:
+def test_off_centre_defect_tilts_roller_and_raises_amplitude() -> None:
     centred, aside = line("spatial", 3.0), line("spatial", 3.0, 4.0)
     assert line("rollers", 3.0, 4.0) == line("rollers", 3.0)  # knows no tilt
     assert aside > 1.03 * centred

@@ -67,7 +67,7 @@ def test_reference_agrees_with_independent_solver():
 
 
 @pytest.mark.parametrize("name", AUTOMATIC)
-def test_every_crossing_is_seen_wherever_in_a_step_it_comes(name, healthy):
+def test_no_crossing_is_skipped_at_any_position_in_a_step(name, healthy):
     """A crossing counts if the ring responds with at least half of the reference's response."""
     step = longest_step(prepare_scene("0.2 mm slot"), name)
     for n in range(POSITIONS):

@@ -175,7 +175,7 @@ def test_failed_audit_withdraws_the_accuracy_of_its_curve() -> None:
     assert bounds["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
     assert list(withdrawals(goal, results)) == [
         "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO is 20 % off its reference",
-        "  in job a; `model: reference` in place of `accuracy` computes all by it",
+        "  in job a; `model: reference` instead of `accuracy` computes all by it",
     ]
     assert list(accuracy_notes(goal, results)) == ["of the other 1 cases 1 are within 5 % by their trials"]
 

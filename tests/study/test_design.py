@@ -192,7 +192,7 @@ def test_large_design_has_the_requested_distribution(write: Write) -> None:
 # What else a study says
 
 
-def test_lists_beside_sobol_multiply_it(write: Write) -> None:
+def test_lists_multiply_a_sobol_design(write: Write) -> None:
     study = load_study(write(sweep("sobol", 4, more=", model: [ring, rollers]")))
     design = design_of(study)
     assert len(design.ids) == 8 == len(study.cases())
@@ -200,7 +200,7 @@ def test_lists_beside_sobol_multiply_it(write: Write) -> None:
     assert [models[name] for name in design.ids] == 4 * ["ring", "rollers"]
 
 
-def test_where_takes_points_out(write: Write) -> None:
+def test_where_removes_points(write: Write) -> None:
     full = load_study(write(sweep("sobol", 32)))
     some = load_study(write(sweep("sobol", 32, more=", where: [load < 200 N, defect.width > 0.5 mm]")))
     left = [
@@ -395,7 +395,7 @@ def test_description_counts_the_remaining_points() -> None:
     assert description(design | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
 
 
-def test_single_value_beside_a_block_design_is_accepted(write: Write) -> None:
+def test_single_value_with_a_block_design_is_accepted(write: Write) -> None:
     assert len(load_study(write(sweep("saltelli", 4, more=", model: [ring]"))).cases()) == 16
 
 

@@ -77,7 +77,7 @@ def test_error_of_a_single_combination_is_reported(write: Write, built_cases: li
         load_study(write(BASE + "sweep: {duration: [1 s, 10 ms, 2 s], speed: [1800 rpm, 300 rpm, 900 rpm]}"))
 
 
-def test_a_model_that_only_the_quick_study_has_gives_its_features(write: Write) -> None:
+def test_features_include_those_of_models_in_quick(write: Write) -> None:
     figure = "figures: [{y: tilt.max, x: load}]\nquick: {model: spatial}\n"
     assert load_study(write(BASE + "sweep: {load: [150 N, 300 N]}\n" + figure)).figures
 

@@ -292,8 +292,8 @@ def test_other_features_of_figures_are_monitored(write: Write) -> None:
     band = "velocity.rms@10-1000Hz"
     study = load_study(write(BASE + DRAWN.format(more="", y=f"velocity@BPFO, velocity@2BPFO, {band}")))
     assert {case.features for case in study.cases()} == {(band, "velocity@2BPFO")}
-    twins = {job.case.features for job in study.jobs() if job.is_baseline}
-    assert twins == {(band,)}
+    features = {job.case.features for job in study.jobs() if job.is_baseline}
+    assert features == {(band,)}
 
 
 def test_an_accuracy_stores_no_series_unless_asked(write: Write) -> None:

@@ -24,7 +24,7 @@ def error_lines(path: Path) -> list[str]:
     return str(caught.value).splitlines()
 
 
-def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
+def test_malformed_files_give_error_with_position(tmp_path: Path) -> None:
     """Errors of `check`, in this process."""
     wrong, valid = {}, []
     for name, path in malformed.malformed(tmp_path):
@@ -107,7 +107,7 @@ def test_limits_depend_on_the_outcome_of_check() -> None:
 # What messages look like
 
 
-def test_long_echo_is_clipped_with_the_caret_in_place(write: Write) -> None:
+def test_long_line_is_clipped_around_the_caret(write: Write) -> None:
     first, line, caret = error_lines(write(malformed.study_with(f"load: [{'150 N, ' * 100}&a &b]")))
     assert line[caret.index("^")] == "&"
     assert len(line) <= MAX_LINE + 4

@@ -41,7 +41,7 @@ def test_a_value_follows_from_others(write: Write, text: str, depths: list[float
     assert [case.defects[0].depth for case in cases] == pytest.approx(depths, rel=1e-15)
 
 
-def test_a_derived_case_is_the_one_that_is_written(write: Write) -> None:
+def test_derived_case_equals_explicit_case(write: Write) -> None:
     """The ids are equal: `0.4 mm / 40` is `0.01 mm`."""
     derived = load_study(write(sweep(WIDTHS + "derived: {defect.depth: defect.width / 40}")))
     written = load_study(write(sweep("zip: {defect.width: [0.4 mm, 0.8 mm], defect.depth: [0.01 mm, 0.02 mm]}")))
@@ -59,7 +59,7 @@ def test_derived_values_follow_from_each_other_in_any_order(write: Write) -> Non
     assert [case.defects[0].length for case in cases] == pytest.approx([0.004, 0.008])
 
 
-def test_a_section_that_is_swept_gives_its_values(write: Write) -> None:
+def test_values_of_swept_section_can_be_used(write: Write) -> None:
     """A formula reads values of the case from any source, such as a bearing file."""
     text = "bearing: [nf308, nu204]\n  derived: {defect.length: bearing.roller_length / 2}"
     study = load_study(write(sweep(text)))

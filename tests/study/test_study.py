@@ -29,7 +29,7 @@ def test_the_template_is_a_good_study(write: Write) -> None:
     assert [(f.y, f.x, f.by) for f in study.figures] == [(("velocity@BPFO",), "defect.length", ("load",))]
 
 
-def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> None:
+def test_commented_lines_of_template_are_defaults(write: Write) -> None:
     text = NEW_STUDY
     keys = ("rig", "clearance", "excitation", "model", "method", "step", "settle", "sampling", "gravity", "seed")
     for key in keys:

@@ -21,7 +21,7 @@ def test_the_last_axis_is_the_fastest(write: Write) -> None:
     assert [case.defects[0].length for case in study.cases()] == [0.001, 0.002, 0.001, 0.002]
 
 
-def test_zip_moves_paths_together(write: Write) -> None:
+def test_zip_varies_paths_together(write: Write) -> None:
     text = BASE + "sweep: {zip: {load: [150 N, 300 N], speed: [30 Hz, 1200 rpm]}, model: [ring, rollers]}\n"
     rows = swept(load_study(write(text)))
     speeds = [30 * 2 * math.pi, 40 * math.pi]
@@ -61,7 +61,7 @@ def test_several_zips_multiply(write: Write) -> None:
         ("rig.sensor_angle: [0 rad, 1 rad]", [0.0, 1.0]),
     ],
 )
-def test_what_an_entry_sweeps(write: Write, entry: str, values: list[float | str]) -> None:
+def test_paths_swept_by_an_entry(write: Write, entry: str, values: list[float | str]) -> None:
     assert [row[0] for row in swept(load_study(write(BASE + f"sweep: {{{entry}}}\n")))] == values
 
 
@@ -108,7 +108,7 @@ def test_value_may_be_given_in_the_sweep_only(write: Write) -> None:
     assert [case.load for case in load_study(write(text)).cases()] == [1.0, 2.0]
 
 
-def test_scalars_stay_text(write: Write) -> None:
+def test_scalars_are_read_as_text(write: Write) -> None:
     text = BASE + "contact: {damping: {law: general, coefficient: 1e-3, indentation_exponent: 2}}\n"
     damping = load_study(write(text)).cases()[0].contact.damping.model_dump()
     assert damping["coefficient"] == 0.001
@@ -119,23 +119,23 @@ def test_equal_cases_are_kept_once(write: Write) -> None:
     assert [case.load for case in study.cases()] == [150.0, 200.0]
 
 
-# Twins
+# Healthy baselines
 
 
-def test_twins_are_shared_and_come_last(write: Write) -> None:
+def test_healthy_baselines_are_shared_and_last(write: Write) -> None:
     jobs = load_study(write(BASE + "sweep: {load: [1 N, 2 N], defect.length: [1 mm, 2 mm]}\n")).jobs()
     assert len({job.id for job in jobs}) == len(jobs) == 6
-    twins = jobs[4:]
-    assert [job.swept for job in twins] == [{"load": 1.0}, {"load": 2.0}]
-    assert all(job.healthy is None and job.case.defects == () for job in twins)
+    baselines = jobs[4:]
+    assert [job.swept for job in baselines] == [{"load": 1.0}, {"load": 2.0}]
+    assert all(job.healthy is None and job.case.defects == () for job in baselines)
     assert [job.is_baseline for job in jobs] == 4 * [False] + 2 * [True]
-    assert [job.healthy for job in jobs[:4]] == [twins[0].id, twins[0].id, twins[1].id, twins[1].id]
+    assert [job.healthy for job in jobs[:4]] == [baselines[n].id for n in (0, 0, 1, 1)]
     assert all(job.id == case_id(job.case) for job in jobs)
     for job in jobs[:4]:
-        assert job.case.model_copy(update={"defects": ()}) in [twin.case for twin in twins]
+        assert job.case.model_copy(update={"defects": ()}) in [baseline.case for baseline in baselines]
 
 
-def test_a_healthy_bearing_has_no_twin(write: Write) -> None:
+def test_healthy_study_has_no_baselines(write: Write) -> None:
     text = BASE.replace("defect:", "# defect:") + "sweep: {load: [1 N, 2 N]}\n"
     assert [(job.swept, job.healthy, job.is_baseline) for job in load_study(write(text)).jobs()] == [
         ({"load": 1.0}, None, False),
@@ -143,7 +143,7 @@ def test_a_healthy_bearing_has_no_twin(write: Write) -> None:
     ]
 
 
-def test_a_healthy_case_is_no_twin(write: Write) -> None:
+def test_healthy_case_of_sweep_is_no_baseline(write: Write) -> None:
     """A healthy case of the study remains a case, although others are compared with it."""
     defects = "[{shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}]"
     text = BASE.replace("defect:", "# defect:") + f"sweep: {{defects: [[], {defects}]}}\n"
@@ -207,13 +207,13 @@ def test_an_override_replaces_a_sweep(
     assert study.overrides == overrides
 
 
-def test_an_override_keeps_its_axis_in_place(write: Write) -> None:
+def test_override_preserves_position_of_its_axis(write: Write) -> None:
     study = load_study(write(SWEPT), {"load": "[7 N, 8 N]"})
     assert list(study.units) == ["load", "defect.width", "defect.depth"]
     assert [row[0] for row in swept(study)] == [7.0, 7.0, 8.0, 8.0]
 
 
-def test_an_override_of_what_is_not_swept(write: Write) -> None:
+def test_override_of_unswept_parameter(write: Write) -> None:
     overrides = {
         "duration": "2 s",
         "record": "[ring.velocity, roller.outer_force]",
@@ -249,22 +249,22 @@ def test_one_study_runs_all_excitations(write: Write) -> None:
     ]
     assert cases[0].swept == {"model": "impulse", "excitation": "impulse-train", "load": 150.0}
     assert [job.healthy is None for job in cases] == 4 * [True] + 6 * [False]
-    twins = [job for job in jobs if job.is_baseline]
-    assert [(job.case.model, job.case.load) for job in twins] == [
+    baselines = [job for job in jobs if job.is_baseline]
+    assert [(job.case.model, job.case.load) for job in baselines] == [
         ("ring", 150.0),
         ("ring", 300.0),
         ("rollers", 150.0),
         ("rollers", 300.0),
     ]
-    assert {job.case.excitation for job in twins} == {"envelope"}
-    assert twins[0].swept == {"model": "ring", "load": 150.0}
-    assert cases[6].healthy == cases[8].healthy == twins[2].id
+    assert {job.case.excitation for job in baselines} == {"envelope"}
+    assert baselines[0].swept == {"model": "ring", "load": 150.0}
+    assert cases[6].healthy == cases[8].healthy == baselines[2].id
 
 
 def test_healthy_case_has_the_seed_if_something_is_random(write: Write) -> None:
     sweep = "sweep: {seed: [1, 2, 3]}\n"
-    (ring, twin) = load_study(write(BASE + "model: ring\n" + sweep)).jobs()
-    assert (ring.swept, twin.swept, twin.case.seed) == ({"seed": 1.0}, {}, 0)
+    (ring, baseline) = load_study(write(BASE + "model: ring\n" + sweep)).jobs()
+    assert (ring.swept, baseline.swept, baseline.case.seed) == ({"seed": 1.0}, {}, 0)
     jobs = load_study(write(BASE + "model: planar\n" + sweep)).jobs()
     assert [job.case.seed for job in jobs if job.is_baseline] == [1, 2, 3]
     assert [job.swept for job in jobs if job.is_baseline] == [{"seed": 1.0}, {"seed": 2.0}, {"seed": 3.0}]
@@ -423,7 +423,7 @@ def test_figure_may_use_the_spelling_of_the_file(write: Write) -> None:
         assert list(load_study(write(text), {"defects.1.width": value}).units) == ["defect.width"]
 
 
-def test_a_seed_takes_the_place_of_repeat(write: Write) -> None:
+def test_seed_override_replaces_repeat(write: Write) -> None:
     text = BASE + "model: planar\nsweep: {load: [1 N, 2 N], repeat: 3}\nquick: {seed: 7}\n"
     for study, seeds in (
         (load_study(write(text)), [1, 2, 3] * 2),

@@ -248,7 +248,7 @@ def test_the_error_is_the_range_over_the_value(finished_run: tuple[Path, str]) -
             assert values.nunique() == 4
             expected = (values.max() - values.min()) / values[job]
             assert table.loc[job, column] == pytest.approx(expected, rel=1e-12)
-    assert table["error.damping"].notna().sum() == 2  # of the cases, not of their twins
+    assert table["error.damping"].notna().sum() == 2  # of the cases, not of their baselines
 
 
 def test_variations_have_no_row_of_their_own(finished_run: tuple[Path, str]) -> None:
@@ -305,7 +305,7 @@ def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:
     assert "damping\u00a00.5\u00a0to\u00a010\u00a0µs" in note
 
 
-def test_figures_have_bars_where_only_some_points_are_varied(
+def test_figures_have_error_bars_if_only_some_points_are_varied(
     finished_run: tuple[Path, str], tmp_path: Path
 ) -> None:
     results = store.open_results(finished_run[0] / "out")

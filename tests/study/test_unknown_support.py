@@ -37,7 +37,7 @@ def test_unknown_support_is_varied_over_four_supports(write: Write) -> None:
     study = load_study(write(BASE + UNKNOWN))
     assert study.uncertainty == (UncertainParameter("support", (1.0, 2.0, 3.0, 4.0)),)
     assert [variation.value for variation in study.variations()] == [1.0, 2.0, 3.0, 4.0]
-    assert len({job.id for job in study.jobs()}) == 1 + 1 + 4  # the case, its twin, the supports
+    assert len({job.id for job in study.jobs()}) == 1 + 1 + 4  # the case, its baseline, the supports
 
 
 def test_variation_of_support_has_the_id_of_the_same_written_rig(write: Write) -> None:

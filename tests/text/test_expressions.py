@@ -342,7 +342,7 @@ COMPARISONS = st.tuples(
 CONDITIONS = st.recursive(
     COMPARISONS,
     lambda inner: st.one_of(
-        inner.map(lambda one: f"not ({one})"),
+        inner.map(lambda text: f"not ({text})"),
         st.tuples(inner, st.sampled_from([" and ", " or "]), inner).map("".join),
     ),
     max_leaves=4,
@@ -432,7 +432,7 @@ def test_values_are_those_of_python(text: str) -> None:
 
 
 @pytest.mark.parametrize("dimension", list(UNITS))
-def test_a_quantity_of_each_unit_is_what_the_table_says(dimension: Dimension) -> None:
+def test_quantity_of_each_unit_has_factor_of_table(dimension: Dimension) -> None:
     for word in UNITS[dimension]:
         if word == "Hz" and dimension == "rotation":  # a frequency in formulas
             continue

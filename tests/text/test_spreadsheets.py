@@ -33,7 +33,7 @@ def test_control_characters_are_left_out() -> None:
     assert csv_text(pd.DataFrame({"reason": ["\x1b[31m=1"]})) == "reason\n[31m=1\n"
 
 
-def test_numbers_and_words_read_back_as_they_are() -> None:
+def test_numbers_and_words_survive_a_round_trip() -> None:
     words = ["", "rollers", "0.8 mm", "a, b", 'say "a"', "two\nlines", "-1.5", "+2", "-1e-9", "'=1"]
     numbers = [-1.5, 0.1 + 0.2, np.nan, -np.inf, 1e-300, 5e22, -0.0, 1.0, 2.0, 3.0]
     mixed = [1.5, "none", *[None] * 8]

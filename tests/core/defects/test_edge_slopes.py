@@ -59,7 +59,7 @@ def test_narrow_contact_derivatives(xi):
     )
 
 
-def test_hertz_contact_only_moves():
+def test_hertz_contact_has_constant_derivatives():
     assert narrow_contact_derivatives(-1.0) == (0.0, -1.0)
     assert narrow_contact_derivatives(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
 

@@ -321,7 +321,7 @@ def test_a_shallow_rounded_edge_ends_at_the_floor():
     assert depth_at(profile, np.array([0.0]))[0] == 5e-6
 
 
-def test_ramp_lies_before_the_wall():
+def test_ramp_is_before_the_wall():
     profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 1e-5), 0.0, 5e-5), 0.0)
     t = np.array([-4.6e-4, -4.5e-4, -4.25e-4, -4.0e-4, 0.0, 4.25e-4])
     assert depth_at(profile, t) == pytest.approx([0.0, 0.0, 5e-6, 1e-5, 1e-5, 5e-6], abs=1e-15)

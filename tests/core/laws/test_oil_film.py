@@ -76,7 +76,7 @@ def test_squeezing_rigid_cylinders():
     assert exact == pytest.approx(1.5 * sqrt(2.0) * pi, rel=0.02, abs=0.0)  # half-Sommerfeld
 
 
-def test_the_solution_meets_rigid_cylinders():
+def test_solution_agrees_with_rigid_cylinders():
     line = NF308._replace(alpha=1e-10)
     Q = 1.2 * light_contact(Contact(1.0, *line)).Q
     film = film_solution(Q, line)
@@ -178,7 +178,7 @@ def test_loads_and_frequencies_in_arrays():
     assert film_damping(Q, k, NF308, omega) == pytest.approx(one_by_one, rel=1e-12, abs=0.0)
 
 
-def test_the_roll_off():
+def test_roll_off_of_film_damping():
     share = roll_off(np.array([0.0, 0.5, 1.4, 10.0, 30.0]))
     assert share[0] == 1.0
     assert share[2] == 0.5

@@ -58,7 +58,7 @@ def forces(model):
 
 
 @pytest.mark.parametrize("epsilon", SJOVALL)
-def test_the_quadrature_meets_the_printed_integral(epsilon):
+def test_quadrature_agrees_with_published_integral(epsilon):
     assert sjovall(epsilon, 1.1) == pytest.approx(SJOVALL[epsilon], abs=1e-4)
 
 
@@ -130,7 +130,7 @@ def test_each_roller_carries_its_centrifugal_load():
     assert (y[lay.Q_I : lay.Q_I + 13] == 0.0).any()
 
 
-def test_the_bracket_takes_no_share_of_the_load():
+def test_bracket_carries_no_load():
     """Anchored at the mean position of the healthy bearing, its force has zero mean over a ball pass."""
     model = assemble.model(case(clearance="37 um"))
     pull = []

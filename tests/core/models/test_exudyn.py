@@ -31,7 +31,7 @@ CODES = [pytest.param(product, 20e-3), pytest.param(reference, 4e-3, marks=pytes
 
 
 @pytest.mark.parametrize(("code", "duration"), CODES)
-def test_the_healthy_ring_moves_as_in_exudyn(code, duration):
+def test_motion_of_healthy_ring_agrees_with_exudyn(code, duration):
     """Within 0.5 % of its range at every instant.
 
     Found: 0.2 % over 20 ms for `planar`, at the start; 0.001 % over 4 ms for the independent solution.
@@ -43,7 +43,7 @@ def test_the_healthy_ring_moves_as_in_exudyn(code, duration):
 
 
 @pytest.mark.parametrize(("code", "duration"), CODES)
-def test_the_ring_over_a_spall_moves_as_in_exudyn(code, duration):
+def test_motion_of_ring_over_a_spall_agrees_with_exudyn(code, duration):
     """2 mm, one roller crosses it in 4 ms, three in 20: along the load both correlate to 0.999 (found: 0.9999)."""
     times, exudyn = exudyn_planar.load_results("spall")
     exudyn, times = exudyn[:, times <= duration], times[times <= duration]

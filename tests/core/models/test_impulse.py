@@ -416,7 +416,7 @@ def test_random_impulses_divide_each_crossing():
     assert totals.std() == pytest.approx(J / 4, rel=0.06)  # 5 of its standard errors
 
 
-def test_random_impulses_keep_the_mean_line():
+def test_random_impulses_preserve_the_mean_amplitude():
     """E[line] is that of the regular train; the scatter of one crossing is averaged over the passes."""
     end, count = 1000 * PASS, 1000
     pair, f = defect(), 1 / PASS

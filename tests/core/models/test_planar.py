@@ -98,7 +98,7 @@ def test_an_unbalance_is_a_line_at_the_shafts_speed():
     assert simulate(bearing_case).features["displacement@fr"] == pytest.approx(ring, rel=0.01)
 
 
-def test_without_unbalance_there_is_no_line_at_the_shafts_speed():
+def test_no_line_at_shaft_frequency_without_unbalance():
     assert simulate(case(**SHAFT)).features["displacement@fr"] < 2e-9
 
 

@@ -189,7 +189,7 @@ def test_energy_closes_over_a_slot():
     assert runge_kutta[-1] < 1e-3 * lost[-1]
 
 
-def test_verlet_keeps_the_energy_of_an_undamped_bearing():
+def test_verlet_conserves_energy_of_undamped_bearing():
     """No damping, no friction: the energy drifts with the square of the step, by 2e-5 of its range."""
     model, y = start_planar()
     frictionless = StaticDynamic(0.0, 0.0, 0.02, 0.1)

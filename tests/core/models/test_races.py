@@ -76,7 +76,7 @@ def test_the_roller_nearest_to_a_race_defect(theta_c, theta_i, angle, Z, on):
 
 
 @given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), on=st.integers(0, 12))
-def test_a_roller_defect_acts_where_it_faces_the_race(roll, angle, side, on):
+def test_roller_defect_acts_when_facing_the_race(roll, angle, side, on):
     """The defect is at ``angle - roll`` from the outermost point; the races touch at 0 and at half a turn."""
     j, s = nearest_roller(one_defect(side, on, angle), 0, 0.7, 0.2, roll, 13)
     direction = np.exp(1j * (angle - roll))
