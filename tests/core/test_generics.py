@@ -60,6 +60,17 @@ from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, Springs
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, RollerInRing
+from bearingsim.core.parts.form import (
+    Form,
+    Race,
+    Smooth,
+    UnequalRollers,
+    WavyRollers,
+    add_rollers,
+    locate_on_race,
+    locate_on_roller,
+    set_race,
+)
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount, set_mounted_ring
 from bearingsim.core.parts.shaft import (
     ElasticShaft,
@@ -107,6 +118,7 @@ COUNTERPARTS: dict[type, type] = {
     NoUpdate: Verlet,
     RigidRing: Bending,
     NoSprings: Springs,
+    Smooth: Form,
 }
 """Absent types, and a type of the family of each; some absent types need no implementation."""
 
@@ -135,6 +147,8 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ((drift, kick), REGISTRY[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
+    ((set_race, locate_on_race), {WavyRollers, UnequalRollers}, "races only"),
+    ((add_rollers, locate_on_roller), {Race}, "rollers only"),
 ]
 """Generics, types without implementation, reason."""
 

@@ -233,6 +233,11 @@ def _locate_on_roller(rollers, angle, place, position, y, j):
     y[place + j], y[position + j] = m * (4 * columns) + j, x
 
 
+@locate_on_roller.register(UnequalRollers)
+def _locate_on_unequal_roller(rollers, angle, place, position, y, j):
+    """Do nothing, because a round roller has the same radius at every angle."""
+
+
 @generic(inline="late", absent=None)
 def read_surface(surface: Any, Z: int, place: int, position: int, y: np.ndarray, n: int) -> None:
     """Replace the rows ``place`` and ``position`` by recess (m) and its derivative by the angle (m)."""
