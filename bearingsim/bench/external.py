@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.integrate import OdeSolver
 
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
@@ -27,6 +28,7 @@ from bearingsim.simulation.spectral_lines import lines_of_passes
 from bearingsim.stability.references import SCIPY, StateRate, march, moving_coordinates, pack, state_rate, unpack
 
 MAX_CPU = 120.0  # s, limit of CPU time of a solver
+POINTS_OF_STEP = 4  # evaluations of the force, on the solver's interpolant; step ends alone miss peaks by 0.6 %
 
 
 class Equations(NamedTuple):
@@ -47,7 +49,7 @@ class Solution(NamedTuple):
     """Result of a solver.
 
     states: (2 m, n) in SI, positions then velocities of the ``moving_coordinates``; cpu: s; force: largest outer
-    force (N) at the ends of steps after settling, nan for a solver without access to steps.
+    force (N) within the steps after settling, nan for a solver without access to steps.
     """
 
     states: np.ndarray
@@ -64,8 +66,7 @@ class SolverStopped(Exception):
 
 
 class ForceTracker(StateRate):
-    """Right-hand side dx/dt that also tracks the largest outer force (N) at the ends of steps after ``settled``
-    (s).
+    """Right-hand side dx/dt that also tracks the largest outer force (N) after ``settled`` (s).
 
     CPU time for the force is not counted.
     """
@@ -74,13 +75,15 @@ class ForceTracker(StateRate):
         super().__init__(problem.model, problem.y, MAX_CPU)
         self.settled, self.force, self.rate = problem.settled, 0.0, np.empty(2 * len(self.coordinates))
 
-    def update_force(self, t: float, x: np.ndarray) -> None:
-        """Update the largest force with the state at the end of a step."""
-        if t < self.settled:
+    def update_force(self, solver: OdeSolver) -> None:
+        """Update the largest force with the last step of a solver."""
+        if solver.t < self.settled:
             return
         start = time.thread_time()
-        state_rate(self.model, t, x, self.coordinates, self.y, self.rate)
-        self.force = max(self.force, float(self.y[lay.Q_O : lay.Q_O + self.model.bearing.Z].max()))
+        state_at = solver.dense_output()
+        for t in np.linspace(max(solver.t_old, self.settled), solver.t, POINTS_OF_STEP + 1)[1:]:
+            state_rate(self.model, t, state_at(t), self.coordinates, self.y, self.rate)
+            self.force = max(self.force, float(self.y[lay.Q_O : lay.Q_O + self.model.bearing.Z].max()))
         self.start_time += time.thread_time() - start
 
 

@@ -118,11 +118,11 @@ def march(
     tolerances: Tolerances,
     columns: list[np.ndarray],
     times: np.ndarray,
-    on_step: Callable[[float, np.ndarray], None] = lambda t, x: None,
+    on_step: Callable[[integrate.OdeSolver], None] = lambda solver: None,
 ) -> tuple[str, str, int]:
     """Step to the last of ``times`` (s), appending the states there, (2 n, k) per step, to ``columns``.
 
-    after: function called with time and state at the end of each step. Returns failure, reason, number of steps.
+    on_step: called with the solver after each step. Returns failure, reason, number of steps.
     """
     steps, stop = 0, 0
     try:
@@ -134,7 +134,7 @@ def march(
             steps += 1
             if reason:
                 return STALL, str(reason), steps
-            on_step(solver.t, solver.y)
+            on_step(solver)
             start, stop = stop, int(np.searchsorted(times, solver.t, side="right"))
             if stop > start:
                 columns.append(solver.dense_output()(times[start:stop]))
