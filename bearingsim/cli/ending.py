@@ -31,9 +31,9 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     with suppress(ResultsError):  # raised if another run has replaced the plan
         results = open_results(summary.folder)
         feature_list, quick = list(feature_results(results)), results.plan["quick"]
-    for name, values, remarks, *_ in feature_list[:MAX_FEATURES]:
-        say(f"  {name}: {values}")
-        for remark in remarks:
+    for result in feature_list[:MAX_FEATURES]:
+        say(f"  {result.name}: {', '.join(filter(None, [result.values, result.error]))}")
+        for remark in result.remarks:
             say(f"    {remark}")
     if len(feature_list) > MAX_FEATURES:
         say(f"  and {len(feature_list) - MAX_FEATURES} more: bearingsim show {short_path(summary.folder)}")

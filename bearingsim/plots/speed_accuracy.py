@@ -160,10 +160,11 @@ def _spread(rows: Sequence[Row], column: str) -> list[Row]:
 
 
 def _name(ax: "Axes", row: Row, x: float) -> None:
-    """Label a mark with the step or tolerance of its run."""
+    """Label a mark with the step or tolerance of its run, on the side away from the frame."""
+    side, offset = ("left", 6.0) if x < 2.0 * LEAST else ("right", -4.0)
     ax.annotate(
-        label(row), (x, row["cpu_per_s"]), xytext=(-4.0, -3.0), textcoords="offset points",
-        fontsize=SMALL_POINTS, color="0.25", ha="right", va="top", zorder=6,
+        label(row), (x, row["cpu_per_s"]), xytext=(offset, -3.0), textcoords="offset points",
+        fontsize=SMALL_POINTS, color="0.25", ha=side, va="top", zorder=6,
     )  # fmt: skip
 
 

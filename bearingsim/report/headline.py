@@ -24,14 +24,14 @@ STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, fo
 class Result(NamedTuple):
     """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words.
 
-    has_error: the text has a bound of the numerical error.
+    error: text of the numerical error, empty if it is not estimated.
     """
 
     name: str
     values: str
+    error: str
     remarks: list[str]
     title: str
-    has_error: bool
 
 
 def feature_results(results: "Results") -> Iterator[Result]:
@@ -59,21 +59,45 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     text = _range(name, values, unit, factor)
     has_extremes = paths and " to " in text
     extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if has_extremes else {}
+    jobs = dict(rows["job"])
     extremes = [
         f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
+        + _at_other_values(results, list(rows["job"]), name, jobs[row])
         for kind, row in extreme_rows.items()
     ]
-    texts = [text, _error(results, rows, name)]
-    ranges = list(_ranges(results, rows, name, unit, factor))
+    ranges = _ranges(results, rows, name, unit, factor)
     remarks = [*_healthy(results, name, unit, factor), *extremes, *ranges]
     amplitude = ", 0-peak" if is_line(name) and not name.endswith(".phase") else ""
     return Result(
-        _describe(results, name),
-        ", ".join(filter(None, texts)),
-        remarks,
-        feature_text(name) + amplitude,
-        bool(texts[1]),
+        _describe(results, name), text, _error(results, rows, name), remarks, feature_text(name) + amplitude
     )
+
+
+def _at_other_values(results: "Results", cases: list[str], name: str, job: str) -> str:
+    """Count the values of the uncertain parameters for which a case is as extreme as with the nominal ones.
+
+    Example: ` (for 2 of 3 values of damping, all values of clearance)`; values without all cases are
+    not counted.
+    """
+    features = results.values(name)
+    is_largest = features.get(job) == features.reindex(cases).max()
+    counts: dict[str, list[bool]] = {}
+    tried = dict.fromkeys((variation["what"], variation["value"]) for variation in results.variations)
+    for quantity, value in tried:
+        jobs = {
+            variation["of"]: variation["job"]
+            for variation in results.variations
+            if (variation["what"], variation["value"]) == (quantity, value)
+        }
+        values = features.reindex([jobs.get(case, "") for case in cases])
+        if values.notna().all():
+            extreme = values.max() if is_largest else values.min()
+            counts.setdefault(quantity, []).append(bool(features[jobs[job]] == extreme))
+    texts = [
+        f"{'all' if all(flags) else f'{sum(flags)} of {len(flags)}'} values of {quantity}"
+        for quantity, flags in counts.items()
+    ]
+    return f" (for {', '.join(texts)})" if texts else ""
 
 
 def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, factor: float) -> Iterator[str]:
@@ -98,8 +122,10 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
         reason = "variation missing, or chaotic and too short"
         texts = [_range(name, limits, unit, factor)] if len(ends) else []
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
-        overlap = len(ends) > 1 and bool(ends["least"].max() < ends["largest"].min())
-        texts += ["the ranges of all cases overlap"] if overlap and not unknown else []
+        if len(ends) > 1 and not unknown:
+            common = [float(ends["least"].max()), float(ends["largest"].min())]
+            shared = f"all cases share {_range(name, pd.Series(common), unit, factor)}"
+            texts.append(shared if common[0] < common[1] else "the ranges of some cases are separate")
         if jobs:
             yield f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}: {', '.join(texts)}"
 

@@ -14,7 +14,7 @@ from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
 from bearingsim.report.influence import Influence
 from bearingsim.report.statements import FailedJob, assumption_texts, failures_of, plain
-from bearingsim.report.studied import Fact, studied
+from bearingsim.report.studied import Fact, studied, subject
 from bearingsim.text.numbers import significant
 
 if TYPE_CHECKING:
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 MAX_ROWS = 2000
 """Largest number of rows of the table; 100 000 rows take 20 MB."""
+LARGEST_STEP_ERRORS = "largest step errors"
+"""Beginning of a statement that repeats the numerical errors of the results."""
+SMOOTH = "smooth surfaces: no waviness or roughness, rollers of one diameter"
+"""Assumption of all models."""
 MAX_TEXT = 200_000
 """Largest number of characters of the study file that are shown."""
 
@@ -54,11 +58,13 @@ class Table:
 class Page:
     """Content of the page.
 
+    subject: bearing, defect and figures in words;
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
     omissions: what was left out, and why; text: the study file; changes: overrides of the command line.
     """
 
     study: str
+    subject: str
     counts: str
     complete: bool
     written: str
@@ -93,15 +99,22 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     done = bool((table["status"] == "done").any())
     figures = collect(results, jobs) if done else Figures()
     assumptions = assumption_texts(results) if done else list(results.plan.get("assumptions", ()))
+    assumptions += [SMOOTH]
+    headlines = list(feature_results(results)) if done else []
     return Page(
         study=results.plan["study"],
+        subject=subject(results),
         counts=_counts(results, table),
         complete=bool((table["status"] != "missing").all()),
         written=f"Written {now()[:16].replace('T', ' ')} UTC.",
         quick=bool(results.plan["quick"]),
         studied=list(studied(results)),
-        results=list(feature_results(results)) if done else [],
-        accuracy=list(map(with_symbols, [*end_of_run.withdrawn, *end_of_run.accuracy])),
+        results=headlines,
+        accuracy=[
+            with_symbols(text)
+            for text in [*end_of_run.withdrawn, *end_of_run.accuracy]
+            if not (text.startswith(LARGEST_STEP_ERRORS) and any(result.error for result in headlines))
+        ],
         warnings=list(map(with_symbols, end_of_run.warnings)),
         charts=figures.charts,
         pictures=figures.pictures,
@@ -182,7 +195,7 @@ def _computed(results: "Results") -> Iterator[Fact]:
         low, high = (significant(1e6 * value) for value in (info["step_s"].min(), info["step_s"].max()))
         yield "Time step", f"{low} µs" if low == high else f"{low} to {high} µs"
     if "cpu_s" in info and len(info):
-        yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {len(info)} jobs"
+        yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {len(info)} runs"
     for unit in next(([unit] for unit in results.table()["unit"] if unit), []):
         try:
             facts = read_provenance(unit_path(results.path, str(unit)))
@@ -217,7 +230,7 @@ TERMS = {
 
 def _tally(column: "pd.Series[str]") -> str:
     counts = Counter(str(value) for value in column)
-    return ", ".join(f"{name} ({count} jobs)" for name, count in counts.most_common())
+    return ", ".join(f"{name} ({count} runs)" for name, count in counts.most_common())
 
 
 def _study_text(results: "Results") -> str:

@@ -7,6 +7,7 @@ from bearingsim.config.names import Line
 from bearingsim.plots import labels, select
 from bearingsim.plots.caption import CAPTION_FIELDS, SMALL, defect_values, machine_values
 from bearingsim.plots.lines import FAMILIES, SHAFT, frequency
+from bearingsim.study import stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.numbers import significant
 
@@ -24,7 +25,7 @@ DIMENSIONS = {
     "bearing.bore": "bore",
     "bearing.outside_diameter": "outside diameter",
     "bearing.width": "width",
-    "clearance": "clearance",
+    "clearance": "radial clearance",
 }
 """Parameters of a bearing on the page, with their names."""
 DAMPING = {path for path, _ in CAPTION_FIELDS if path.startswith("contact.damping.")}
@@ -69,13 +70,32 @@ def studied(results: "Results") -> Iterator[Fact]:
         stated |= DAMPING
     defect = [*_races(parameters), *defect_values(results, rows, stated)]
     if defect:
-        yield "Defect", ", ".join(defect)
+        yield "Defect", f"{', '.join(defect)}; length along the roller, width along the race"
     fixed = [*machine_values(results, rows, stated), *["quick grid"] * bool(results.plan["quick"])]
     if fixed:
         yield "Fixed", ", ".join(fixed)
     if len(parameters) and "rig.sensor.angle" in parameters and "rig.sensor.angle" not in varied:
         angle = _span("rig.sensor.angle", parameters, units)
-        yield "Directions", f"load along the load line, 0°; sensor at {angle} from it, positive outward"
+        origin = "angles from the load line, the middle of the load zone"
+        yield "Directions", f"{origin}; sensor at {angle}, positive outward"
+
+
+def subject(results: "Results") -> str:
+    """Describe bearing, defect and the features of the figures: `NU210, outer race: RMS velocity over load`."""
+    rows, units = select.case_rows(results), results.plan["units"]
+    parameters = results.parameters()
+    parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
+    if parameters.empty:
+        return ""
+    bearing = " / ".join(dict.fromkeys(map(str, parameters["bearing.name"])))
+    defect = [f"defect of the {race}" for race in _races(parameters)] or ["no defect"]
+    figures = list(map(stored_figure, results.plan["figures"]))
+    names = list(dict.fromkeys(labels.feature_text(name) for figure in figures for name in figure.features))
+    varied = [labels.name_text(path) for path in select.varied(rows, list(units))]
+    words = [name if name[1:2].isupper() else name[:1].lower() + name[1:] for name in names[:2]]
+    quantities = " and ".join(words or ["vibration"]) + ", and others" * (len(names) > 2)
+    over = [f"over {' and '.join(varied)}"] if varied else []
+    return f"{', '.join([bearing, *defect])}: {' '.join([quantities, *over])}"
 
 
 def _bearing(parameters: "pd.DataFrame", units: dict[str, str], uncertain_clearance: bool) -> Iterator[str]:

@@ -25,7 +25,7 @@ MARKS = {"done": "", "failed": "×", "missing": "|"}
 NAMES = {
     "healthy": "healthy bearing (dashed)",
     "error": "bars: error bound of model, step and scatter",
-    "chaotic": "ring: chaotic response, with a standard error over 0.5 % or unknown",
+    "chaotic": "circle: chaotic response, with a standard error over 0.5 % or unknown",
     "failed": "×: failed job",
     "missing": "|: job not computed yet",
 }

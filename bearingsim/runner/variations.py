@@ -63,10 +63,9 @@ def _percent(share: float) -> str:
 
 
 def _variations(plan: Mapping[str, Any], quantity: str) -> list[str]:
-    """List the ids of the jobs in which a quantity is varied."""
-    return list(
-        {variation["job"]: None for variation in plan.get("variations", ()) if variation["what"] == quantity}
-    )
+    """List the ids of the jobs in which a quantity has another than its nominal value."""
+    entries = [entry for entry in plan.get("variations", ()) if entry["what"] == quantity]
+    return list(dict.fromkeys(entry["job"] for entry in entries if entry["job"] != entry["of"]))
 
 
 def _missing_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> Iterator[str]:

@@ -109,6 +109,12 @@ class Results:
         """Return the solver statistics of finished jobs (step, CPU time, error estimates), indexed by job."""
         return info(self._frame)
 
+    def values(self, feature: str) -> "pd.Series[float]":
+        """Return a feature (SI) of the finished jobs, variations included, by job; empty if none has it."""
+        import pandas as pd
+
+        return self._frame.get(f"features/{feature}", pd.Series(dtype=float)).copy()
+
     def spread(self, feature: str, quantity: str | None = None) -> "pd.DataFrame":
         """Return ``least`` and ``largest`` (SI) of a feature over the variations of `uncertainty:`, by job.
 

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bearingsim.report.headline import feature_results
@@ -39,17 +40,39 @@ def test_each_feature_has_its_range_over_all_cases(uncertain):
         jobs = [v["job"] for v in uncertain.variations if v["what"] == quantity]
         ends = numbers[[*cases, *jobs]]
         text = f"with {quantity} {values}: {ends.min():.3g} to {ends.max():.3g} m/s²"
-        assert f"{text}, the ranges of all cases overlap" in rms.remarks
+        assert any(remark.startswith(f"{text}, all cases share ") for remark in rms.remarks)
         assert any(remark.startswith(f"with {quantity} ") for remark in line.remarks)
 
 
-def test_ranges_that_share_a_value_overlap(uncertain):
-    features = uncertain._frame["features/acceleration.rms"]
-    cases = [entry["job"] for entry in uncertain.plan["jobs"] if not entry["twin"] | entry["variation"]]
-    features[cases] = 2.0
-    features[~features.index.isin(cases)] = np.resize([1.0, 3.0], len(features) - len(cases))
+def set_features(uncertain, values):
+    """Set the acceleration (m/s²) of jobs by their ids."""
+    features = uncertain._frame["features/acceleration.rms"].copy()
+    features.update(values)
+    uncertain._frame["features/acceleration.rms"] = features
+    uncertain._table["acceleration.rms"] = features.reindex(uncertain._table["job"]).values
+
+
+def cases_of(uncertain):
+    return [entry["job"] for entry in uncertain.plan["jobs"] if not entry["twin"] | entry["variation"]]
+
+
+def test_value_that_all_ranges_share_is_named(uncertain):
+    nominal = dict.fromkeys(cases_of(uncertain), 2.0)
+    varied = {v["job"]: 1.0 if v["value"] < 2e-6 else 3.0 for v in uncertain.variations if v["job"] not in nominal}
+    set_features(uncertain, pd.Series(nominal | varied))
     [rms, _] = feature_results(uncertain)
-    assert any(remark.endswith(", the ranges of all cases overlap") for remark in rms.remarks)
+    assert rms.remarks[-2] == "with damping 1 to 5 µs: 1 to 3 m/s², all cases share 1 to 3 m/s²"
+
+
+def test_cases_without_a_common_value_are_separate_and_keep_their_order(uncertain):
+    cases = cases_of(uncertain)
+    nominal = {job: 1.0 + number for number, job in enumerate(cases)}
+    varied = {v["job"]: nominal[v["of"]] + 0.1 for v in uncertain.variations if v["job"] not in nominal}
+    exception = next(v for v in uncertain.variations if v["of"] == cases[0] and v["what"] == "damping")
+    set_features(uncertain, pd.Series(nominal | varied | {exception["job"]: 100.0}))
+    [rms, _] = feature_results(uncertain)
+    assert rms.remarks[-1].endswith(", the ranges of some cases are separate")
+    assert rms.remarks[1].endswith(" (for 2 of 3 values of damping, all values of clearance)")
 
 
 def test_unknown_range_is_named_in_the_card_with_its_reason(uncertain):
@@ -63,10 +86,10 @@ def test_unknown_range_is_named_in_the_card_with_its_reason(uncertain):
 def test_rms_of_a_recorded_acceleration_has_a_numerical_error(uncertain):
     uncertain._table[["step_error.record", "chaotic"]] = 0.004, 0.0
     [rms, _] = feature_results(uncertain)
-    assert not rms.has_error
+    assert not rms.error
     uncertain._parameters["record"] = "ring.velocity, ring.acceleration"
     [rms, _] = feature_results(uncertain)
-    assert rms.values.endswith("numerical error 0.4 %")
+    assert rms.error == "numerical error 0.4 %"
 
 
 def test_varied_damping_is_stated_once(uncertain):
