@@ -187,7 +187,7 @@ def _extension_features(builtin: Mapping[str, Feature]) -> dict[str, Feature]:
     }
 
 
-UNCERTAIN_PARAMETERS = ("damping", "clearance", "bracket", "support")
+UNCERTAIN_PARAMETERS = ("damping", "clearance", "bracket", "support", "form", "shaft", "ring_mass", "edge")
 """Parameters that `uncertainty` can vary."""
 ERROR_FEATURES = {
     "": "the amplitude at the defect frequency",

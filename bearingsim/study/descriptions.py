@@ -50,6 +50,10 @@ UNCERTAINTY_KEYS = {
     "clearance": "Values of the radial clearance.",
     "bracket": "Factors on the stiffness of the support of the outer ring.",
     "support": "`unknown`: several load paths into a flexible outer ring.",
+    "form": "Height, from peak to valley, of random waviness of both races: three samples.",
+    "shaft": "Values of the stiffness of the support of the inner ring, for cases with a `shaft`.",
+    "ring_mass": "Values of the mass of the outer ring.",
+    "edge": "Values of the edge radius of all defects.",
 }
 
 

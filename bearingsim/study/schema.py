@@ -244,6 +244,8 @@ def _uncertain_values(unknown: ParameterKind) -> Schema:
     if unknown.choices:
         return {"const": UNKNOWN}
     value = quantity_schema(unknown.dimension, POSITIVE if unknown.positive else "")
+    if unknown.samples:
+        return value
     return {"type": "array", "items": value, "minItems": 2}
 
 

@@ -60,6 +60,13 @@ sweep:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
 #   damping: {law: kraemer, beta: 2.5 us}  # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general, none
 
+# Form of surfaces, in all models except impulse and spatial. Default: smooth races, equal rollers
+# surfaces:
+#   outer: {spectrum: {amplitude: 0.2 um}}                  # A n^-1.3, orders 2 to 200, random phases
+#   inner: {harmonics: [{order: 12, amplitude: 20 nm}]}
+#   rollers: {diameter: {scatter: 0.5 um}}
+#   seed: 0
+
 # Planar and spatial models only: slip, cage, changing speed
 # friction: static-dynamic        # or traction, none, or {law: static-dynamic, static: 0.3, dynamic: 0.15}
 # cage: {pocket_clearance: 0.2 mm, guide: centred}          # guide: or rollers, inner-ring, outer-ring
@@ -88,7 +95,7 @@ record: [ring.velocity]           # also ring.displacement, roller.3.outer_force
 figures:
   - {y: velocity@BPFO, x: defect.length, by: load}
 
-# Uncertain parameters (damping, clearance, bracket, support): bands in figures, `error.damping` in the table
+# Uncertain parameters (damping, clearance, bracket, support, form, shaft, ring_mass, edge): bands in figures, `error.damping` in the table
 # uncertainty: {damping: [0.5 us, 10 us]}                   # c/k of a contact; `none`: vary nothing
 
 # Reduced study for a first look: `bearingsim run FILE --quick`

@@ -9,6 +9,10 @@ factor on the stiffness of the bracket. Of two values, the middle is computed as
 
 computes four supports of a flexible ring, numbered from 1.
 
+    uncertainty: {form: 0.35 um, ring_mass: [1 kg, 5 kg], shaft: [2e7 N/m, 2e8 N/m], edge: [20 um, 200 um]}
+
+`form` is the height, from peak to valley, of random waviness of both races, of which some samples are computed.
+
 Results need not be monotonic in a parameter, so the smallest and largest results are not strict bounds.
 """
 
@@ -23,7 +27,9 @@ from bearingsim.config import Case, Kraemer, names
 from bearingsim.config.fields import describe_value
 from bearingsim.config.rules.completion import complete_rig
 from bearingsim.config.rules.conflicts import conflicts
+from bearingsim.config.sections.defect import Edge
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad
+from bearingsim.config.sections.surfaces import RaceSurface, Spectrum, Surfaces
 from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
@@ -32,9 +38,9 @@ Values = tuple[float, ...]
 
 @dataclass(frozen=True)
 class UncertainParameter:
-    """Uncertain parameter, `damping` (s), `clearance` (m), `bracket` (1) or `support`, and its values.
+    """Uncertain parameter, one of ``PARAMETER_KINDS``, and its values (SI).
 
-    Values of `support` are the positions in ``SUPPORTS``, from 1.
+    Values of `support` are the positions in ``SUPPORTS``, from 1; `form` has one value, repeated for each sample.
     """
 
     name: str
@@ -45,15 +51,18 @@ class UncertainParameter:
 class ParameterKind:
     """Kind of uncertain parameter: unit and example of its values, and ``vary``, which sets one in a case.
 
-    choices: names of the values of a discrete parameter, numbered from 1; its only entry in a study is `unknown`.
+    vary: function of case, value and number of the value, from 1; choices: names of the values of a discrete
+    parameter, numbered from 1; its only entry in a study is `unknown`; samples: number of random samples of a
+    parameter with one value.
     """
 
     dimension: Dimension
     unit: str
     example: str
     positive: bool
-    vary: Callable[[Case, float], Case]
+    vary: Callable[[Case, float, int], Case]
     choices: tuple[str, ...] = ()
+    samples: int = 0
 
     def midpoint(self, low: float, high: float) -> float:
         """Return the middle of a range: the geometric mean of positive parameters, else the arithmetic mean."""
@@ -63,6 +72,8 @@ class ParameterKind:
         """Format a range such as `0.5 to 10 us`, or the names of the choices."""
         if self.choices:
             return ", ".join(self.choices[round(value) - 1] for value in dict.fromkeys(values))
+        if self.samples:
+            return f"{display(values[0], self.unit, self.dimension):.3g} {self.unit} ({self.samples} samples)"
         low, high = (display(pick(values), self.unit, self.dimension) for pick in (min, max))
         return f"{low:.3g} to {high:.3g} {self.unit}".strip()
 
@@ -72,16 +83,16 @@ class ParameterKind:
         return f"{name} ({values_text})" if self.choices else f"{name} of {values_text}"
 
 
-def _with_damping(case: Case, beta: float) -> Case:
+def _with_damping(case: Case, beta: float, number: int) -> Case:
     contact = case.contact.model_copy(update={"damping": Kraemer(beta=beta)})
     return case.model_copy(update={"contact": contact})
 
 
-def _with_clearance(case: Case, clearance: float) -> Case:
+def _with_clearance(case: Case, clearance: float, number: int) -> Case:
     return case.model_copy(update={"clearance": clearance})
 
 
-def _with_bracket(case: Case, factor: float) -> Case:
+def _with_bracket(case: Case, factor: float, number: int) -> Case:
     rig = case.rig.model_copy(update={"bracket_stiffness": factor * case.rig.bracket_stiffness})
     return case.model_copy(update={"rig": rig})
 
@@ -95,8 +106,8 @@ SUPPORTS = {
 """Supports of a flexible ring tried by `support: unknown`, by name."""
 
 
-def _with_support(case: Case, number: float) -> Case:
-    load = [*SUPPORTS.values()][round(number) - 1]
+def _with_support(case: Case, value: float, number: int) -> Case:
+    load = [*SUPPORTS.values()][round(value) - 1]
     ring_fields = {
         "ring": FlexibleRing(),
         "ring_mass": None,
@@ -105,11 +116,40 @@ def _with_support(case: Case, number: float) -> Case:
     return flexible.model_copy(update={"rig": complete_rig(flexible)})
 
 
+HEIGHT_RATIO = 1.7
+"""Mean of peak to valley over the amplitude A of A n^-1.3, orders 2 to 200 with random phases (40 samples)."""
+FORM_SAMPLES = 3
+
+
+def _with_form(case: Case, height: float, number: int) -> Case:
+    race = RaceSurface(spectrum=Spectrum(amplitude=height / HEIGHT_RATIO))
+    rollers = None if case.surfaces is None else case.surfaces.rollers
+    return case.model_copy(update={"surfaces": Surfaces(outer=race, inner=race, rollers=rollers, seed=number)})
+
+
+def _with_shaft(case: Case, stiffness: float, number: int) -> Case:
+    assert case.shaft is not None
+    return case.model_copy(update={"shaft": case.shaft.model_copy(update={"stiffness": stiffness})})
+
+
+def _with_ring_mass(case: Case, mass: float, number: int) -> Case:
+    return case.model_copy(update={"rig": case.rig.model_copy(update={"ring_mass": mass})})
+
+
+def _with_edge(case: Case, radius: float, number: int) -> Case:
+    edge = Edge(radius=radius)
+    return case.model_copy(update={"defects": tuple(d.model_copy(update={"edge": edge}) for d in case.defects)})
+
+
 PARAMETER_KINDS = {
     "damping": ParameterKind("time", "us", "[0.5 us, 10 us]", True, _with_damping),
     "clearance": ParameterKind("length", "um", "[0 um, 10 um]", False, _with_clearance),
     "bracket": ParameterKind("number", "", "[0.5, 2]", True, _with_bracket),
     "support": ParameterKind("number", "", "unknown", True, _with_support, tuple(SUPPORTS)),
+    "form": ParameterKind("length", "um", "0.35 um", True, _with_form, samples=FORM_SAMPLES),
+    "shaft": ParameterKind("stiffness", "N/m", "[2e7 N/m, 2e8 N/m]", True, _with_shaft),
+    "ring_mass": ParameterKind("mass", "kg", "[1 kg, 5 kg]", True, _with_ring_mass),
+    "edge": ParameterKind("length", "um", "[20 um, 200 um]", True, _with_edge),
 }
 assert tuple(PARAMETER_KINDS) == names.UNCERTAIN_PARAMETERS, "each has its columns in the table"
 NONE = "none"
@@ -144,6 +184,8 @@ def _parse_parameter(name: str, node: Node, problems: list[Problem]) -> Uncertai
         return None
     if kind.choices:
         return _parse_choices(name, kind, node, problems)
+    if kind.samples:
+        return _parse_sampled(name, kind, node, problems)
     if len(node.items) < 2:
         message = f"uncertainty.{name}: expected a list of two values or more, such as `{kind.example}`"
         problems.append(problem(node.mark, message))
@@ -170,6 +212,13 @@ def _parse_choices(
     return None
 
 
+def _parse_sampled(
+    name: str, kind: ParameterKind, node: Node, problems: list[Problem]
+) -> UncertainParameter | None:
+    value = _parse_value(name, kind, node, problems)
+    return None if value is None else UncertainParameter(name, (value,) * kind.samples)
+
+
 def _parse_value(name: str, kind: ParameterKind, item: Node, problems: list[Problem]) -> float | None:
     try:
         value = parse(item.text, kind.dimension)
@@ -194,12 +243,11 @@ def check_uncertainty(
     has_models: True if the study names its models; otherwise `accuracy` chooses them.
     """
     for parameter in parameters:
-        refusals = (_support_refusal(case, has_models) for case in cases if parameter.name == "support")
-        refusal = next(filter(None, refusals), None)
+        refuse = REFUSALS.get(parameter.name, _no_refusal)
+        refusal = next(filter(None, (refuse(case, has_models) for case in cases)), None)
         if refusal is not None and section is not None:
-            problems.append(
-                problem(section.mapping["support"].mark, f"uncertainty.support: {refusal[0]}", refusal[1])
-            )
+            mark = section.mapping[parameter.name].mark
+            problems.append(problem(mark, f"uncertainty.{parameter.name}: {refusal[0]}", refusal[1]))
             continue
         variants = (case for base in cases for _, _, case in variations(base, [parameter]))
         first_conflict = next((conflict for case in variants for conflict in conflicts(case)), None)
@@ -222,6 +270,54 @@ def _support_refusal(case: Case, has_models: bool) -> tuple[str, str] | None:
     if case.rig.ring is not None:
         return "the rig already defines the support of its ring", "leave `support` out, or use `bends: false`"
     return None
+
+
+Refusal = tuple[str, str] | None
+"""Reason why a case cannot have another value, and the remedy."""
+
+
+def _no_refusal(case: Case, has_models: bool) -> Refusal:
+    return None
+
+
+def _form_refusal(case: Case, has_models: bool) -> Refusal:
+    if "form" not in MODELS[case.model].abilities:
+        return f"the {case.model} model has smooth surfaces", "use `model: planar`, or leave `form` out"
+    if case.surfaces is not None and (case.surfaces.outer or case.surfaces.inner):
+        return "`surfaces` already gives the form of the races", "leave `form` out, or the races"
+    return None
+
+
+def _shaft_refusal(case: Case, has_models: bool) -> Refusal:
+    if case.shaft is None:
+        return "the inner ring is rigidly supported", "give `shaft: {stiffness: 2e8 N/m, mass: 3 kg}`"
+    return None
+
+
+def _ring_mass_refusal(case: Case, has_models: bool) -> Refusal:
+    if "damping" not in MODELS[case.model].abilities or not MODELS[case.model].loaded:
+        return f"the results of {case.model} do not depend on it", "use another model, or leave `ring_mass` out"
+    if case.rig.ring is not None:
+        return "a flexible ring has its own mass", "leave `ring_mass` out"
+    return None
+
+
+def _edge_refusal(case: Case, has_models: bool) -> Refusal:
+    if not case.defects or not MODELS[case.model].takes_defects:
+        return "a case has no defect with edges", "leave `edge` out"
+    if any(defect.shape == "scan" for defect in case.defects):
+        return "a scan already contains its edges", "leave `edge` out"
+    return None
+
+
+REFUSALS: dict[str, Callable[[Case, bool], Refusal]] = {
+    "support": _support_refusal,
+    "form": _form_refusal,
+    "shaft": _shaft_refusal,
+    "ring_mass": _ring_mass_refusal,
+    "edge": _edge_refusal,
+}
+"""Reasons against each uncertain parameter, by its name."""
 
 
 def sample_cases(cases: Sequence[Case], jobs: int) -> list[Case]:
@@ -250,6 +346,8 @@ def has_effect(name: str, case: Case) -> bool:
     model: Any = MODELS[case.model]
     if name == "support":
         return BENDING_RING in model.abilities and case.rig.ring is None
+    if name == "edge" and not case.defects:
+        return False
     if name == "bracket" and case.rig.bracket_stiffness == 0.0:
         return False
     return model.loaded and (name != "damping" or "damping" in model.abilities)
@@ -258,10 +356,10 @@ def has_effect(name: str, case: Case) -> bool:
 def variations(case: Case, parameters: Sequence[UncertainParameter]) -> list[tuple[str, float, Case]]:
     """List variants of a case with each value of the uncertain parameters that act on it, one at a time."""
     return [
-        (parameter.name, value, PARAMETER_KINDS[parameter.name].vary(case, value))
+        (parameter.name, value, PARAMETER_KINDS[parameter.name].vary(case, value, number))
         for parameter in parameters
         if has_effect(parameter.name, case)
-        for value in parameter.values
+        for number, value in enumerate(parameter.values, 1)
     ]
 
 

@@ -1,4 +1,4 @@
-"""`rollers` with form against an independent solution: waviness, unequal rollers, a slot and clearance together."""
+"""`rollers` with form against an independent solution: waviness, unequal rollers, a slot and clearance."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def product_velocity(scene):
 
 
 def independent_velocity(scene):
-    """The same by the independent solution, in steps of at most 0.3 us, shorter for the damping under more load."""
+    """The same by the independent solution, in steps of 0.3 us, or less for the damping under more load."""
     smooth = case_of(scene).model_copy(update={"defects": (), "surfaces": None})
     averaged = with_contact_average(scene, assemble.rest.largest_load(smooth))
     stride = int(np.ceil(PASS / SAMPLES / (0.3e-6 * min(1.0, 1000.0 / scene.load))))

@@ -12,6 +12,7 @@ from scipy.optimize import root
 
 from bearingsim import assemble
 from bearingsim.config import FEATURES, Case, dataset_names
+from bearingsim.config.names import UNCERTAIN_PARAMETERS
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, advance, advance_and_sample, record
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
@@ -309,7 +310,7 @@ def test_features_do_not_depend_on_the_recorded_channels(antialias: bool) -> Non
 
 def test_features_are_those_declared() -> None:
     result = simulate(case(defect=SLOT, record=[])).features
-    by_table = ("error.damping", "error.clearance", "error.bracket", "error.support")
+    by_table = tuple(f"error.{parameter}" for parameter in UNCERTAIN_PARAMETERS)
     of_tables = [name for name in FEATURES if name.endswith("-healthy") or name.startswith(by_table)]
     assert set(result) == FEATURES.keys() - set(of_tables)
     assert all(type(value) is float for value in result.values())
