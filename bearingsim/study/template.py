@@ -95,7 +95,8 @@ record: [ring.velocity]           # also ring.displacement, roller.3.outer_force
 figures:
   - {y: velocity@BPFO, x: defect.length, by: load}
 
-# Uncertain parameters (damping, clearance, bracket, support, form, shaft, ring_mass, edge): bands in figures, `error.damping` in the table
+# Uncertain parameters (damping, clearance, bracket, support, form, shaft, ring_mass, edge): bands in figures,
+# `error.damping` in the table
 # uncertainty: {damping: [0.5 us, 10 us]}                   # c/k of a contact; `none`: vary nothing
 
 # Reduced study for a first look: `bearingsim run FILE --quick`
