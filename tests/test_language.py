@@ -208,3 +208,27 @@ class Step:
         """What a function does is checked elsewhere."""
 '''
     assert len(list(clauses(ast.parse(source)))) == 5
+
+
+def opening_clauses(tree: ast.Module) -> Iterator[str]:
+    """List modules, classes and functions whose docstring begins with a clause."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            text = ast.get_docstring(node)
+            if text and text.split()[0].rstrip(",.:;") in NO_NOUNS:
+                yield f"{getattr(node, 'lineno', 1)} {text.splitlines()[0]}"
+
+
+def test_opening_clauses_are_recognised() -> None:
+    source = '"""What it is."""\ndef size():\n    """How big it is."""\ndef half():\n    """Return a half."""\n'
+    assert list(opening_clauses(ast.parse(source))) == ["1 What it is.", "2 How big it is."]
+
+
+def test_docstrings_of_tests_and_benchmarks_begin_with_no_clause() -> None:
+    paths = [path for folder in ("tests", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
+    assert len(paths) > 300
+    assert [
+        f"{path.relative_to(ROOT)}:{clause}"
+        for path in paths
+        for clause in opening_clauses(ast.parse(path.read_text(encoding="utf-8")))
+    ] == []

@@ -53,8 +53,8 @@ def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float =
     duration, half_width = len(series) / fs, tolerance * expected
     if half_width * duration < MIN_HALF_WIDTH:
         raise ValueError(
-            f"a record of {duration:.4g} s is too short to tell a line at {expected:g} Hz within "
-            f"{100 * tolerance:g} % from its neighbours: it takes {MIN_HALF_WIDTH / half_width:.4g} s"
+            f"a record of {duration:.4g} s is too short to separate a line at {expected:g} Hz within "
+            f"{100 * tolerance:g} % from its neighbours: use {MIN_HALF_WIDTH / half_width:.4g} s or more"
         )
     if expected + half_width + (MARGIN + 2.0) / duration > fs / 2.0:
         raise ValueError(f"{expected:g} Hz is too near half the sample rate, {fs / 2.0:g} Hz")

@@ -126,7 +126,7 @@ def check_computed(section: Node | None, models: Collection[str], problems: list
             if not set(candidates) & set(models):
                 words = " or ".join(f"`model: {model}`" for model in candidates)
                 message = f"figures: no model of the study has `{feature.text}`"
-                problems.append(problem(feature.mark, message, f"it takes {words}"))
+                problems.append(problem(feature.mark, message, f"use {words}"))
 
 
 def check_recorded(section: Node | None, cases: Iterable[Case], problems: list[Problem]) -> None:

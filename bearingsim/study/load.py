@@ -250,7 +250,7 @@ def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
     problems = [
         problem(
             argument_mark(f"--set {path}={value}", len("--set ") + 1),
-            f"{path}: an override is a text as it would stand in the file, got {describe_value(value)}",
+            f"{path}: expected an override as text, as in the file, got {describe_value(value)}",
             'as in `{"load": "200 N"}`',
         )
         for path, value in overrides.items()

@@ -196,7 +196,7 @@ class Expression:
         if node.col_offset in self.quantities:
             return self._kind_of_quantity(node, self.quantities[node.col_offset])
         if node.id in _FUNCTIONS:
-            raise self._error(node, f"`{node.id}` without what it is taken of", f"as in `{node.id}(...)`")
+            raise self._error(node, f"`{node.id}` has no argument", f"as in `{node.id}(...)`")
         try:
             return path_kind(self._path(node))
         except ValueError as error:

@@ -76,7 +76,7 @@ def test_figure_is_written_to_the_given_file(plane, tmp_path):
 
 
 def test_blocks_of_failed_jobs_are_dropped_and_counted(tmp_path):
-    results = run_design(tmp_path / "fake", deeds={3: "raise", 4: "raise", 5: "raise"})  # blocks 0 and 1
+    results = run_design(tmp_path / "fake", actions={3: "raise", 4: "raise", 5: "raise"})  # blocks 0 and 1
     stdout, _ = type_("sensitivity", results, "--of", LINE)
     assert "Sobol' indices from 14 blocks, 64 jobs" in stdout
     assert "2 of 16 blocks dropped: of 64 jobs 3 failed; indices are those of the rest" in stdout
@@ -85,7 +85,7 @@ def test_blocks_of_failed_jobs_are_dropped_and_counted(tmp_path):
 
 
 def test_too_many_failures_are_refused(tmp_path):
-    results = run_design(tmp_path / "fake", deeds=dict.fromkeys(range(7), "raise"))
+    results = run_design(tmp_path / "fake", actions=dict.fromkeys(range(7), "raise"))
     assert (
         "7 of 64 jobs have no `velocity@BPFO` (7 failed), more than 10 %"
         in type_("sensitivity", results, code=2)[1]

@@ -1,4 +1,4 @@
-"""Completion by the shell: names of studies, bearings, figures, features and jobs, without what computes."""
+"""Completion by the shell: names of studies, bearings, figures, features and jobs, without the simulation."""
 
 import os
 import subprocess
@@ -25,7 +25,7 @@ finally:
 
 
 def complete(line: str) -> list[str]:
-    """Let bash complete the last word of a line; the words that it gets."""
+    """Return bash's completions of the last word of a line."""
     words = line.split(" ")
     variables = {
         "_BEARINGSIM_COMPLETE": "complete_bash",

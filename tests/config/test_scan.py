@@ -183,7 +183,7 @@ def test_implausible_size_or_slope_is_noted(tmp_path: Path, head: str, parts: li
 def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
     s, z = np.meshgrid(S, Z)
     file = write_grid(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
-    assert "offset 12 um, tilt 8.99 um along s and -16 um along z taken off" in notes_text(file)
+    assert "offset 12 um, tilt 8.99 um along s and -16 um along z removed" in notes_text(file)
     assert "surroundings even to 0.0883 um: what is within 0.265 um of them is the race" in notes_text(file)
     level = read_scan(write_grid(tmp_path / "b.csv", bowl(noise=0.1)))
     assert read_scan(file).sizes == pytest.approx(level.sizes, rel=0.03)
@@ -201,7 +201,7 @@ def test_curvature_of_the_race_is_subtracted(tmp_path: Path) -> None:
     """A race of 38.5 mm radius falls 29 um within 1.5 mm."""
     s, _ = np.meshgrid(S, Z)
     file = write_grid(tmp_path / "a.csv", bowl(noise=0.1) - 1e3 * s**2 / (2 * 38.5))
-    assert "curved by a radius of 38." in notes_text(file)
+    assert "curvature: radius 38." in notes_text(file)
     assert read_scan(file).sizes[2] == pytest.approx(50e-6, rel=0.02)
 
 

@@ -133,7 +133,7 @@ def positions(u_r, w_o, w_i, gap):
 
 
 def at_rest(scene, t, stiffness=0.0, anchor=0j, guess=-0.4):
-    """Place of the ring (complex, m) at rest at ``t``, and positions (Z,) of the rollers; stiffness: bracket's."""
+    """Return the equilibrium at ``t``: ring (complex, m) and rollers (Z,), m; stiffness: of the bracket, N/m."""
     w_o, w_i, _, _ = heights(scene.waves, scene.diameters, t)
     w_o = w_o - slot_drops(scene.slot, t)[0]
     direction = np.exp(1j * (np.pi / Z + 2 * np.pi * np.arange(Z) / Z + OMEGA_C * t))
@@ -154,7 +154,7 @@ def at_rest(scene, t, stiffness=0.0, anchor=0j, guess=-0.4):
 
 
 def smooth_anchor(scene):
-    """Mean place of the ring of the smooth bearing without bracket over a ball pass (complex, m)."""
+    """Return the mean position (complex, m) of a smooth bearing's ring over a ball pass, without a bracket."""
     smooth = Scene(scene.clearance, scene.load)
     guess = -0.4 - 1e6 * max(scene.clearance, 0.0) / 2
     times = (np.arange(32) + 0.5) / 32 * 2 * np.pi / (Z * OMEGA_C)

@@ -52,7 +52,7 @@ def test_points_are_effects_in_readable_unit(tmp_path):
 
 
 def test_caption_counts_blocks(tmp_path):
-    results = open_results(run_design(tmp_path / "fake", deeds={0: "raise"}))
+    results = open_results(run_design(tmp_path / "fake", actions={0: "raise"}))
     canvas, _ = sheet(results, LINE)
     caption = canvas.get_supxlabel().replace("\u00a0", " ")
     assert "15 of 16 blocks (saltelli)" in caption

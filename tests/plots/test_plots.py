@@ -488,5 +488,5 @@ def test_caption_gives_misalignment_and_roller_profile(results):
     text = STUDY.replace("[static, ring]", "[spatial]") + "misalignment: {inner: 0.2 mrad}\n"
     sheets = drawn(results(text, overrides={"bearing.roller_profile": "logarithmic"}), x="load")
     caption = only(sheets)[1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
-    assert "inner ring askew by 0.2 mrad, roller profile logarithmic" in caption
+    assert "inner ring misaligned by 0.2 mrad, roller profile logarithmic" in caption
     assert "outer ring" not in caption

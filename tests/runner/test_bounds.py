@@ -29,7 +29,7 @@ def statuses(out: Path) -> list[str]:
 
 
 def test_fail_fast_ends_the_run_and_stores_finished_jobs(tmp_path: Path) -> None:
-    study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})  # one unit
+    study = FakeStudy(WIDTHS, actions={3: "raise", 5: "raise"})  # one unit
     summary = compute(study, tmp_path, max_failures=1)
     assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (3, 1, 6, 1)
     assert statuses(tmp_path) == ["done"] * 3 + ["failed"] + ["missing"] * 6
@@ -37,7 +37,7 @@ def test_fail_fast_ends_the_run_and_stores_finished_jobs(tmp_path: Path) -> None
 
 
 def test_repeated_command_continues_without_failed_jobs(tmp_path: Path) -> None:
-    study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})
+    study = FakeStudy(WIDTHS, actions={3: "raise", 5: "raise"})
     compute(study, tmp_path, max_failures=1)
     summary = compute(study, tmp_path, max_failures=1)
     assert (summary.resumed, summary.done, summary.failed, summary.missing) == (3, 1, 2, 4)
@@ -47,21 +47,21 @@ def test_repeated_command_continues_without_failed_jobs(tmp_path: Path) -> None:
 
 
 def test_run_ends_at_the_limit_of_failures(tmp_path: Path) -> None:
-    study = FakeStudy(WIDTHS, deeds={1: "raise", 3: "divide", 5: "raise"})
+    study = FakeStudy(WIDTHS, actions={1: "raise", 3: "divide", 5: "raise"})
     summary = compute(study, tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (2, 2, 6)
     assert "stopped early: 2 jobs failed (`--max-failures 2`)" in str(summary)
 
 
 def test_failures_below_the_limit_do_not_end_the_run(tmp_path: Path) -> None:
-    summary = compute(FakeStudy(WIDTHS, deeds={1: "raise"}), tmp_path, max_failures=2)
+    summary = compute(FakeStudy(WIDTHS, actions={1: "raise"}), tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (9, 1, 0)
     assert "stopped early" not in str(summary)
 
 
 def test_failures_count_over_all_units(tmp_path: Path) -> None:
     """Units are computed one after another in a single process."""
-    jobs = FakeStudy(WIDTHS, deeds={1: "raise", 2: "raise", 3: "raise", 4: "raise", 5: "raise"}).jobs()
+    jobs = FakeStudy(WIDTHS, actions={1: "raise", 2: "raise", 3: "raise", 4: "raise", 5: "raise"}).jobs()
     units = (jobs[:3], jobs[3:6], jobs[6:9])
     works = [Work(tmp_path, tuple(unit), (0.0,) * 3, ENGINE, {}, max_failures=3) for unit in units]
     results = list(outcomes(works, 1))
@@ -70,7 +70,7 @@ def test_failures_count_over_all_units(tmp_path: Path) -> None:
 
 def test_workers_store_running_jobs_when_the_run_ends_early(tmp_path: Path) -> None:
     widths = [1e-3 * (i + 1) for i in range(200)]
-    study = FakeStudy(widths, deeds={5: "raise"}, seconds=0.1)  # not the first: the other worker may start late
+    study = FakeStudy(widths, actions={5: "raise"}, seconds=0.1)  # not the first: the other worker may start late
     summary = compute(study, tmp_path, 2, max_failures=1)
     assert summary.failed == 1
     assert 0 < summary.done < 100  # jobs of the other unit until its worker stops
@@ -80,7 +80,7 @@ def test_workers_store_running_jobs_when_the_run_ends_early(tmp_path: Path) -> N
 
 
 def test_worker_death_counts_as_failure_before_the_next_suspect(tmp_path: Path) -> None:
-    study = FakeStudy(WIDTHS, deeds={0: "exit", 8: "exit"}, seconds=0.1)
+    study = FakeStudy(WIDTHS, actions={0: "exit", 8: "exit"}, seconds=0.1)
     summary = compute(study, tmp_path, 2, max_failures=1)
     assert summary.failed == 1
     assert summary.exit_code == 1
@@ -129,7 +129,7 @@ def test_run_announces_its_cost(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 
 def test_job_that_exceeds_its_cpu_limit_fails(tmp_path: Path) -> None:
-    study = FakeStudy(deeds={1: "spin"}, seconds=0.3)
+    study = FakeStudy(actions={1: "spin"}, seconds=0.3)
     optimistic_engine = ENGINE.__class__(ENGINE.simulate, "tests.runner.test_bounds:cheap", ENGINE.warm)
     summary = run(study, tmp_path, jobs=1, progress=False, engine=optimistic_engine, max_cpu=0.1)  # type: ignore
     assert (summary.done, summary.failed) == (3, 1)
@@ -145,7 +145,7 @@ def cheap(case: Any) -> Any:
 
 def test_cpu_time_of_the_estimate_counts_for_the_job(tmp_path: Path) -> None:
     """An estimate that finds no equilibrium may take longer than the job."""
-    study: Any = FakeStudy(deeds={1: "spin"}, seconds=0.15)
+    study: Any = FakeStudy(actions={1: "spin"}, seconds=0.15)
     slow = replace(ENGINE, estimate="tests.runner.test_bounds:thoughtful")
     summary = run(study, tmp_path, jobs=1, progress=False, engine=slow, max_cpu=0.2)
     assert (summary.done, summary.failed) == (3, 1)  # the others sleep

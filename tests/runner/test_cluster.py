@@ -247,7 +247,7 @@ def is_same_series(first: Path, second: Path, jobs: list[str]) -> bool:
 
 
 def test_results_equal_those_of_a_local_run(tmp_path: Path, machines: Machines) -> None:
-    study: Any = FakeStudy([1e-3 * n for n in range(1, 30)], deeds={3: "raise"}, seconds=0.02)
+    study: Any = FakeStudy([1e-3 * n for n in range(1, 30)], actions={3: "raise"}, seconds=0.02)
     summary = compute(study, tmp_path / "there", machines.address)
     local = run(study, tmp_path / "here", jobs=1, progress=False, engine=ENGINE)
     assert (summary.done, summary.failed) == (local.done, local.failed) == (29, 1)
@@ -279,7 +279,7 @@ def test_real_results_and_scans_equal_those_of_a_local_run(
 
 def test_only_the_job_that_kills_its_worker_fails(tmp_path: Path, machines: Machines) -> None:
     out, count = tmp_path / "out", tmp_path / "count"
-    study: Any = FakeStudy([1e-3 * n for n in range(1, 9)], deeds={3: f"kill {count}"}, seconds=0.05)
+    study: Any = FakeStudy([1e-3 * n for n in range(1, 9)], actions={3: f"kill {count}"}, seconds=0.05)
     summary = compute(study, out, machines.address)
     (failure,) = store.read_failures(out).values()
     assert (summary.done, summary.failed) == (8, 1)
@@ -293,7 +293,7 @@ def test_no_job_fails_if_all_workers_die(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "RESTARTS_WITHOUT_PROGRESS", 1)
-    study: Any = FakeStudy(deeds=dict.fromkeys(range(3), "kill"))
+    study: Any = FakeStudy(actions=dict.fromkeys(range(3), "kill"))
     wait_until(lambda: count_workers(machines) == 2, "a worker that died was not started anew")
     with pytest.raises(RepeatedWorkerDeaths, match="no job is blamed"):
         compute(study, tmp_path, machines.address)
@@ -304,7 +304,7 @@ def test_running_jobs_finish_after_a_stop_request(tmp_path: Path, machines: Mach
     wait_until(lambda: count_workers(machines) == 2, "a worker that died was not started anew")
     out, count = tmp_path / "out", tmp_path / "count"
     widths = [1e-3 * n for n in range(1, 200)]  # 5 s: on a busy machine the signal comes late
-    study: Any = FakeStudy(widths, deeds=dict.fromkeys(range(200), f"count {count}"), seconds=0.05)
+    study: Any = FakeStudy(widths, actions=dict.fromkeys(range(200), f"count {count}"), seconds=0.05)
 
     def interrupt() -> None:
         wait_until(lambda: job_counts(count).total() > 8)
@@ -484,8 +484,8 @@ def test_run_resumes_after_the_loss_of_a_worker_and_the_scheduler(
         monkeypatch.setattr(packing, constant, 0.1)  # two jobs are a unit
     out, count, local = tmp_path / "out", tmp_path / "count", tmp_path / "here"
     widths = [1e-3 * n for n in range(1, 80)]
-    deeds = dict.fromkeys(range(80), f"count {count}")
-    study: Any = FakeStudy(widths, deeds=deeds, seconds=0.05)
+    actions = dict.fromkeys(range(80), f"count {count}")
+    study: Any = FakeStudy(widths, actions=actions, seconds=0.05)
     first_worker = machines.processes[1]
 
     def kill() -> None:

@@ -77,7 +77,7 @@ def test_a_quick_study_has_its_own_folder(tmp_path, monkeypatch):
 
 def test_interruption_message_has_command_to_continue(tmp_path):
     with pytest.raises(Interrupted) as interruption:
-        compute(FakeStudy(deeds={1: "interrupt"}), tmp_path)
+        compute(FakeStudy(actions={1: "interrupt"}), tmp_path)
     message = str(interruption.value)
     assert message.startswith("interrupted: fake: ")
     assert f"results so far: {tmp_path}; run the same command to continue" in message

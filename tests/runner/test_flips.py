@@ -18,7 +18,7 @@ from bearingsim.store.units import read_unit
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
-STUDY: Any = FakeStudy(deeds={1: "raise"})
+STUDY: Any = FakeStudy(actions={1: "raise"})
 
 
 def compute(out: Path, **options: Any) -> RunSummary:

@@ -54,7 +54,7 @@ def test_full_disk_is_reported_by_workers(tmp_path: Path) -> None:
 
 def test_job_that_raises_a_full_disk_does_not_fail(tmp_path: Path) -> None:
     with pytest.raises(DiskFull):
-        compute(FakeStudy(deeds={0: "no room"}), tmp_path)
+        compute(FakeStudy(actions={0: "no room"}), tmp_path)
     assert not list(tmp_path.glob("failed/*"))
 
 
@@ -90,15 +90,15 @@ def test_full_disk_is_named(tmp_path: Path) -> None:
 
 
 def test_three_worker_deaths_without_a_result_end_the_run(tmp_path: Path) -> None:
-    study = FakeStudy([1e-3 * (i + 1) for i in range(6)], deeds=dict.fromkeys(range(6), "exit"))
-    study.deeds[3] = "kill"
+    study = FakeStudy([1e-3 * (i + 1) for i in range(6)], actions=dict.fromkeys(range(6), "exit"))
+    study.actions[3] = "kill"
     with pytest.raises(RepeatedWorkerDeaths, match=r"3 times without finishing a job \((EXIT\(3\)|SIGKILL)"):
         compute(study, tmp_path, jobs=2)
     assert not list(tmp_path.glob("failed/*"))
 
 
 def test_two_jobs_that_kill_workers_fail(tmp_path: Path) -> None:
-    study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={0: "exit", 5: "kill"}, seconds=0.02)
+    study = FakeStudy([1e-3 * (i + 1) for i in range(8)], actions={0: "exit", 5: "kill"}, seconds=0.02)
     summary = compute(study, tmp_path, jobs=2)
     assert (summary.done, summary.failed) == (7, 2)
 

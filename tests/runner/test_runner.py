@@ -119,20 +119,22 @@ def test_study_is_computed_and_stored(tmp_path: Path, jobs: int) -> None:
 
 
 def test_one_worker_starts_no_process(tmp_path: Path) -> None:
-    compute(FakeStudy(deeds={0: f"pid {tmp_path / 'pid'}"}), tmp_path / "out")
+    compute(FakeStudy(actions={0: f"pid {tmp_path / 'pid'}"}), tmp_path / "out")
     assert int((tmp_path / "pid").read_text()) == os.getpid()
 
 
 def test_workers_are_single_threaded_processes(tmp_path: Path) -> None:
     compute(
-        FakeStudy(deeds={0: f"pid {tmp_path / 'pid'}", 1: f"threads {tmp_path / 'threads'}"}), tmp_path / "out", 2
+        FakeStudy(actions={0: f"pid {tmp_path / 'pid'}", 1: f"threads {tmp_path / 'threads'}"}),
+        tmp_path / "out",
+        2,
     )
     assert int((tmp_path / "pid").read_text()) != os.getpid()
     assert (tmp_path / "threads").read_text() == "1"
 
 
 def test_summary_reports_the_integrator_share(tmp_path: Path) -> None:
-    summary = compute(FakeStudy(seconds=0.3, deeds=dict.fromkeys(range(3), "spin")), tmp_path)
+    summary = compute(FakeStudy(seconds=0.3, actions=dict.fromkeys(range(3), "spin")), tmp_path)
     assert 0.5 < summary.integrator_share < 1.0
     assert "CPU time of the workers: " in str(summary)
 
@@ -141,7 +143,7 @@ def test_progress_lines_report_counts_and_remaining_time(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("bearingsim.runner.progress.LINE_INTERVAL_S", 0.0)
-    study: Any = FakeStudy(deeds={1: "raise"}, seconds=0.3)
+    study: Any = FakeStudy(actions={1: "raise"}, seconds=0.3)
     run(study, tmp_path, jobs=1, engine=ENGINE)
     cost, *lines = capsys.readouterr().err.splitlines()
     assert cost.startswith("4 jobs: about ")
@@ -193,17 +195,17 @@ def test_a_notebook_has_one_line_that_is_rewritten(monkeypatch: pytest.MonkeyPat
 
 def test_summary_reports_each_note_on_the_cases_once(tmp_path: Path) -> None:
     """Each note appears once for all cases."""
-    summary = compute(FakeStudy(deeds={0: "told a", 1: "told b", 2: "told a"}), tmp_path)
-    assert summary.notes == ("the deed is told a", "the deed is told b")
+    summary = compute(FakeStudy(actions={0: "note a", 1: "note b", 2: "note a"}), tmp_path)
+    assert summary.notes == ("the action is note a", "the action is note b")
     assert summary.events == summary.notes
     assert str(summary).splitlines()[1:3] == list(summary.notes)
 
 
 def test_notes_are_collected_before_their_source_is_removed(tmp_path: Path) -> None:
-    (tmp_path / "deed").write_text("a file's")
-    summary = compute(FakeStudy(deeds={0: f"told in {tmp_path / 'deed'}"}), tmp_path / "out")
-    assert not (tmp_path / "deed").exists()
-    assert summary.notes == ("the deed is a file's",)
+    (tmp_path / "action").write_text("a file's")
+    summary = compute(FakeStudy(actions={0: f"note in {tmp_path / 'action'}"}), tmp_path / "out")
+    assert not (tmp_path / "action").exists()
+    assert summary.notes == ("the action is a file's",)
     assert journal_of(tmp_path / "out")[-1]["event"] == "end"
 
 
@@ -211,7 +213,7 @@ def test_second_run_computes_nothing(tmp_path: Path) -> None:
     study = FakeStudy()
     compute(study, tmp_path)
     before = table_of(tmp_path)
-    summary = compute(FakeStudy(deeds={}), tmp_path)
+    summary = compute(FakeStudy(actions={}), tmp_path)
     assert (summary.done, summary.resumed) == (0, 4)
     assert np.isnan(summary.integrator_share)
     assert table_of(tmp_path).equals(before)
@@ -246,7 +248,7 @@ def test_verify_reads_unchanged_units(tmp_path: Path) -> None:
 
 
 def test_fresh_run_computes_everything_again(tmp_path: Path) -> None:
-    study = FakeStudy(deeds={0: "raise"})
+    study = FakeStudy(actions={0: "raise"})
     compute(study, tmp_path)
     note = tmp_path / "notes.txt"
     note.touch()
@@ -259,7 +261,7 @@ def test_fresh_run_computes_everything_again(tmp_path: Path) -> None:
 
 
 def test_failed_jobs_are_reported_and_stored(tmp_path: Path) -> None:
-    study = FakeStudy(deeds={0: "raise", 1: "divide"})
+    study = FakeStudy(actions={0: "raise", 1: "divide"})
     summary = compute(study, tmp_path)
     assert (summary.done, summary.failed, summary.exit_code) == (2, 2, 1)
     first, second = (store.read_failures(tmp_path)[job.id] for job in study.jobs()[:2])
@@ -275,7 +277,7 @@ def test_failed_jobs_are_reported_and_stored(tmp_path: Path) -> None:
 
 def test_failed_jobs_are_repeated_only_on_request(tmp_path: Path) -> None:
     flag = tmp_path / "flag"
-    study = FakeStudy(deeds={0: f"raise-unless {flag}"})
+    study = FakeStudy(actions={0: f"raise-unless {flag}"})
     out = tmp_path / "out"
     compute(study, out)
     flag.touch()
@@ -304,7 +306,7 @@ def test_durations_are_readable() -> None:
 
 
 def test_refused_case_fails_alone(tmp_path: Path) -> None:
-    summary = compute(FakeStudy(deeds={0: "raise refused"}), tmp_path)
+    summary = compute(FakeStudy(actions={0: "raise refused"}), tmp_path)
     assert (summary.done, summary.failed) == (3, 1)
 
 
@@ -316,9 +318,9 @@ def test_failed_warm_up_does_not_fail_jobs(tmp_path: Path) -> None:
     assert "warm-up failed" in [line["event"] for line in journal_of(tmp_path)]
 
 
-@pytest.mark.parametrize(("deed", "cause"), [("exit", "EXIT(3)"), ("kill", "SIGKILL(-9)")])
-def test_worker_death_fails_its_job_only(tmp_path: Path, deed: str, cause: str) -> None:
-    study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={3: deed}, seconds=0.02)
+@pytest.mark.parametrize(("action", "cause"), [("exit", "EXIT(3)"), ("kill", "SIGKILL(-9)")])
+def test_worker_death_fails_its_job_only(tmp_path: Path, action: str, cause: str) -> None:
+    study = FakeStudy([1e-3 * (i + 1) for i in range(8)], actions={3: action}, seconds=0.02)
     summary = compute(study, tmp_path, 2)
     assert (summary.done, summary.failed, summary.exit_code) == (8, 1, 1)
     [failure] = store.read_failures(tmp_path).values()
@@ -330,7 +332,7 @@ def test_worker_death_fails_its_job_only(tmp_path: Path, deed: str, cause: str) 
 
 
 def test_job_that_succeeds_alone_does_not_fail(tmp_path: Path) -> None:
-    study = FakeStudy(deeds={1: f"die-once {tmp_path / 'died'}"})
+    study = FakeStudy(actions={1: f"die-once {tmp_path / 'died'}"})
     summary = compute(study, tmp_path / "out", 2)
     assert (tmp_path / "died").exists()
     assert (summary.done, summary.failed) == (4, 0)
@@ -341,14 +343,14 @@ def test_job_that_succeeds_alone_does_not_fail(tmp_path: Path) -> None:
 
 
 def test_interrupted_run_keeps_finished_jobs(tmp_path: Path) -> None:
-    study = FakeStudy([1e-3, 2e-3, 3e-3], deeds={2: "interrupt"}, seconds=0.3)
+    study = FakeStudy([1e-3, 2e-3, 3e-3], actions={2: "interrupt"}, seconds=0.3)
     with pytest.raises(Interrupted) as interruption:
         compute(study, tmp_path)
     summary = interruption.value.summary
     assert (summary.done, summary.missing, summary.exit_code) == (2, 2, 130)
     assert list(table_of(tmp_path)["status"]) == ["done", "done", "missing", "missing"]
     assert_tidy(tmp_path)
-    study.deeds = {}
+    study.actions = {}
     assert compute(study, tmp_path).resumed >= 1
 
 
@@ -383,7 +385,7 @@ SIGNALS = ["SIGINT", "SIGTERM", "SIGHUP"]
 
 @pytest.mark.parametrize("name", SIGNALS)
 def test_running_job_finishes_and_is_stored_after_a_signal(tmp_path: Path, name: str) -> None:
-    study = FakeStudy([1e-3 * (i + 1) for i in range(9)], deeds={4: f"signal {name}"})  # one unit
+    study = FakeStudy([1e-3 * (i + 1) for i in range(9)], actions={4: f"signal {name}"})  # one unit
     before = signal.getsignal(getattr(signal, name))
     with pytest.raises(Interrupted) as interruption:
         compute(study, tmp_path)
@@ -393,7 +395,7 @@ def test_running_job_finishes_and_is_stored_after_a_signal(tmp_path: Path, name:
     assert (interruption.value.summary.done, interruption.value.summary.missing) == (5, 5)
     assert list(table_of(tmp_path)["status"]) == ["done"] * 5 + ["missing"] * 5
     assert signal.getsignal(number) == before
-    study.deeds[4] = "signal SIGURG"
+    study.actions[4] = "signal SIGURG"
     assert compute(study, tmp_path).resumed == 4
 
 

@@ -17,7 +17,7 @@ SLOPES = (3e-3, 1e-3)
 
 @dataclass
 class DesignStudy(FakeStudy):
-    """Study whose cases are a design; ``deeds`` by row. Rows of the same job are listed once."""
+    """Study whose cases are a design; ``actions`` by row. Rows of the same job are listed once."""
 
     kind: Any = "saltelli"
     n: int = 16
@@ -33,7 +33,7 @@ class DesignStudy(FakeStudy):
 
     def job(self, row: int, point: Any) -> Any:
         width, load = point
-        case = FakeCase(1e-2 + float(point @ SLOPES), self.deeds.get(row, ""))
+        case = FakeCase(1e-2 + float(point @ SLOPES), self.actions.get(row, ""))
         swept: dict[str, float | str] = {"defect.width": 1e-3 * float(width), "load": 100.0 + 100.0 * float(load)}
         return FakeJob(case_id(case), case, swept, case_id(FakeCase(healthy=True)))
 

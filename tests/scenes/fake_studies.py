@@ -36,10 +36,10 @@ class FakeError(Exception):
 
 @dataclass(frozen=True)
 class FakeCase:
-    """Case with a signal of amplitude ``width``; ``deed`` is a side effect of its computation."""
+    """Case with a signal of amplitude ``width``; ``action`` is a side effect of its computation."""
 
     width: float = 1e-3
-    deed: str = ""
+    action: str = ""
     seconds: float = 0.0
     duration: float = 0.02
     sampling: float = 10240.0
@@ -71,7 +71,7 @@ class FakeJob:
 @dataclass
 class FakeStudy:
     widths: list[float] = field(default_factory=lambda: [1e-3, 2e-3, 3e-3])
-    deeds: dict[int, str] = field(default_factory=dict)  # by number of the case
+    actions: dict[int, str] = field(default_factory=dict)  # by number of the case
     seconds: float = 0.0
     name: str = "fake"
     path: Path | None = Path("studies/fake.yaml")
@@ -92,7 +92,7 @@ class FakeStudy:
         healthy = FakeCase(healthy=True, seconds=self.seconds)
         healthy_id = case_id(healthy)
         cases = [
-            FakeCase(width, self.deeds.get(number, ""), self.seconds) for number, width in enumerate(self.widths)
+            FakeCase(width, self.actions.get(number, ""), self.seconds) for number, width in enumerate(self.widths)
         ]
         jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, healthy_id) for case in cases]
         return [*jobs, FakeJob(healthy_id, healthy, {}, None, is_baseline=True)]
@@ -109,7 +109,7 @@ def case_id(case: FakeCase) -> str:
 
 
 def estimate(case: FakeCase) -> SimpleNamespace:
-    if case.deed == "raise refused":
+    if case.action == "raise refused":
         raise ValueError("the step is over the limit")
     return SimpleNamespace(
         cpu_seconds=max(case.seconds, 0.001),
@@ -120,13 +120,13 @@ def estimate(case: FakeCase) -> SimpleNamespace:
 
 
 def notes(cases: list[FakeCase]) -> list[str]:
-    """Return the notes: deeds that begin with ``told``, or the content of the file that such a deed names."""
-    deeds = dict.fromkeys(case.deed for case in cases if case.deed.startswith("told"))
-    return [f"the deed is {_read(deed)}" for deed in deeds]
+    """Return the notes: actions that begin with ``note``, or the content of the file that such an action names."""
+    actions = dict.fromkeys(case.action for case in cases if case.action.startswith("note"))
+    return [f"the action is {_read(action)}" for action in actions]
 
 
-def _read(deed: str) -> str:
-    return Path(deed.split()[-1]).read_text() if deed.startswith("told in") else deed
+def _read(action: str) -> str:
+    return Path(action.split()[-1]).read_text() if action.startswith("note in") else action
 
 
 def warm(cases: list[FakeCase], on_compile: Any = None) -> None:
@@ -160,44 +160,44 @@ def record_of(case: FakeCase) -> Any:
 
 def integrator_seconds(case: FakeCase) -> float:
     """CPU time in s that counts as the integrator's: that of spinning, not of sleeping."""
-    return case.seconds if case.deed == "spin" else 0.0
+    return case.seconds if case.action == "spin" else 0.0
 
 
 def simulate(case: FakeCase) -> SimpleNamespace:
-    """Wait for the case's duration, perform its deed, and return the record."""
+    """Wait for the case's duration, perform its action, and return the record."""
     end = time.process_time() + integrator_seconds(case)
     while time.process_time() < end:
         cpu_time.check()
     time.sleep(case.seconds - integrator_seconds(case))
-    deed, _, flag = case.deed.partition(" ")
-    if deed == "raise":
+    action, _, flag = case.action.partition(" ")
+    if action == "raise":
         raise FakeError("no steady state after 0.3 s", "shorten the step", 0.3)
-    if deed == "divide":
+    if action == "divide":
         print(1 / 0)
-    if deed == "exit":
+    if action == "exit":
         os._exit(3)
-    if deed == "kill":
+    if action == "kill":
         if flag:
             _count(flag, case)
         os.kill(os.getpid(), signal.SIGKILL)
-    if deed == "told" and flag.startswith("in "):
+    if action == "note" and flag.startswith("in "):
         Path(flag.removeprefix("in ")).unlink()
-    if deed == "die-once" and not Path(flag).exists():
+    if action == "die-once" and not Path(flag).exists():
         Path(flag).touch()
         os._exit(4)
-    if deed == "no":  # room
+    if action == "no":  # room
         raise OSError(errno.ENOSPC, "no space left")
-    if deed == "interrupt":
+    if action == "interrupt":
         raise KeyboardInterrupt
-    if deed == "signal":
+    if action == "signal":
         os.kill(os.getpid(), getattr(signal, flag))
-    if deed == "raise-unless" and not Path(flag).exists():
+    if action == "raise-unless" and not Path(flag).exists():
         raise FakeError("not yet", "wait", None)
-    if deed == "count":
+    if action == "count":
         _count(flag, case)
-    if deed == "pid":
+    if action == "pid":
         Path(flag).write_text(str(os.getpid()))
-    if deed == "threads":
+    if action == "threads":
         Path(flag).write_text(os.environ["OMP_NUM_THREADS"])
     return record_of(case)
 

@@ -84,7 +84,7 @@ def test_any_split_and_overlap_gives_the_table_of_a_single_run(
 
 
 def test_three_shards_give_the_table_of_a_single_run(tmp_path: Path) -> None:
-    study: Any = FakeStudy(WIDTHS, deeds={2: "raise", 5: "divide"})
+    study: Any = FakeStudy(WIDTHS, actions={2: "raise", 5: "divide"})
     run(study, tmp_path / "single", jobs=1, progress=False, engine=ENGINE)
     shards = [tmp_path / f"shard{k}" for k in (1, 2, 3)]
     for k, shard in enumerate(shards, 1):

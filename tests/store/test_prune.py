@@ -45,7 +45,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def narrowed_results(tmp_path: Path) -> Path:
     """Compute wider studies, then one of one width: one unit contains a planned job, another none."""
     compute(FakeStudy([2e-3]), tmp_path)
-    compute(FakeStudy([2e-3, 5e-3], deeds={1: "raise"}), tmp_path)
+    compute(FakeStudy([2e-3, 5e-3], actions={1: "raise"}), tmp_path)
     compute(FakeStudy([3e-3]), tmp_path)
     [(job, *_)] = [FakeStudy([4e-3]).jobs()]
     write_units(tmp_path, [(job, record_of(job.case))], {})
@@ -117,7 +117,7 @@ def with_scan(root: Path, text: bytes) -> Path:
 def test_unused_scans_are_removed_once_all_jobs_are_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     root = tmp_path / "results"
     flag = tmp_path / "flag"
-    study: Any = FakeStudy(deeds={1: f"raise-unless {flag}"})
+    study: Any = FakeStudy(actions={1: f"raise-unless {flag}"})
     used, orphan_content = with_scan(tmp_path, b"1 2"), b"3 4"
     original = store.flat_parameters
 

@@ -163,8 +163,8 @@ def test_columns_keep_strings_and_mark_missing_values() -> None:
 
 
 def test_parameters_are_flat_and_in_si() -> None:
-    assert store.flat_parameters(FakeCase(width=8e-4, deed="none")) == {
-        "deed": "none",
+    assert store.flat_parameters(FakeCase(width=8e-4, action="none")) == {
+        "action": "none",
         "seconds": 0.0,
         "duration": 0.02,
         "sampling": 10240.0,

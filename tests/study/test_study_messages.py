@@ -132,7 +132,7 @@ def test_mistake_gives_one_message_at_its_position(
 def test_override_that_is_no_string_is_refused(write: Write, value: object, echo: str) -> None:
     wrong: dict[str, Any] = {"defect.offset": value, "load": "1 N"}
     (problem,) = problems(write(BASE), wrong)
-    assert f"defect.offset: an override is a text as it would stand in the file, got {echo}" in problem.message
+    assert f"defect.offset: expected an override as text, as in the file, got {echo}" in problem.message
 
 
 @pytest.mark.parametrize(

@@ -263,7 +263,7 @@ def test_conditions_are_evaluated_only_as_far_as_needed() -> None:
         ("2 * GPa", "no such path `GPa`", "GPa"),
         ("201/GPa", "no such path `GPa`", "GPa"),
         ("sqr(4)", "no function `sqr`", "sqr(4)"),
-        ("min", "`min` without what it is taken of", "min"),
+        ("min", "`min` has no argument", "min"),
         ("min(1)", "expected two values or more, got 1", "min(1)"),
         ("sqrt(1, 2)", "expected one value, got 2", "sqrt"),
         ("3 foo", "this is no formula", "foo"),

@@ -90,7 +90,7 @@ def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
     paths: tuple[Path, ...] = ((*LOAD, "angles"), LOAD)
     along, across = sum(map(math.cos, angles)), sum(map(math.sin, angles))
     if _has_duplicates(angles):
-        yield Conflict("pads", paths, "two pads stand at the same angle", "give each angle once")
+        yield Conflict("pads", paths, "two pads have the same angle", "give each angle once")
     elif 0.0 < along <= MIN_LOAD_SHARE * len(angles):
         message = "pads at these angles carry almost none of the load: their forces act across it"
         yield Conflict("pads", paths, message, "use angles nearer to the load line, such as `[-45 deg, 45 deg]`")
@@ -107,7 +107,7 @@ def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[
     if len(points) > MAX_POINTS:
         yield Conflict("points", paths, f"more than {MAX_POINTS} springs", "use `by: housing`")
     elif _has_duplicates(angles):
-        yield Conflict("points", paths, "two springs stand at the same angle", "give each angle once")
+        yield Conflict("points", paths, "two springs have the same angle", "give each angle once")
     elif not any(math.cos(angle - load_line) > BALANCE_TOLERANCE for angle in angles):
         message = "no spring within 90 deg of the load line carries the load"
         yield Conflict("points", paths, message, f"give one at `angle: {show(load_line, 'deg')}`")

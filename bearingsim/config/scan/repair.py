@@ -212,14 +212,12 @@ def _surroundings(grid: Grid, border: np.ndarray) -> tuple[np.ndarray, float, li
     scale = np.array([1.0, np.ptp(grid.s), np.ptp(grid.z)])
     remarks, depth = [], float(np.ptp(grid.depth))
     if 2.0 * cylinder_deviation < deviation and deviation > 1e-3 * depth:
-        remarks.append(
-            f"curved by a radius of {1e3 / abs(2.0 * cylinder_coefficients[3]):.4g} mm along s: taken off"
-        )
+        remarks.append(f"curvature: radius {1e3 / abs(2.0 * cylinder_coefficients[3]):.4g} mm along s, removed")
         coefficients, plane, deviation = cylinder_coefficients, cylinder, cylinder_deviation
     shift, *tilt = coefficients[:3] * scale
     if max(abs(shift), *map(abs, tilt)) > max(deviation, 1e-3 * depth):
         remarks.append(
-            f"levelled: offset {_um(shift)}, tilt {_um(tilt[0])} along s and {_um(tilt[1])} along z taken off"
+            f"levelled: offset {_um(shift)}, tilt {_um(tilt[0])} along s and {_um(tilt[1])} along z removed"
         )
     return np.tensordot(coefficients, plane, 1), deviation, remarks
 
