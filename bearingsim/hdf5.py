@@ -74,6 +74,10 @@ class Hdf5:
         """Return the shape of a dataset, without reading it."""
         return tuple(self._dataset(name).shape)
 
+    def has_numbers(self, name: str) -> bool:
+        """Return True if a dataset has numbers, not text or references."""
+        return self._dataset(name).dtype.kind in NUMBERS
+
     def afford(self, name: str, size: float) -> None:
         """Raise Unsafe if ``size`` bytes exceed the limit of one read; name: name of the data for the message."""
         if size > self.most:

@@ -12,8 +12,8 @@ ROOT = Path(__file__).parents[1]
 TOP = "."
 """The modules of the package itself, outside all subpackages."""
 PACKAGES = (  # packages checked; add a package once it passes
-    TOP, "assemble", "bench", "cli", "config", "core", "plots", "runner", "selection", "sensitivity",
-    "signals", "simulation", "stability", "store", "study", "text",
+    TOP, "assemble", "bench", "cli", "config", "core", "diagnosis", "measured", "plots", "runner", "selection",
+    "sensitivity", "signals", "simulation", "stability", "store", "study", "text",
 )  # fmt: skip
 NO_NOUNS = frozenset({"What", "How", "Who", "Where", "Which", "Whether"})  # openings of a clause instead of a noun
 NO_VERBS = frozenset({  # openings of a docstring that are no imperative

@@ -12,6 +12,7 @@ import typer
 from bearingsim import __version__, blas_threads
 from bearingsim.cli import completion, streams
 from bearingsim.cli.group import Commands
+from bearingsim.cli.measured_commands import analyze, compare
 from bearingsim.cli.methods_commands import bench, freq, stability, warm
 from bearingsim.cli.options import (
     SILENCE_S,
@@ -227,7 +228,21 @@ def run(
     raise typer.Exit(summary.exit_code)
 
 
-for command in (plot, report, show, sensitivity, export, merge, prune, warm, freq, stability, bench):
+for command in (
+    plot,
+    report,
+    show,
+    sensitivity,
+    export,
+    merge,
+    prune,
+    analyze,
+    compare,
+    warm,
+    freq,
+    stability,
+    bench,
+):
     app.command()(command)
 
 

@@ -209,13 +209,13 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     take_literally(canvas)
     drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
-    if path.parent.resolve() != results.path.resolve() / FIGURES and not _is_replaceable(path):
+    if path.parent.resolve() != results.path.resolve() / FIGURES and not is_replaceable(path):
         raise PlotError(f"{path} is not a figure of this program; use another --out, or move the file")
     write_bytes(path, drawing.getvalue())
     return path
 
 
-def _is_replaceable(path: Path) -> bool:
+def is_replaceable(path: Path) -> bool:
     """Check if a path is free or a figure of this program."""
     if path.is_symlink() or not path.is_file():
         return not path.is_symlink() and not path.exists()

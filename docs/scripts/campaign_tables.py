@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from bearingsim.diagnosis.thresholds import TABLE, decibels
 from docs.scripts.markdown import table
 from docs.scripts.measurements import digits, percent, read
 
@@ -170,3 +171,44 @@ def double_impulse() -> str:
         rows.append([f"{str(bearing).upper()}, {width} mm", f"{depth} µm", *columns])
     head = ("", "depth", "rpm", "entry to strike", "of the crossing", "times speed (ms x 1000 rpm)")
     return table((*head, "before the end / sqrt(2 R_eff d)"), rows)
+
+
+def diagnosis() -> str:
+    """Return found, named and wrong results of simulated signals, in percent, by level."""
+    rows = []
+    for _, row in read("diagnosis").iterrows():
+
+        def share(name: str, of: str = "signals", row: pd.Series = row) -> str:
+            return f"{100.0 * row[name] / row[of]:.3g}" if row[of] else ""
+
+        healthy = row.level_db == "healthy"
+        rows.append(
+            [
+                "healthy" if healthy else f"{row.level_db} dB",
+                share("over_threshold")
+                + f" ({row.with_clearance} of {row.over_threshold} with clearance)" * healthy,
+                "" if healthy else share("right"),
+                share("wrong"),
+                share("rhythm"),
+                share("by_kurtogram"),
+                share("wrong_speed_named", "wrong_speeds"),
+                share("other_bearing_named", "other_bearings"),
+                "" if healthy else f"{100.0 * row.line_error_95:.2f}",
+            ]
+        )
+    head = (
+        "level",
+        "over the threshold",
+        "named, right",
+        "named, wrong",
+        "other rhythm",
+        "kurtogram's band: over",
+    )
+    return table((*head, "speed 7 % off: named", "other bearing: named", "line, 95 % within"), rows)
+
+
+def diagnosis_thresholds() -> str:
+    """Return the thresholds of the diagnosis in dB, by turns and tolerance."""
+    thresholds = pd.read_csv(TABLE).pivot(index="turns", columns="tolerance", values="score")
+    rows = [[f"{turns}", *(f"{decibels(score):.1f}" for score in row)] for turns, row in thresholds.iterrows()]
+    return table(("turns", *(f"{100.0 * float(str(tolerance)):g} %" for tolerance in thresholds)), rows)

@@ -30,6 +30,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "film": campaign_tables.film,
     "slip onset": campaign_tables.slip_onset,
     "double impulse": campaign_tables.double_impulse,
+    "diagnosis": campaign_tables.diagnosis,
+    "diagnosis thresholds": campaign_tables.diagnosis_thresholds,
 }
 """Function that writes each table, by the name in its block."""
 

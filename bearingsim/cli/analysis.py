@@ -1,0 +1,295 @@
+"""`bearingsim analyze`: a measured signal, its verdict and the evidence."""
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from bearingsim.cli.opening import short_path
+from bearingsim.cli.screen import print_table
+from bearingsim.text.terminal import say
+
+if TYPE_CHECKING:
+    from bearingsim.diagnosis import Diagnosis
+    from bearingsim.diagnosis.kurtogram import Kurtogram
+    from bearingsim.measured import Recording, Request
+
+KURTOGRAM = "kurtogram"
+BAND = re.compile(r"^\s*(?P<low>[\d.]+)\s*(?P<unit>k?Hz)?\s*(?:-|\.\.)\s*(?P<high>[\d.]+)\s*(?P<last>k?Hz)\s*$")
+LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
+VERDICTS = {
+    "outer": "outer race",
+    "inner": "inner race",
+    "roller": "rolling element",
+    "outer or roller": "outer race or rolling element (lines within the tolerance; sidebands cannot tell)",
+}
+
+Band = tuple[float, float] | str | None
+
+
+def request_of(
+    rate: str | None, speed: str | None, unit: str | None, full_scale: float | None, channel: str | None
+) -> "Request":
+    """Return what the options state in place of the file. Raises BadParameter."""
+    from bearingsim.measured import Request
+
+    if full_scale is not None and not full_scale > 0.0:
+        raise typer.BadParameter("expected a value above zero", param_hint="--full-scale")
+    if full_scale is not None and unit is None:
+        raise typer.BadParameter("needs the unit of the full scale, such as `--unit g`", param_hint="--full-scale")
+    return Request(
+        _positive("--rate", rate, "frequency"), _positive("--speed", speed, "rotation"), unit, full_scale, channel
+    )
+
+
+def _positive(option: str, text: str | None, dimension: Any) -> float | None:
+    from bearingsim.text.units import EXPECTED, UnitError, parse
+
+    if text is None:
+        return None
+    try:
+        value = parse(text, dimension)
+    except UnitError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
+    if value <= 0.0:
+        raise typer.BadParameter(f"expected {EXPECTED[dimension]} above zero, got `{text}`", param_hint=option)
+    return value
+
+
+def parse_tolerance(text: str) -> float:
+    """Parse the relative tolerance of lines. Raises BadParameter outside the range of the thresholds."""
+    from bearingsim.diagnosis.thresholds import TOLERANCES
+
+    value = _positive("--tolerance", text, "tolerance")
+    low, high = TOLERANCES
+    if value is None or not low <= value <= high:
+        raise typer.BadParameter(
+            f"expected {100 * low:g} % to {100 * high:g} %, for which thresholds were measured, got `{text}`",
+            param_hint="--tolerance",
+        )
+    return value
+
+
+def parse_band(text: str | None) -> Band:
+    """Parse a band: None, "kurtogram", or two frequencies (Hz). Raises BadParameter."""
+    if text is None or text.strip() == KURTOGRAM:
+        return text and KURTOGRAM
+    match = BAND.match(text)
+    if match:
+        factors = {"Hz": 1.0, "kHz": 1e3}
+        try:
+            low = float(match["low"]) * factors[match["unit"] or match["last"]]
+            high = float(match["high"]) * factors[match["last"]]
+        except ValueError:
+            low = high = 0.0
+        if low < high:
+            return low, high
+    raise typer.BadParameter(
+        f"expected a band such as `2-5 kHz`, or `kurtogram`, got `{text}`", param_hint="--band"
+    )
+
+
+def show(
+    file: Path, bearing: str, request: "Request", tolerance: float, band: Band, figure: Path | None, as_json: bool
+) -> None:
+    """Print the diagnosis of all channels of a file, and draw the figure of the one with the clearest result."""
+    from bearingsim.diagnosis import Lines, diagnose
+    from bearingsim.diagnosis.fronts import default_band
+    from bearingsim.diagnosis.kurtogram import kurtogram
+    from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
+    from bearingsim.measured import MeasuredError, read
+    from bearingsim.measured.checks import refuse_unusable
+    from bearingsim.plots.measured import check_path
+    from bearingsim.study import load_rolling_parts
+
+    if figure is not None:
+        check_path(figure)
+    parts, recording = load_rolling_parts(bearing), read(file, request)
+    fs, shaft = recording.rate.value, recording.shaft
+    results: dict[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]] = {}
+    for name, values in recording.channels.items():
+        refuse_unusable(file, name, values, fs)
+        image = kurtogram(values, fs)
+        chosen = image.best if band == KURTOGRAM else band if isinstance(band, tuple) else default_band(fs)
+        try:
+            refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), chosen)
+        except Unsuitable as error:
+            raise MeasuredError(file, f"`{name}`: {error}") from None
+        results[name] = diagnose(values, fs, parts, shaft, tolerance, chosen), image, chosen
+    clearest = max(results, key=lambda name: _margin(results[name][0]))
+    if figure is not None:
+        from bearingsim.plots.measured import draw
+
+        draw(recording, clearest, *results[clearest], figure)
+    if as_json:
+        say(json.dumps(as_dict(recording, bearing, tolerance, results, clearest), indent=1))
+        return
+    _print_header(recording, parts.name or bearing, tolerance, results[clearest][0])
+    for name, (diagnosis, _, chosen) in results.items():
+        say("")
+        say(f"{name}: {verdict_text(diagnosis)}" if len(results) > 1 else verdict_text(diagnosis))
+        _print_evidence(diagnosis, chosen)
+    if figure is not None:
+        say(f"\n{short_path(figure)}")
+
+
+def _margin(diagnosis: "Diagnosis") -> float:
+    return diagnosis.findings[diagnosis.best].comb.score - diagnosis.threshold
+
+
+def verdict_text(diagnosis: "Diagnosis") -> str:
+    """Format the verdict of a channel, with the frequency that it rests on."""
+    from bearingsim.diagnosis import NONE, RHYTHM
+    from bearingsim.diagnosis.thresholds import decibels
+
+    needed = f"{decibels(diagnosis.threshold):.1f} dB"
+    if diagnosis.verdict == RHYTHM:
+        rhythm = f"a rhythm of {diagnosis.rival.frequency:.2f} Hz that is no line of this bearing at this speed"
+        return f"verdict: {rhythm}; check bearing and speed"
+    finding = diagnosis.findings[diagnosis.best]
+    if diagnosis.verdict == NONE and finding.comb.score > diagnosis.threshold:
+        return (
+            f"verdict: none found; {100.0 * diagnosis.crowded:.0f} % of all rhythms of this record are as strong"
+        )
+    if diagnosis.verdict == NONE:
+        return f"verdict: none found; a line would need {needed} over the local median"
+    score = f"{decibels(finding.comb.score):.1f} dB, threshold {needed}"
+    return f"verdict: {VERDICTS[diagnosis.verdict]}, {finding.comb.frequency:.2f} Hz ({score})"
+
+
+def _print_header(recording: "Recording", bearing: str, tolerance: float, diagnosis: "Diagnosis") -> None:
+    rate, speed, lines = recording.rate, recording.speed, diagnosis.lines
+    seconds = len(next(iter(recording.channels.values()))) / rate.value
+    say(f"{short_path(recording.path)}: {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
+    units: dict[str, list[str]] = {}
+    for name, unit in recording.units.items():
+        units.setdefault(f"{unit.value or 'no unit'} ({unit.source})", []).append(name)
+    for text, names in units.items():
+        say(f"unit of {', '.join(names[:4])}{' ...' if len(names) > 4 else ''}: {text}")
+    if speed is not None:
+        say(f"{bearing} at {lines.shaft * 60.0:.6g} rpm ({speed.source}), lines within {100.0 * tolerance:g} %")
+
+
+def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
+    from bearingsim.diagnosis import NONE
+    from bearingsim.diagnosis.thresholds import decibels
+
+    heads = [
+        "line", "expected (Hz)", "found (Hz)", "deviation", "harmonics (dB)", "levelled (dB)", "score (dB)",
+        "± fr (dB)", "± FTF (dB)",
+    ]  # fmt: skip
+    rows = []
+    for race, finding in diagnosis.findings.items():
+        envelope, levelled = (", ".join(_whole(db(height)) for height in front) for front in finding.comb.heights)
+        sidebands = (
+            ", ".join(_whole(_db_of_log(value)) for value in values[1:])
+            for values in (finding.shaft_sidebands, finding.cage_sidebands)
+        )
+        rows.append(
+            [
+                LINE_NAMES[race], f"{finding.expected:.2f}", f"{finding.comb.frequency:.2f}",
+                f"{100.0 * finding.deviation:+.2f} %", envelope, levelled, f"{decibels(finding.comb.score):.1f}",
+                *sidebands,
+            ]
+        )  # fmt: skip
+    print_table(heads, rows)
+    low, high = band
+    say(f"harmonics: envelope of {low / 1e3:.3g} to {high / 1e3:.3g} kHz; levelled: whole band, tones removed")
+    rival = diagnosis.rival
+    crowd = f", {100.0 * diagnosis.crowded:.0f} % of all rhythms reach the score of {LINE_NAMES[diagnosis.best]}"
+    say(f"strongest other rhythm: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{crowd}")
+    if diagnosis.verdict == NONE and rival.score > diagnosis.threshold:
+        say("this rhythm is no line of the bearing at this speed: check both")
+    if diagnosis.size is not None:
+        size = diagnosis.size
+        say(
+            f"width along the race: {1e3 * size.low:.2f} to {1e3 * size.high:.2f} mm "
+            f"(entry to exit {1e3 * size.spacing:.3g} ms)"
+        )
+    if diagnosis.loose:
+        say("clearance alone gives BPFO, too: compare with a record of the healthy bearing")
+
+
+def _whole(value: float) -> str:
+    """Format a number without decimals, and without the sign of zero."""
+    return f"{round(value)}"
+
+
+def db(height: float) -> float:
+    """Convert a height over the local median (power) to dB."""
+    from math import log10
+
+    return 10.0 * log10(max(height, 1e-3))
+
+
+def _db_of_log(value: float) -> float:
+    """Convert log(1 + height) to dB."""
+    from math import expm1
+
+    return db(expm1(value))
+
+
+def as_dict(
+    recording: "Recording",
+    bearing: str,
+    tolerance: float,
+    results: "Mapping[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]]",
+    clearest: str,
+) -> dict[str, Any]:
+    """Return the values of `--json`: those of the clearest channel, and of all in `channels`."""
+    channels = {name: _channel_dict(recording, name, *result) for name, result in results.items()}
+    speed = recording.speed
+    return {
+        "file": str(recording.path),
+        "bearing": bearing,
+        "rate_hz": recording.rate.value,
+        "rate_source": recording.rate.source,
+        "speed_rpm": recording.shaft * 60.0,
+        "speed_source": speed.source if speed else None,
+        "tolerance": tolerance,
+        "channel": clearest,
+        **channels[clearest],
+        "channels": channels,
+    }
+
+
+def _channel_dict(
+    recording: "Recording", name: str, diagnosis: "Diagnosis", image: "Kurtogram", band: tuple[float, float]
+) -> dict[str, Any]:
+    from bearingsim.diagnosis.thresholds import decibels
+
+    size, unit, count = diagnosis.size, recording.units[name], len(recording.channels[name])
+    return {
+        "verdict": diagnosis.verdict,
+        "unit": unit.value or None,
+        "unit_source": unit.source,
+        "seconds": count / recording.rate.value,
+        "turns": diagnosis.turns,
+        "band_hz": list(band),
+        "kurtogram_band_hz": list(image.best),
+        "threshold_db": decibels(diagnosis.threshold),
+        "races": {
+            race: {
+                "expected_hz": finding.expected,
+                "found_hz": finding.comb.frequency,
+                "deviation": finding.deviation,
+                "score_db": decibels(finding.comb.score),
+                "envelope_db": [db(height) for height in finding.comb.heights[0]],
+                "levelled_db": [db(height) for height in finding.comb.heights[1]],
+                "shaft_sidebands_db": [_db_of_log(value) for value in finding.shaft_sidebands],
+                "cage_sidebands_db": [_db_of_log(value) for value in finding.cage_sidebands],
+            }
+            for race, finding in diagnosis.findings.items()
+        },
+        "rival": {
+            "hz": diagnosis.rival.frequency,
+            "score_db": decibels(diagnosis.rival.score),
+            "crowded": diagnosis.crowded,
+        },
+        "width_mm": [1e3 * size.low, 1e3 * size.high] if size else None,
+        "spacing_ms": 1e3 * size.spacing if size else None,
+        "clearance_may_cause": diagnosis.loose,
+    }

@@ -1,0 +1,6 @@
+"""Diagnosis of a bearing from a measured signal."""
+
+from bearingsim.diagnosis.kinematics import RACES, Lines
+from bearingsim.diagnosis.verdict import EITHER, NONE, RHYTHM, Diagnosis, Finding, diagnose
+
+__all__ = ["EITHER", "NONE", "RACES", "RHYTHM", "Diagnosis", "Finding", "Lines", "diagnose"]

@@ -1,0 +1,128 @@
+"""Scores of combs: three harmonics of one fundamental in two fronts, of which the lesser counts."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.diagnosis.fronts import Front
+from bearingsim.diagnosis.kinematics import Lines
+
+HARMONICS = 3
+STEPS_PER_BIN = 6
+"""Fundamentals tried per bin: the third harmonic moves by half a bin."""
+RIVALS_FROM, RIVALS_TO = 1.2, 1.3
+"""Range of other rhythms: from 1.2 shaft orders to 1.3 times the highest line."""
+SHAFT_SHARE = 0.01
+"""Relative half width of the shaft orders, which are no rhythms of their own."""
+RELATIVE_SHARE, RELATIVE_BINS = 0.006, 2.0
+"""Half width of the relatives of a claimed line: its share, and at least some bins."""
+RELATIVES = (1 / 3, 1 / 2, 2 / 3, 1.0, 3 / 2, 2.0, 3.0)
+"""Multiples of a claimed line whose combs share its harmonics."""
+
+
+def highest_frequency(lines: Lines) -> float:
+    """Return the highest frequency (Hz) that is read from a front: the third harmonic of the highest rival."""
+    return 1.02 * HARMONICS * RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
+
+
+class Comb(NamedTuple):
+    """Comb of a fundamental (Hz): its score, that of each front, and the heights (fronts, harmonics)."""
+
+    frequency: float
+    score: float
+    scores: tuple[float, ...]
+    heights: tuple[tuple[float, ...], ...]
+
+
+def heights_at(front: Front, frequency: np.ndarray) -> np.ndarray:
+    """Return the heights (...) at frequencies (...) in Hz: that of the higher of two bins. 0 beyond the front."""
+    place = frequency / front.step
+    low = np.clip(place.astype(int), 0, len(front.height) - 2)
+    return np.where(place < len(front.height) - 1, np.maximum(front.height[low], front.height[low + 1]), 0.0)
+
+
+def comb_scores(fronts: Sequence[Front], fundamentals: np.ndarray) -> np.ndarray:
+    """Compute the scores (fronts, n) of fundamentals (n,) in Hz: sums of log(1 + height) over three harmonics."""
+    numbers = np.arange(1, HARMONICS + 1)[:, np.newaxis]
+    return np.array([np.log1p(heights_at(front, numbers * fundamentals)).sum(axis=0) for front in fronts])
+
+
+def fundamentals_between(low: float, high: float, step: float) -> np.ndarray:
+    """Return the fundamentals (n,) between two frequencies (Hz) that are tried, for bins of ``step`` (Hz)."""
+    return np.linspace(low, high, max(2, int(np.ceil((high - low) / step * STEPS_PER_BIN)) + 1))
+
+
+def comb_at(fronts: Sequence[Front], frequency: float) -> Comb:
+    """Return the comb of one fundamental (Hz)."""
+    scores = comb_scores(fronts, np.array([frequency]))[:, 0]
+    numbers = np.arange(1, HARMONICS + 1)
+    heights = tuple(tuple(map(float, heights_at(front, numbers * frequency))) for front in fronts)
+    return Comb(float(frequency), float(scores.min()), tuple(map(float, scores)), heights)
+
+
+def best_comb(fronts: Sequence[Front], expected: float, tolerance: float) -> Comb:
+    """Find the comb with the highest lesser score whose fundamental is within a relative tolerance of ``expected``
+    (Hz).
+
+    Of fundamentals with the same score, which a bin may have, it is the middle one.
+    """
+    fundamentals = fundamentals_between((1.0 - tolerance) * expected, (1.0 + tolerance) * expected, fronts[0].step)
+    scores = comb_scores(fronts, fundamentals).min(axis=0)
+    best = int(np.argmax(scores))
+    end = best + int(np.argmin(np.append(scores[best:] == scores[best], False))) - 1
+    return comb_at(fronts, float(fundamentals[(best + end) // 2]))
+
+
+def refined(fronts: Sequence[Front], frequency: float) -> float:
+    """Refine a fundamental (Hz) by the peaks near its harmonics: parabolas through three logarithms of heights.
+
+    Harmonics are weighted by their number and score.
+    """
+    estimates, weights = [], []
+    for front in fronts:
+        for number in range(1, HARMONICS + 1):
+            low = int(number * frequency / front.step)
+            window = front.height[max(low - 1, 1) : low + 3]
+            if len(window) < 4 or low + 3 >= len(front.height):
+                continue
+            peak = max(low - 1, 1) + int(np.argmax(window))
+            left, middle, right = np.log(np.maximum(front.height[peak - 1 : peak + 2], 1e-9))
+            curvature = left - 2.0 * middle + right
+            shift = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
+            estimates.append((peak + min(max(shift, -0.5), 0.5)) * front.step / number)
+            weights.append(number * np.log1p(front.height[peak]))
+    return float(np.average(estimates, weights=weights)) if np.sum(weights) > 0.0 else frequency
+
+
+class Rivals(NamedTuple):
+    """Fundamentals (n,) in Hz and their lesser scores (n,), 0 for relatives of the claimed line."""
+
+    fundamentals: np.ndarray
+    scores: np.ndarray
+
+
+def rivals(fronts: Sequence[Front], lines: Lines, race: str, claimed: float, tolerance: float) -> Rivals:
+    """Score the rhythms that are neither the claimed line (Hz) of a race nor its relatives, nor shaft orders.
+
+    Relatives are its multiples and fractions up to 3, and its sidebands at one and two times the frequencies of
+    shaft and cage.
+    """
+    low, high = RIVALS_FROM * lines.shaft, RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
+    fundamentals = fundamentals_between(low, high, fronts[0].step)
+    order = np.round(fundamentals / lines.shaft) * lines.shaft
+    is_own = np.abs(fundamentals - order) <= SHAFT_SHARE * order
+    is_own |= np.abs(fundamentals / lines.of_race(race) - 1.0) <= tolerance
+    spacings = (lines.shaft, 2.0 * lines.shaft, lines.cage, 2.0 * lines.cage)
+    sidebands = [claimed + side * spacing for spacing in spacings for side in (-1.0, 1.0)]
+    for relative in (*(share * claimed for share in RELATIVES), *sidebands):
+        half_width = max(RELATIVE_SHARE * relative, RELATIVE_BINS * fronts[0].step)
+        is_own |= np.abs(fundamentals - relative) <= half_width
+    return Rivals(fundamentals, np.where(is_own, 0.0, comb_scores(fronts, fundamentals).min(axis=0)))
+
+
+def share_of_rivals(others: Rivals, score: float, tolerance: float) -> float:
+    """Compute the share of windows, each twice the relative tolerance wide, in which a rhythm reaches a score."""
+    low, high = np.log(others.fundamentals[[0, -1]])
+    starts = np.searchsorted(others.fundamentals, np.exp(np.arange(low, high, 2.0 * tolerance)))
+    return float(np.mean(np.maximum.reduceat(others.scores, np.unique(starts)) >= score))

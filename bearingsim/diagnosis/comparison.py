@@ -1,0 +1,86 @@
+"""Simulated and measured signal of one bearing, laid side by side in a common band."""
+
+from math import log10, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.diagnosis.kinematics import Lines
+from bearingsim.signals.events import spacing
+from bearingsim.signals.moments import statistics
+from bearingsim.signals.picker import PickedLine, pick_from
+from bearingsim.signals.spectra import FLAT, band_pass, envelope_spectrum
+
+TOLERANCE = 0.02
+"""Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
+HARMONICS = 3
+
+
+class Signal(NamedTuple):
+    """Series (n,) in SI sampled at ``fs`` (Hz), and the kinematic lines of its bearing (Hz)."""
+
+    series: np.ndarray
+    fs: float
+    lines: Lines
+
+
+class Row(NamedTuple):
+    """Feature with its unit, simulated and measured; nan where it is not read."""
+
+    name: str
+    unit: str
+    simulated: float
+    measured: float
+
+
+def common_band(*signals: Signal) -> tuple[float, float]:
+    """Return the band (Hz) in which all signals are unaltered by sampling."""
+    return 0.0, FLAT * min(signal.fs for signal in signals)
+
+
+def compare(simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str) -> list[Row]:
+    """Compare two signals in a band (Hz): level, shape, and the rhythm of a race in the envelope.
+
+    unit: SI unit of the series. Harmonics of the envelope are in dB relative to the fundamental; orders refer to
+    the frequency of the shaft; the spacing of entry and exit is in fractions of a pass, which the speed does not
+    change.
+    """
+    values = [_features(signal, race, band) for signal in (simulated, measured)]
+    units = {"RMS": unit, "peak": unit, "line": "orders", "line over kinematic": ""}
+    units |= {f"envelope, harmonic {number}": "dB" for number in range(2, HARMONICS + 1)}
+    return [Row(name, units.get(name, ""), values[0][name], values[1][name]) for name in values[0]]
+
+
+def _features(signal: Signal, race: str, band: tuple[float, float]) -> dict[str, float]:
+    series = band_pass(signal.series - signal.series.mean(), signal.fs, band)
+    moments = statistics(series)
+    frequency, amplitude = envelope_spectrum(signal.series, signal.fs, band)
+    expected = signal.lines.of_race(race)
+    fundamental = pick_from(frequency, amplitude, expected, TOLERANCE)
+    line = fundamental.frequency if fundamental else nan
+    features = {
+        "RMS": moments["rms"],
+        "peak": moments["peak"],
+        "crest factor": moments["crest"],
+        "kurtosis": moments["kurtosis"],
+        "line": line / signal.lines.shaft,
+        "line over kinematic": line / expected,
+    }
+    for number in range(2, HARMONICS + 1):
+        harmonic = pick_from(frequency, amplitude, number * line, TOLERANCE / number) if fundamental else None
+        features[f"envelope, harmonic {number}"] = _level(harmonic, fundamental)
+    features["entry to exit, of a pass"] = _spacing(signal, line) if race == "outer" and fundamental else nan
+    return features
+
+
+def _level(harmonic: PickedLine | None, fundamental: PickedLine | None) -> float:
+    """Return the level (dB) of a harmonic over the fundamental."""
+    return 20.0 * log10(harmonic.amplitude / fundamental.amplitude) if harmonic and fundamental else nan
+
+
+def _spacing(signal: Signal, line: float) -> float:
+    """Return the time from entry to exit of a defect, relative to a pass; nan if it is not read."""
+    try:
+        return spacing(signal.series, signal.fs, 1.0 / line) * line
+    except ValueError:
+        return nan

@@ -1,0 +1,45 @@
+"""Frequencies of a bearing's lines, as orders or in Hz."""
+
+from math import pi
+from typing import NamedTuple, Self
+
+from bearingsim.config.sections.machine import RollingParts
+from bearingsim.core.geometry.kinematics import (
+    ball_pass_frequency_inner,
+    ball_pass_frequency_outer,
+    ball_spin_frequency,
+    fundamental_train_frequency,
+)
+
+RACES = ("outer", "inner", "roller")
+"""Elements that carry a defect, in the order of reports."""
+
+
+class Lines(NamedTuple):
+    """Frequencies (Hz) of the shaft and the cage, and of the fundamental line of a defect of each element.
+
+    roller: 2 BSF, because a defect of a rolling element touches a race twice per turn.
+    """
+
+    shaft: float
+    cage: float
+    outer: float
+    inner: float
+    roller: float
+
+    @classmethod
+    def of(cls, parts: RollingParts, shaft: float) -> Self:
+        """Compute the lines of a bearing whose inner ring turns at ``shaft`` (Hz), the outer ring at rest."""
+        omega, D_w, d_m = 2.0 * pi * shaft, parts.roller_diameter, parts.pitch_diameter
+        Z, angle = parts.rollers, parts.contact_angle
+        return cls(
+            shaft,
+            fundamental_train_frequency(omega, D_w, d_m, angle),
+            ball_pass_frequency_outer(omega, D_w, d_m, Z, angle),
+            ball_pass_frequency_inner(omega, D_w, d_m, Z, angle),
+            2.0 * ball_spin_frequency(omega, D_w, d_m, angle),
+        )
+
+    def of_race(self, race: str) -> float:
+        """Return the fundamental line (Hz) of a defect of an element."""
+        return float(getattr(self, race))

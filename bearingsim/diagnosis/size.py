@@ -1,0 +1,42 @@
+"""Width of a defect of the outer race from the time between a roller's entry and exit."""
+
+from math import isfinite, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.config.sections.machine import RollingParts
+from bearingsim.signals.events import spacing
+
+DEPTH = 60e-6
+"""m; depth up to which the far edge is struck early (docs/double_impulse.md, step 4): 96 % of 352 readings."""
+MOST_DIFFERENCE = 0.05
+"""Largest relative difference between the readings of both halves of a record."""
+
+
+class Size(NamedTuple):
+    """Interval (m) of the width of a defect along the outer race, and the spacing (s) of entry and exit."""
+
+    low: float
+    high: float
+    spacing: float
+
+
+def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: float) -> Size | None:
+    """Read the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: its line (Hz).
+
+    With s the spacing of entry and exit times the speed of the contact point, the width is from s to s + sqrt(2
+    R_eff d): a roller on the floor, at a depth d up to 60 um, strikes the far edge that much early. Returns None
+    without two events, or if the readings of both halves of the record differ by over 5 %.
+    """
+    period = 1.0 / outer
+    half = len(series) // 2
+    try:
+        whole, *halves = (spacing(part, fs, period) for part in (series, series[:half], series[half:]))
+    except ValueError:  # fewer than 40 samples in a pass
+        return None
+    if not all(map(isfinite, (whole, *halves))) or abs(halves[0] - halves[1]) > MOST_DIFFERENCE * whole:
+        return None
+    roller, race = parts.roller_diameter / 2.0, (parts.pitch_diameter + parts.roller_diameter) / 2.0
+    low = whole * 2.0 * pi * race * outer / parts.rollers
+    return Size(low, low + sqrt(2.0 * roller * race / (race - roller) * DEPTH), whole)

@@ -1,0 +1,44 @@
+"""Scores that one of a hundred healthy signals exceeds, by length and tolerance (benchmarks/diagnosis)."""
+
+import csv
+from functools import cache
+from math import exp, log, log10
+from pathlib import Path
+
+import numpy as np
+
+from bearingsim.diagnosis.combs import HARMONICS
+
+TABLE = Path(__file__).with_name("thresholds.csv")
+TOLERANCES = 0.005, 0.04
+"""Range of the relative tolerance for which thresholds were measured."""
+CLEAR_DB = 3.0
+"""dB; height of each harmonic over the threshold from which a result counts as clear."""
+
+
+def threshold(turns: float, tolerance: float) -> float:
+    """Return the threshold of the score for a record of some turns of the shaft and a relative tolerance.
+
+    It is interpolated over the logarithms of both. Beyond 320 turns the slope of the last octave is continued;
+    below 5 turns the value at 5 is used.
+    """
+    lengths, tolerances, scores = _table()
+    by_length = np.array([np.interp(log(tolerance), tolerances, row) for row in scores])
+    x, last = log(turns), lengths[-1]
+    slope = max(0.0, (by_length[-1] - by_length[-2]) / (last - lengths[-2]))
+    return float(np.interp(x, lengths, by_length) + max(0.0, x - last) * slope)
+
+
+@cache
+def _table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the logarithms of turns (l,) and of tolerances (t,), and scores (l, t)."""
+    with TABLE.open(newline="") as file:
+        rows = [tuple(map(float, row)) for row in list(csv.reader(file))[1:]]
+    turns, tolerances = (sorted({row[column] for row in rows}) for column in (0, 1))
+    scores = np.array([row[2] for row in sorted(rows)]).reshape(len(turns), len(tolerances))
+    return np.log(turns), np.log(tolerances), scores
+
+
+def decibels(score: float) -> float:
+    """Convert a score to the height (dB over the local median) that each of its harmonics has if all are equal."""
+    return 10.0 * log10(max(exp(score / HARMONICS) - 1.0, 1e-3))

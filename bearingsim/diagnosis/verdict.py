@@ -1,0 +1,147 @@
+"""Verdict on a signal of a bearing: whose line stands out, whether another rhythm does, or none."""
+
+from collections.abc import Sequence
+from math import log
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.config.sections.machine import RollingParts
+from bearingsim.diagnosis.combs import (
+    HARMONICS,
+    Comb,
+    best_comb,
+    comb_at,
+    heights_at,
+    highest_frequency,
+    refined,
+    rivals,
+    share_of_rivals,
+)
+from bearingsim.diagnosis.fronts import Front, envelope_front, fast_length, levelled_front
+from bearingsim.diagnosis.kinematics import RACES, Lines
+from bearingsim.diagnosis.size import Size, outer_race_size
+from bearingsim.diagnosis.thresholds import CLEAR_DB, threshold
+
+OUTER, INNER, ROLLER = RACES
+EITHER, RHYTHM, NONE = "outer or roller", "other rhythm", "none"
+CAGE_RANGE, CAGE_STEPS = (0.98, 1.01), 25
+"""Range of the cage's frequency over the kinematic one, and steps in it."""
+OUTER_MOST, ROLLER_LEAST = 0.55, 0.75
+"""Score of the cage's lines over that of the comb in the first front: at most that of an outer race, at least
+that of a roller. Simulated outer races have up to 0.38, rollers 0.76 and more from 0 dB on
+(benchmarks/diagnosis), three measured outer races 0.16 to 0.65."""
+SAME_BINS = 2.0
+"""Bins within which two combs share one fundamental."""
+MOST_CROWDED = 0.2
+"""Share of other rhythms with a score as high as the claimed one, above which a record is full of lines. Damaged
+signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
+
+
+class Finding(NamedTuple):
+    """Line of an element: expected and found frequency (Hz), comb, and scores of sidebands of shaft and cage.
+
+    Sidebands are heights log(1 + h) at the spacing itself, below and above the fundamental, in the first front.
+    """
+
+    expected: float
+    comb: Comb
+    shaft_sidebands: tuple[float, ...]
+    cage_sidebands: tuple[float, ...]
+
+    @property
+    def deviation(self) -> float:
+        """Relative deviation of the found frequency from the expected one."""
+        return self.comb.frequency / self.expected - 1.0
+
+
+class Diagnosis(NamedTuple):
+    """Verdict, and its evidence: fronts, findings by element, threshold of the score, strongest other rhythm.
+
+    verdict: a name of ``RACES``, "outer or roller", "other rhythm" or "none"; crowded: share of other rhythms with
+    a score as high as the best race's; loose: whether clearance alone may give the line; turns: of the shaft.
+    """
+
+    verdict: str
+    lines: Lines
+    findings: dict[str, Finding]
+    threshold: float
+    rival: Comb
+    crowded: float
+    size: Size | None
+    loose: bool
+    turns: float
+    fronts: tuple[Front, Front]
+
+    @property
+    def best(self) -> str:
+        """Element with the highest score."""
+        return max(self.findings, key=lambda race: self.findings[race].comb.score)
+
+
+def diagnose(
+    series: np.ndarray,
+    fs: float,
+    parts: RollingParts,
+    shaft: float,
+    tolerance: float = 0.02,
+    band: tuple[float, float] | None = None,
+) -> Diagnosis:
+    """Diagnose a bearing from a series (n,) sampled at ``fs`` (Hz), with the shaft at ``shaft`` (Hz).
+
+    tolerance: relative, of the lines; band: of the first front (Hz). A race is named if its comb exceeds the
+    threshold, no other rhythm of the record scores higher, and the record is not full of lines. Raises ValueError
+    as ``envelope_front``.
+    """
+    lines = Lines.of(parts, shaft)
+    part = series[: fast_length(len(series))]
+    highest = highest_frequency(lines)
+    fronts = (envelope_front(part, fs, shaft, highest, band), levelled_front(part, fs, shaft, highest))
+    findings = {race: _finding(fronts, lines, race, tolerance) for race in RACES}
+    turns = shaft * len(series) / fs
+    limit = threshold(turns, tolerance)
+    best = max(findings, key=lambda race: findings[race].comb.score)
+    comb = findings[best].comb
+    scores = rivals(fronts, lines, best, comb.frequency, tolerance)
+    rival = comb_at(fronts, float(scores.fundamentals[np.argmax(scores.scores)]))
+    crowded = share_of_rivals(scores, comb.score, tolerance)
+    verdict = _verdict(fronts, findings, best, limit, rival, crowded)
+    is_clear = comb.score >= limit + HARMONICS * log(10.0 ** (CLEAR_DB / 10.0))
+    size = outer_race_size(series, fs, parts, comb.frequency) if verdict == OUTER and is_clear else None
+    loose = verdict in (OUTER, EITHER) and size is None
+    return Diagnosis(verdict, lines, findings, limit, rival, crowded, size, loose, turns, fronts)
+
+
+def _finding(fronts: Sequence[Front], lines: Lines, race: str, tolerance: float) -> Finding:
+    comb = best_comb(fronts, lines.of_race(race), tolerance)
+    comb = comb._replace(frequency=refined(fronts, comb.frequency))
+    shaft = _sidebands(fronts[0], comb.frequency, np.array([lines.shaft]))
+    cages = np.linspace(*CAGE_RANGE, CAGE_STEPS) * lines.cage
+    return Finding(lines.of_race(race), comb, shaft, _sidebands(fronts[0], comb.frequency, cages))
+
+
+def _sidebands(front: Front, frequency: float, spacings: np.ndarray) -> tuple[float, ...]:
+    """Return log(1 + height) at a spacing (Hz), and below and above a frequency (Hz), for the best spacing."""
+    heights = np.log1p(heights_at(front, np.array([spacings, frequency - spacings, frequency + spacings])))
+    return tuple(map(float, heights[:, np.argmax(heights.sum(axis=0))]))
+
+
+def _verdict(
+    fronts: Sequence[Front],
+    findings: dict[str, Finding],
+    best: str,
+    limit: float,
+    rival: Comb,
+    crowded: float,
+) -> str:
+    score = findings[best].comb.score
+    if score <= limit or crowded > MOST_CROWDED:
+        return NONE
+    if rival.score > score:
+        return RHYTHM
+    outer, roller = findings[OUTER], findings[ROLLER]
+    is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SAME_BINS * fronts[0].step
+    if best == INNER or not is_shared:
+        return best
+    ratio = sum(findings[best].cage_sidebands) / findings[best].comb.scores[0]
+    return OUTER if ratio <= OUTER_MOST else ROLLER if ratio >= ROLLER_LEAST else EITHER

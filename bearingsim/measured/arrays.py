@@ -1,0 +1,94 @@
+"""Content of files with named arrays: which of them are signals, and which state rate, time and speed."""
+
+from collections.abc import Mapping
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from bearingsim.measured.content import Content, MeasuredError, Stated
+
+RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "fsamp", "fsampling")
+STEPS = ("dt", "ts", "timestep", "sampletime")
+TIMES = ("t", "time", "times", "timestamp")
+SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
+LEAST_SAMPLES = 16
+"""Shorter arrays are no signals."""
+MOST_CHANNELS = 256
+"""Largest number of columns of a table of signals."""
+
+
+def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> Content:
+    """Sort named arrays into signals, time, rate and speed.
+
+    Names are compared without case and separators, the last part of a path with dots. Raises MeasuredError for a
+    file without signals.
+    """
+    channels: dict[str, np.ndarray] = {}
+    rate = time = speed = None
+    for name, values in arrays.items():
+        word = _word(name)
+        if values.size == 1:
+            number = float(np.real(values.ravel()[0]))
+            if word in RATES and rate is None:
+                rate = Stated(number, f"the variable `{name}`")
+            elif word in STEPS and rate is None and number > 0.0:
+                rate = Stated(1.0 / number, f"the variable `{name}`")
+            elif (word in SPEEDS or word.endswith("rpm")) and speed is None:
+                speed = Stated(number * pi / 30.0, f"the variable `{name}`")
+            elif name.lower().endswith("parameters.speed") and speed is None:
+                speed = Stated(number, f"the variable `{name}`")
+        elif word in TIMES and values.size >= LEAST_SAMPLES and time is None:
+            time = Stated(values.astype(float).ravel(), f"the variable `{name}`")
+        else:
+            channels |= _columns(name, values)
+    if time is not None:
+        channels = {name: values for name, values in channels.items() if len(values) == len(time.value)}
+    if not channels:
+        raise MeasuredError(path, f"has no signal: {_listed(arrays)}")
+    return Content(channels, time, rate, speed, _units(channels, texts))
+
+
+def _word(name: str) -> str:
+    return "".join(letter for letter in name.rpartition(".")[2].lower() if letter.isalnum())
+
+
+def _columns(name: str, values: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the signals of an array: itself, or its rows or columns, whichever are longer."""
+    if np.iscomplexobj(values) or values.size < LEAST_SAMPLES:
+        return {}
+    if values.ndim == 1 or min(values.shape) == 1:
+        return {name: values.ravel()}
+    if values.ndim != 2 or min(values.shape) > MOST_CHANNELS:
+        return {}
+    columns = values if values.shape[0] >= values.shape[1] else values.T
+    return {f"{name}.{number + 1}": columns[:, number] for number in range(columns.shape[1])}
+
+
+def _units(channels: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> dict[str, str]:
+    """Return the units of signals: `x.unit`, `x_unit`, `units.x` beside `x`, or one `unit` of the file."""
+    units = {}
+    for name in channels:
+        owner, _, last = name.rpartition(".")
+        prefix = f"{owner}." if owner else ""
+        for candidate in (
+            f"{name}.unit",
+            f"{name}_unit",
+            f"{prefix}units.{last}",
+            f"{prefix}unit",
+            "unit",
+            "units",
+        ):
+            if candidate in texts:
+                units[name] = texts[candidate]
+                break
+    return units
+
+
+def _listed(arrays: Mapping[str, np.ndarray]) -> str:
+    shapes = [f"`{name}` {'x'.join(map(str, values.shape)) or '1'}" for name, values in arrays.items()]
+    return (
+        f"it holds {', '.join(shapes[:6])}{', ...' if len(shapes) > 6 else ''}"
+        if shapes
+        else "it holds no numbers"
+    )

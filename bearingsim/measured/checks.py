@@ -1,0 +1,43 @@
+"""Refusal of signals that cannot be analysed."""
+
+from pathlib import Path
+
+import numpy as np
+
+from bearingsim.measured.content import MeasuredError
+
+MOST_CLIPPED = 1e-3
+"""Largest share of samples at the extremes, in runs of two and more."""
+
+
+def refuse_unusable(path: Path, channel: str, values: np.ndarray, rate: float) -> None:
+    """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, or clipped."""
+    missing = np.flatnonzero(~np.isfinite(values))
+    if len(missing):
+        raise MeasuredError(
+            path,
+            f"`{channel}` has {len(missing)} missing or infinite samples, the first at {missing[0] / rate:.6g} s:"
+            " export a part without them",
+        )
+    low, high = values.min(), values.max()
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        raise MeasuredError(path, f"`{channel}` is constant ({low:.6g}): check the sensor, or name a `--channel`")
+    share = clipped_share(values)
+    if share > MOST_CLIPPED:
+        raise MeasuredError(
+            path,
+            f"`{channel}` is clipped: {100.0 * share:.2g} % of its samples are at its extremes in a row: "
+            "measure again with a larger range",
+        )
+
+
+def clipped_share(values: np.ndarray) -> float:
+    """Compute the share of samples at the largest or smallest value whose neighbour has the same value."""
+    share = 0.0
+    for extreme in (values.min(), values.max()):
+        is_extreme = values == extreme
+        in_run = np.zeros(len(values), bool)
+        in_run[1:] = is_extreme[1:] & is_extreme[:-1]
+        in_run[:-1] |= in_run[1:]
+        share += float(np.count_nonzero(in_run & is_extreme)) / len(values)
+    return share

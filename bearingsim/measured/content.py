@@ -1,0 +1,72 @@
+"""Content of a file of signals, before and after its sampling rate, units and speed are known."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import pi
+from pathlib import Path
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from bearingsim.errors import UserError
+
+Value = TypeVar("Value")
+
+
+class MeasuredError(UserError):
+    """A file of signals cannot be read or used; the message names the file, the reason and the remedy."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path}: {reason}")
+
+
+@dataclass(frozen=True)
+class Stated(Generic[Value]):
+    """Value and its source, such as "the variable `fs`"."""
+
+    value: Value
+    source: str
+
+
+class Request(NamedTuple):
+    """Values that the user gives, each in place of the file's: rate (Hz), speed (rad/s), unit, and full scale of
+    integer samples in this unit; channel: name of the only one to read."""
+
+    rate: float | None = None
+    speed: float | None = None
+    unit: str | None = None
+    full_scale: float | None = None
+    channel: str | None = None
+
+
+@dataclass(frozen=True)
+class Content:
+    """Arrays of a file by name, and what the file states about them.
+
+    time: instants (s) of the samples, and the name of their array; rate in Hz, speed in rad/s.
+    """
+
+    channels: Mapping[str, np.ndarray]
+    time: Stated[np.ndarray] | None = None
+    rate: Stated[float] | None = None
+    speed: Stated[float] | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+    integer_range: float | None = None
+    """Largest value of integer samples, which have no unit."""
+
+
+class Recording(NamedTuple):
+    """Channels (n,) of a file by name, sampling rate (Hz), speed (rad/s) and units, with their sources."""
+
+    path: Path
+    channels: dict[str, np.ndarray]
+    rate: Stated[float]
+    speed: Stated[float] | None
+    units: dict[str, Stated[str]]
+
+    @property
+    def shaft(self) -> float:
+        """Frequency (Hz) of the shaft. Raises MeasuredError if the speed is not known."""
+        if self.speed is None:
+            raise MeasuredError(self.path, "states no speed: give it, such as `--speed '1796 rpm'`")
+        return self.speed.value / (2.0 * pi)

@@ -1,0 +1,156 @@
+"""Reading a file of signals: its format by the suffix, its rate, speed and units, and what is refused."""
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from bearingsim.measured.arrays import content_of
+from bearingsim.measured.content import Content, MeasuredError, Recording, Request, Stated
+from bearingsim.measured.exchange import read_tdms, read_uff
+from bearingsim.measured.matlab import read_hdf5, read_mat
+from bearingsim.measured.sound import read_wav
+from bearingsim.measured.tables import read_csv, read_parquet
+
+MOST_BYTES = 1 << 30
+"""Largest file, and largest content of a compressed one (bytes)."""
+INFLATION = 20.0
+"""Largest plausible ratio of an array to the file that holds it; noise does not compress."""
+LEAST_MOST = 1 << 22
+"""Memory (bytes) that an array of any file may take."""
+UNEVEN = 0.5
+"""Largest deviation of an instant from even spacing, relative to a step: printed times are rounded."""
+
+
+def read_npz(path: Path, most: float) -> Content:
+    """Read the arrays of an NPZ file; most: largest memory (bytes) of them together."""
+    with zipfile.ZipFile(path) as archive:
+        size = sum(entry.file_size for entry in archive.infolist())
+    if size > most:
+        raise MeasuredError(path, f"would take {size / 1e6:.3g} MB, which is not plausible for its size")
+    with np.load(path, allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    texts = {name: str(values) for name, values in arrays.items() if values.dtype.kind == "U" and values.size == 1}
+    return content_of(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiub"}, texts)
+
+
+FORMATS: dict[str, Callable[[Path, float], Content]] = {
+    ".csv": lambda path, most: read_csv(path),
+    ".txt": lambda path, most: read_csv(path),
+    ".wav": lambda path, most: read_wav(path),
+    ".mat": read_mat,
+    ".npz": read_npz,
+    ".parquet": lambda path, most: read_parquet(path),
+    ".h5": read_hdf5,
+    ".hdf5": read_hdf5,
+    ".uff": lambda path, most: read_uff(path),
+    ".unv": lambda path, most: read_uff(path),
+    ".tdms": lambda path, most: read_tdms(path),
+}
+"""Readers by suffix."""
+
+
+def read(path: Path, request: Request = Request()) -> Recording:  # noqa: B008
+    """Read the channels of a file, with what the user requests in place of what the file states.
+
+    Raises MeasuredError with the reason and the remedy: an unknown or damaged format, no rate, a gap in time, a
+    channel that is not there. OSError if the file cannot be opened.
+    """
+    size = path.stat().st_size
+    reader = FORMATS.get(path.suffix.lower())
+    if path.is_dir() or reader is None:
+        raise MeasuredError(path, f"expected a file that ends in {', '.join(FORMATS)}")
+    if size == 0:
+        raise MeasuredError(path, "is empty")
+    if size > MOST_BYTES:
+        raise MeasuredError(path, f"has {size / 1e9:.3g} GB, above {MOST_BYTES / 1e9:.3g} GB: export a part of it")
+    try:
+        content = reader(path, min(MOST_BYTES, max(LEAST_MOST, INFLATION * size)))
+    except MeasuredError:
+        raise
+    except Exception as error:
+        if isinstance(error, OSError) and error.filename:
+            raise
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise MeasuredError(path, f"cannot be read as a {path.suffix} file, it is damaged ({reason})") from error
+    return _recording(path, content, request)
+
+
+def _recording(path: Path, content: Content, request: Request) -> Recording:
+    channels = dict(content.channels)
+    if request.channel is not None:
+        if request.channel not in channels:
+            raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_listed(channels)}")
+        channels = {request.channel: channels[request.channel]}
+    scale, scale_unit = _scale(content, request)
+    return Recording(
+        path,
+        {name: np.asarray(values, float) * scale for name, values in channels.items()},
+        _rate(path, content, request),
+        Stated(request.speed, "--speed") if request.speed is not None else content.speed,
+        {name: _unit(content.units.get(name), request, scale_unit) for name in channels},
+    )
+
+
+def _listed(channels: dict[str, np.ndarray]) -> str:
+    names = [f"`{name}`" for name in channels]
+    return f"{', '.join(names[:8])}{f' and {len(names) - 8} more' if len(names) > 8 else ''}"
+
+
+def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
+    """Return the sampling rate (Hz), from the request, the file's own statement, or its times."""
+    if content.time is not None:
+        own = _rate_of_times(path, content.time)
+        return Stated(request.rate, "--rate") if request.rate is not None else own
+    if request.rate is not None:
+        return Stated(request.rate, "--rate")
+    if content.rate is None:
+        raise MeasuredError(path, "states no sampling rate: give it, such as `--rate '51.2 kHz'`")
+    if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
+        raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by `--rate`")
+    return content.rate
+
+
+def _rate_of_times(path: Path, time: Stated[np.ndarray]) -> Stated[float]:
+    """Return the sampling rate (Hz) of instants (s). Raises MeasuredError for a gap."""
+    steps = np.diff(time.value)
+    if len(steps) == 0 or not np.all(np.isfinite(steps)):
+        raise MeasuredError(path, f"has missing times in {time.source}")
+    median = float(np.median(steps))
+    if median <= 0.0:
+        raise MeasuredError(path, f"has times that do not increase, in {time.source}")
+    gaps = np.flatnonzero(np.abs(steps - median) > UNEVEN * median)
+    if len(gaps):
+        begin, step, expected = float(time.value[gaps[0]]), 1e3 * steps[gaps[0]], 1e3 * median
+        raise MeasuredError(
+            path,
+            f"has {len(gaps)} gaps in {time.source}, the first after {begin:.6g} s ({step:.4g} ms instead of "
+            f"{expected:.4g} ms): export an even part of it",
+        )
+    mean = (time.value[-1] - time.value[0]) / len(steps)
+    deviation = np.abs(time.value - time.value[0] - mean * np.arange(len(time.value))).max()
+    if deviation > UNEVEN * mean:
+        raise MeasuredError(
+            path, f"has uneven times in {time.source}, up to {1e3 * deviation:.4g} ms off: resample it"
+        )
+    return Stated(float(1.0 / mean), time.source)
+
+
+def _scale(content: Content, request: Request) -> tuple[float, str | None]:
+    """Return the factor of integer samples, and their unit if the request gives none."""
+    if content.integer_range is None:
+        return 1.0, None
+    full_scale = 1.0 if request.full_scale is None else request.full_scale
+    return full_scale / content.integer_range, None if request.full_scale is not None else "of full scale"
+
+
+def _unit(own: str | None, request: Request, scale_unit: str | None) -> Stated[str]:
+    """Return the unit of a channel, and its source."""
+    if scale_unit is not None:
+        return Stated(scale_unit, "integer samples; `--unit` and `--full-scale` give them a unit")
+    if request.unit is not None:
+        return Stated(request.unit, "--unit")
+    if own:
+        return Stated(own, "the file")
+    return Stated("", "not stated; `--unit` gives it")

@@ -1,0 +1,239 @@
+"""Figure of a measured signal: time, spectrum, envelope spectrum with the lines of the races, kurtogram."""
+
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.plot import FORMATS, MADE_BY, is_replaceable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+    from bearingsim.diagnosis import Diagnosis
+    from bearingsim.diagnosis.comparison import Signal
+    from bearingsim.diagnosis.kurtogram import Kurtogram
+    from bearingsim.measured import Recording
+
+SHOWN_PASSES = 8.0
+"""Periods of the shown line in the panel of the time signal."""
+MOST_POINTS = 4000
+"""Points of a drawn spectrum; of more, the largest in each group is drawn."""
+SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
+HARMONICS = 3
+TITLES = {
+    "outer": "outer race",
+    "inner": "inner race",
+    "roller": "rolling element",
+    "outer or roller": "outer race or rolling element",
+    "other rhythm": "a rhythm that is no line of the bearing",
+    "none": "no line found",
+}
+"""Titles of the figure by verdict."""
+
+
+def check_path(path: Path) -> None:
+    """Raise PlotError for a file of another format, in a missing folder, or that is not a figure of this
+    program."""
+    if path.suffix.removeprefix(".").lower() not in FORMATS:
+        raise PlotError(f"{path}: expected a name that ends in .{', .'.join(FORMATS)}")
+    if not path.parent.is_dir():
+        raise PlotError(f"{path}: there is no folder {path.parent}")
+    if not is_replaceable(path):
+        raise PlotError(f"{path} is not a figure of this program; name another file")
+
+
+def draw(
+    recording: "Recording",
+    channel: str,
+    diagnosis: "Diagnosis",
+    image: "Kurtogram",
+    band: tuple[float, float],
+    path: Path,
+) -> Path:
+    """Write the figure of a channel in the format of the file's suffix; return the file."""
+    from bearingsim.plots.style import drawing
+
+    with drawing():
+        return _write(figure(recording, channel, diagnosis, image, band), path)
+
+
+def figure(
+    recording: "Recording", channel: str, diagnosis: "Diagnosis", image: "Kurtogram", band: tuple[float, float]
+) -> "Canvas":
+    """Draw the four panels."""
+    from matplotlib.figure import Figure
+
+    from bearingsim.plots.style import PAGE_IN
+
+    canvas = Figure(figsize=(PAGE_IN, 0.8 * PAGE_IN), layout="constrained")
+    (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
+    values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
+    label = f"{channel}{f' ({unit})' if unit else ''}"
+    _draw_time(time, values, fs, diagnosis, label)
+    _draw_spectrum(spectrum, values, fs, label)
+    _draw_envelope(envelope, diagnosis, band)
+    _draw_kurtogram(kurtosis, image, band)
+    canvas.suptitle(f"{recording.path.name}: {TITLES[diagnosis.verdict]}", fontsize=9.0)
+    return canvas
+
+
+def _draw_time(ax: "Axes", values: np.ndarray, fs: float, diagnosis: "Diagnosis", label: str) -> None:
+    """Draw some passes around the largest sample."""
+    from bearingsim.plots.style import COLOURS
+
+    count = min(len(values), int(SHOWN_PASSES * fs / diagnosis.findings[diagnosis.best].comb.frequency))
+    start = int(np.clip(np.argmax(np.abs(values - values.mean())) - count // 2, 0, len(values) - count))
+    ax.plot(1e3 * np.arange(start, start + count) / fs, values[start : start + count], color=COLOURS[0], lw=0.7)
+    ax.set_xlabel("Time (ms)")
+    ax.set_ylabel(label)
+    ax.margins(x=0.0)
+
+
+def _draw_spectrum(ax: "Axes", values: np.ndarray, fs: float, label: str) -> None:
+    from bearingsim.plots.style import COLOURS
+    from bearingsim.signals import spectrum
+
+    frequency, amplitude = spectrum(values, fs)
+    group = max(1, len(frequency) // MOST_POINTS)
+    count = len(frequency) // group * group
+    ax.semilogy(
+        1e-3 * frequency[:count:group],
+        np.maximum(amplitude[:count].reshape(-1, group).max(axis=1), amplitude.max() * 1e-8),
+        color=COLOURS[0],
+        lw=0.6,
+    )
+    ax.set_xlabel("Frequency (kHz)")
+    ax.set_ylabel(f"Amplitude of {label}")
+    ax.set_ylim(bottom=max(ax.get_ylim()[0], 1e-6 * float(amplitude.max())))
+    ax.margins(x=0.0)
+
+
+def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
+    """Draw the first front in dB, with the harmonics of each race."""
+    from bearingsim.plots.marks import MARK_COLOURS
+    from bearingsim.plots.style import COLOURS
+
+    front = diagnosis.fronts[0]
+    height = 10.0 * np.log10(np.maximum(front.height[1:], 1.0))
+    ax.plot(front.frequency[1:], height, color=COLOURS[0], lw=0.6)
+    for race, finding in diagnosis.findings.items():
+        is_verdict = race in diagnosis.verdict
+        for number in range(1, HARMONICS + 1):
+            text = SHOWN_LINES[race] if number == 1 else None
+            ax.axvline(
+                number * finding.comb.frequency, color=MARK_COLOURS[race], lw=1.0, label=text, zorder=0.9,
+                ls="-" if is_verdict else (0, (2, 2)), alpha=0.7,
+            )  # fmt: skip
+    ax.set_xlim(0.0, 1.05 * HARMONICS * max(finding.comb.frequency for finding in diagnosis.findings.values()))
+    ax.set_ylim(0.0, 1.25 * float(height.max()))
+    ax.set_xlabel("Frequency (Hz)")
+    ax.set_ylabel(f"Envelope, {band[0] / 1e3:.3g}-{band[1] / 1e3:.3g} kHz (dB)")
+    ax.legend(loc="upper right", ncols=3, fontsize=7.0)
+
+
+def _draw_kurtogram(ax: "Axes", image: "Kurtogram", band: tuple[float, float]) -> None:
+    """Draw kurtosis by level and band, with the edges of the analysed band."""
+    levels = np.arange(len(image.kurtosis) + 1) - 0.5
+    mesh = ax.pcolormesh(
+        1e-3 * image.edges, levels, np.maximum(image.kurtosis, 0.0), cmap="viridis", rasterized=True
+    )
+    for edge in band:
+        ax.axvline(1e-3 * edge, color="white", lw=1.0, ls=(0, (4, 2)))
+    ax.grid(visible=False)
+    ax.set_ylim(levels[-1], levels[0])
+    ax.set_xlabel("Frequency (kHz)")
+    ax.set_ylabel("Level (2^k bands)")
+    canvas = ax.get_figure(root=True)
+    assert canvas is not None
+    canvas.colorbar(mesh, ax=ax, label="Excess kurtosis of the envelope")
+
+
+# A simulation and a measurement
+
+
+def draw_comparison(
+    simulated: "Signal",
+    measured: "Signal",
+    race: str,
+    band: tuple[float, float],
+    names: tuple[str, str],
+    unit: str,
+    path: Path,
+) -> Path:
+    """Write the figure of two signals; return the file.
+
+    names: of the simulated and the measured signal; unit: SI unit of both; band: of the envelope (Hz).
+    """
+    from bearingsim.plots.style import drawing
+
+    with drawing():
+        return _write(_comparison(simulated, measured, race, band, names, unit), path)
+
+
+def _comparison(
+    simulated: "Signal",
+    measured: "Signal",
+    race: str,
+    band: tuple[float, float],
+    names: tuple[str, str],
+    unit: str,
+) -> "Canvas":
+    """Draw time signals around their largest samples, spectra and envelope spectra, one over the other."""
+    from matplotlib.figure import Figure
+
+    from bearingsim.plots.style import COLOURS, PAGE_IN
+    from bearingsim.signals import band_pass, envelope_spectrum, spectrum
+
+    canvas = Figure(figsize=(PAGE_IN, 1.15 * PAGE_IN), layout="constrained")
+    time, whole, envelope = canvas.subplots(3, 1)
+    for signal, name, colour, width in zip(
+        (measured, simulated), names[::-1], COLOURS[1::-1], (0.9, 0.7), strict=True
+    ):
+        series = band_pass(signal.series - signal.series.mean(), signal.fs, band)
+        count = min(len(series), int(SHOWN_PASSES * signal.fs / signal.lines.of_race(race)))
+        quarter = count // 4
+        peak = quarter + int(np.argmax(np.abs(series[quarter : len(series) - count + quarter + 1])))
+        part = series[peak - quarter : peak - quarter + count]
+        passes = (np.arange(len(part)) - quarter) / signal.fs * signal.lines.of_race(race)
+        time.plot(passes, part, color=colour, lw=width, label=name)
+        frequency, amplitude = spectrum(signal.series, signal.fs)
+        inside = (frequency > 0.0) & (frequency <= band[1])
+        group = max(1, int(inside.sum()) // MOST_POINTS)
+        reduced = inside.sum() // group * group
+        top = amplitude[inside][:reduced].reshape(-1, group).max(axis=1)
+        whole.semilogy(
+            1e-3 * frequency[inside][:reduced:group], np.maximum(top, 1e-6 * top.max()), color=colour, lw=width
+        )
+        orders, level = envelope_spectrum(signal.series, signal.fs, band)
+        orders = orders / signal.lines.shaft
+        shown = (orders > 0.2) & (orders <= (HARMONICS + 1.2) * signal.lines.of_race(race) / signal.lines.shaft)
+        envelope.plot(orders[shown], level[shown] / level[shown].max(), color=colour, lw=width)
+    for number in range(1, HARMONICS + 2):
+        place = number * simulated.lines.of_race(race) / simulated.lines.shaft
+        envelope.axvline(place, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
+    time.set_xlabel(f"Time in passes ({SHOWN_LINES[race]}), from the largest sample")
+    time.set_ylabel(f"{unit}, to {band[1] / 1e3:.3g} kHz")
+    whole.set_xlabel("Frequency (kHz)")
+    whole.set_ylabel(f"Amplitude ({unit})")
+    envelope.set_xlabel(f"Order of the shaft; dashed: {SHOWN_LINES[race]} and multiples")
+    envelope.set_ylabel("Squared envelope, of its largest line")
+    for ax in (time, whole, envelope):
+        ax.margins(x=0.0)
+    canvas.legend(loc="outside upper center", ncols=2)
+    return canvas
+
+
+def _write(canvas: "Canvas", path: Path) -> Path:
+    """Write a figure in the format of the file's suffix."""
+    from bearingsim.plots.style import take_literally
+    from bearingsim.store import write_bytes
+
+    take_literally(canvas)
+    content, kind = BytesIO(), path.suffix.removeprefix(".").lower()
+    canvas.savefig(content, format=kind, metadata=MADE_BY[kind])
+    write_bytes(path, content.getvalue())
+    return path

@@ -1,0 +1,119 @@
+"""`bearingsim analyze`: printed text, JSON, figure, refusals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.scenes.commands import type_
+from tests.scenes.impacts import LINES, RATE, impacts
+
+BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
+KEYS = BAND_KEYS | {
+    "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "races", "rival", "width_mm",
+    "spacing_ms", "clearance_may_cause",
+}  # fmt: skip
+RACE_KEYS = {
+    "expected_hz", "found_hz", "deviation", "score_db", "envelope_db", "levelled_db", "shaft_sidebands_db",
+    "cage_sidebands_db",
+}  # fmt: skip
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "damaged.npz"
+    np.savez(path, acc=impacts(LINES.outer, slip=0.005), acc_unit="g", fs=RATE, rpm=1500.0)
+    return path
+
+
+def test_the_verdict_comes_with_its_evidence(file):
+    out, err = type_("analyze", file, "--bearing", "6205")
+    assert err == ""
+    assert "damaged.npz: 4 s at 12800 Hz (the variable `fs`)" in out
+    assert "unit of acc: g (the file)" in out
+    assert "6205 at 1500 rpm (the variable `rpm`), lines within 2 %" in out
+    assert "verdict: outer race, 89.6" in out
+    assert "clearance alone gives BPFO, too" in out
+    for line in ("BPFO", "BPFI", "2 BSF"):
+        assert line in out
+
+
+def test_json_has_fixed_keys(file):
+    values = json.loads(type_("analyze", file, "--bearing", "6205", "--json")[0])
+    assert values.keys() == KEYS | {
+        "file", "bearing", "rate_hz", "rate_source", "speed_rpm", "speed_source", "tolerance", "channel",
+        "channels",
+    }  # fmt: skip
+    assert values["channels"]["acc"].keys() == KEYS
+    assert values["races"]["outer"].keys() == RACE_KEYS
+    assert values["verdict"] == "outer"
+    assert values["races"]["outer"]["found_hz"] == pytest.approx(LINES.outer, rel=2e-3)
+    assert values["rate_hz"] == RATE
+    assert (values["speed_rpm"], values["speed_source"]) == (pytest.approx(1500.0), "the variable `rpm`")
+
+
+def test_all_channels_are_analysed_unless_one_is_named(tmp_path):
+    noise = np.random.default_rng(0).normal(size=51200)
+    np.savez(tmp_path / "a.npz", quiet=noise, loud=impacts(LINES.outer, slip=0.005), fs=RATE)
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--speed", "1500 rpm"]
+    out = type_(*words)[0]
+    assert "quiet: verdict: none found; a line would need" in out
+    assert "loud: verdict: outer race" in out
+    assert json.loads(type_(*words, "--json")[0])["channel"] == "loud"
+    values = json.loads(type_(*words, "--json", "--channel", "quiet")[0])
+    assert list(values["channels"]) == ["quiet"]
+    assert values["verdict"] == "none"
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_the_figure_replaces_figures_only(file, tmp_path, suffix):
+    path = tmp_path / f"a.{suffix}"
+    for _ in range(2):
+        assert f"a.{suffix}" in type_("analyze", file, "--bearing", "6205", "--figure", path)[0]
+    assert path.stat().st_size > 10_000
+    path.write_text("mine")
+    _, err = type_("analyze", file, "--bearing", "6205", "--figure", path, code=2)
+    assert "is not a figure of this program" in err
+    assert path.read_text() == "mine"
+
+
+def test_a_band_is_used_on_request_only(file):
+    def band(*words):
+        return json.loads(type_("analyze", file, "--bearing", "6205", "--json", *words)[0])["band_hz"]
+
+    assert band() == [1000.0, 0.4 * RATE]
+    assert band("--band", "2-5 kHz") == [2000.0, 5000.0]
+    assert band("--band", "1500 Hz..5 kHz") == [1500.0, 5000.0]
+    values = json.loads(type_("analyze", file, "--bearing", "6205", "--json", "--band", "kurtogram")[0])
+    assert values["band_hz"] == values["kurtogram_band_hz"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--speed", "0 rpm"], "--speed"),
+        (["--speed", "1796"], "the unit is missing"),
+        (["--rate", "-5 Hz"], "above zero"),
+        (["--tolerance", "10 %"], "0.5 % to 4 %"),
+        (["--band", "5-2 kHz"], "expected a band such as `2-5 kHz`"),
+        (["--band", "2-2.2 kHz"], "narrower than three times BPFI"),
+        (["--full-scale", "10"], "--unit g"),
+        (["--channel", "b"], "no channel `b`: it has `acc`"),
+        (["--figure", "a.gif"], "expected a name that ends in .png"),
+        (["--figure", "missing/a.png"], "there is no folder missing"),
+        (["--bearing", "6206"], "6206"),
+    ],
+)
+def test_wrong_options_are_refused(file, words, message):
+    given = ["--bearing", "6205"] if "--bearing" not in words else []
+    _, err = type_("analyze", file, *given, *words, code=2)
+    assert message in " ".join(err.replace("│", " ").split())
+
+
+def test_a_file_without_rate_or_speed_asks_for_the_option(tmp_path):
+    np.savez(tmp_path / "a.npz", x=impacts(LINES.outer))
+    assert "--rate" in type_("analyze", tmp_path / "a.npz", "--bearing", "6205", code=2)[1]
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--rate", "12.8 kHz"]
+    assert "--speed" in type_(*words, code=2)[1]
+    assert "verdict: outer race" in type_(*words, "--speed", "1500 rpm")[0]

@@ -1,0 +1,173 @@
+"""Diagnosis of signals whose rhythm is known."""
+
+from math import exp, sqrt
+
+import numpy as np
+import pytest
+
+from bearingsim.diagnosis import Lines, diagnose
+from bearingsim.diagnosis.combs import best_comb, highest_frequency
+from bearingsim.diagnosis.fronts import envelope_front, fast_length, levelled_front, local_median
+from bearingsim.diagnosis.kurtogram import kurtogram
+from bearingsim.diagnosis.size import DEPTH, outer_race_size
+from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
+from bearingsim.diagnosis.thresholds import decibels, threshold
+from bearingsim.study import load_rolling_parts
+from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
+
+NF308 = load_rolling_parts("nf308")
+
+
+def diagnosis(series, shaft=SHAFT, parts=PARTS, **options):
+    return diagnose(series, RATE, parts, shaft, **options)
+
+
+# Verdicts
+
+
+@pytest.mark.parametrize(("race", "modulation"), [("outer", 0.0), ("inner", LINES.shaft), ("roller", LINES.cage)])
+@pytest.mark.parametrize("slip", [0.0, 0.01])
+def test_the_race_whose_rhythm_it_is_is_named(race, modulation, slip):
+    rhythm = 0.993 * LINES.of_race(race)
+    result = diagnosis(impacts(rhythm, modulation, slip=slip, noise=1.0))
+    assert result.verdict == race
+    assert result.findings[race].comb.frequency == pytest.approx(rhythm, rel=2e-3)
+    assert result.findings[race].deviation == pytest.approx(-0.007, abs=2e-3)
+    assert result.findings[race].comb.score > result.threshold
+    assert result.loose is (race == "outer")
+
+
+def test_noise_has_no_line_and_the_needed_height_is_that_of_the_threshold():
+    result = diagnosis(np.random.default_rng(3).normal(size=51200))
+    assert result.verdict == "none"
+    assert max(finding.comb.score for finding in result.findings.values()) < result.threshold
+    height = 10.0 ** (decibels(result.threshold) / 10.0)
+    assert 3.0 * np.log1p(height) == pytest.approx(result.threshold)
+
+
+@pytest.mark.parametrize("change", [1.07, 0.93])
+def test_a_wrong_speed_names_no_race_but_the_rhythm(change):
+    result = diagnosis(impacts(LINES.outer, slip=0.005), shaft=change * SHAFT)
+    assert result.verdict in ("other rhythm", "none")
+    multiples = result.rival.frequency / LINES.outer
+    assert abs(multiples - round(multiples)) < 0.01
+
+
+def test_tones_with_many_harmonics_are_no_defect():
+    """Mains and its harmonics, at BPFO: the first front sees a comb, the levelled one does not."""
+    t = np.arange(51200) / RATE
+    mains = sum(np.cos(2.0 * np.pi * LINES.outer * k * t + k * k) for k in range(1, 45))
+    series = mains + np.random.default_rng(0).normal(size=len(t))
+    result = diagnosis(series)
+    comb = result.findings["outer"].comb
+    assert comb.scores[0] > result.threshold > comb.scores[1]
+    assert result.verdict == "none"
+
+
+@pytest.mark.parametrize(
+    ("race", "modulation", "verdict"),
+    [("outer", 0.0, "outer"), ("roller", 1.0, "roller"), ("outer", 0.1, "outer or roller")],
+)
+def test_lines_within_the_tolerance_are_told_by_the_sidebands_of_the_cage(race, modulation, verdict):
+    lines = Lines.of(NF308, 30.0)
+    assert abs(lines.roller / lines.outer - 1.0) < 0.02
+    if verdict == "outer or roller":
+        signal = impacts(lines.outer, slip=0.005) + modulation * impacts(lines.outer, lines.cage, slip=0.005)
+    else:
+        signal = impacts(lines.of_race(race), modulation * lines.cage, slip=0.005)
+    assert diagnosis(signal, 30.0, NF308).verdict == verdict
+
+
+def test_a_band_that_misses_the_resonance_loses_the_line():
+    series = impacts(LINES.outer, slip=0.01, noise=2.0)
+    wide, narrow = diagnosis(series), diagnosis(series, band=(4500.0, 5120.0))
+    assert wide.findings["outer"].comb.scores[0] > narrow.findings["outer"].comb.scores[0] + 3.0
+
+
+# Parts
+
+
+def test_the_lesser_front_counts_and_both_have_one_fundamental():
+    series = impacts(LINES.outer, slip=0.005)
+    highest = highest_frequency(LINES)
+    fronts = (envelope_front(series, RATE, SHAFT, highest), levelled_front(series, RATE, SHAFT, highest))
+    comb = best_comb(fronts, LINES.outer, 0.02)
+    assert comb.score == min(comb.scores)
+    for front, score in zip(comb.heights, comb.scores, strict=True):
+        assert np.log1p(front).sum() == pytest.approx(score)
+
+
+def test_heights_of_noise_have_the_median_1_and_are_exponential():
+    series = np.random.default_rng(0).normal(size=1 << 17)
+    front = envelope_front(series, RATE, SHAFT, 1000.0)
+    height = front.height[50:]
+    assert np.median(height) == pytest.approx(1.0, abs=0.05)
+    assert np.mean(height > 3.0) == pytest.approx(exp(-3.0 * np.log(2.0)), abs=0.01)
+
+
+def test_the_local_median_follows_a_slope_and_ignores_lines():
+    values = np.linspace(1.0, 2.0, 1001)
+    values[::50] = 1e6
+    assert local_median(values, 40)[100:900] == pytest.approx(np.linspace(1.0, 2.0, 1001)[100:900], abs=0.03)
+
+
+def test_fast_lengths_have_small_factors():
+    assert [fast_length(n) for n in (121991, 262144, 1001)] == [121500, 262144, 1000]
+
+
+def test_thresholds_are_interpolated_and_continued():
+    assert threshold(60.0, 0.02) == pytest.approx(
+        np.mean([threshold(60.0 * f, 0.02) for f in (0.9, 1 / 0.9)]), 0.05
+    )
+    octave = threshold(320.0, 0.04) - threshold(160.0, 0.04)
+    assert threshold(1280.0, 0.04) - threshold(640.0, 0.04) == pytest.approx(octave, abs=1e-6)
+    assert threshold(1280.0, 0.02) >= threshold(320.0, 0.02)
+    assert threshold(2.0, 0.02) == threshold(5.0, 0.02)
+    assert threshold(100.0, 0.04) > threshold(100.0, 0.005)
+
+
+def test_the_kurtogram_finds_the_band_of_a_resonance():
+    best = kurtogram(impacts(LINES.outer, noise=1.5, resonance=3000.0), RATE).best
+    assert best[0] <= 3000.0 <= best[1]
+    assert best[1] - best[0] < 0.2 * RATE
+
+
+# Size
+
+
+def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_edge():
+    impact = impacts(LINES.outer, noise=0.02)
+    shift = round(0.2 / LINES.outer * RATE)
+    size = outer_race_size(impact + 0.5 * np.roll(impact, -shift), RATE, PARTS, LINES.outer)
+    assert size is not None
+    assert size.spacing == pytest.approx(shift / RATE, rel=0.05)
+    race = (PARTS.pitch_diameter + PARTS.roller_diameter) / 2.0
+    speed = 2.0 * np.pi * LINES.cage * race
+    assert size.low == pytest.approx(size.spacing * speed, rel=1e-6)
+    effective = PARTS.roller_diameter / 2.0 * race / (race - PARTS.roller_diameter / 2.0)
+    assert size.high - size.low == pytest.approx(sqrt(2.0 * effective * DEPTH))
+
+
+def test_no_width_without_two_events():
+    assert outer_race_size(impacts(LINES.outer, noise=0.02), RATE, PARTS, LINES.outer) is None
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("count", "fs", "band", "message"),
+    [
+        (40000, 4000.0, (1000.0, 1600.0), "sampled at 4000 Hz: .* requires 5000 Hz"),
+        (1000, 12800.0, (1000.0, 5120.0), "under 20 periods of the slowest line .*: record 0.223 s or more"),
+        (60000, 12800.0, (1000.0, 1300.0), "narrower than three times BPFI"),
+        (60000, 12800.0, (1000.0, 9000.0), "not within 0 to 6400 Hz"),
+    ],
+)
+def test_unsuitable_records_are_refused(count, fs, band, message):
+    with pytest.raises(Unsuitable, match=message):
+        refuse_unsuitable(count, fs, LINES, band)
+
+
+def test_a_suitable_record_is_accepted():
+    refuse_unsuitable(60000, 12800.0, LINES, (1000.0, 5120.0))

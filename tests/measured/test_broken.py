@@ -1,0 +1,117 @@
+"""Broken files are refused with a reason, in time and within memory."""
+
+import time
+import tracemalloc
+import zipfile
+
+import h5py
+import numpy as np
+import pytest
+
+from bearingsim.measured import MeasuredError, Request, read
+from tests.measured.test_formats import csv, mat, mat73, npz, parquet, tdms, uff
+
+SECONDS, BYTES = 1.0, 300e6
+
+
+def wav(path):
+    from scipy.io import wavfile
+
+    wavfile.write(path, 12800, np.random.default_rng(0).normal(size=4096))
+
+
+def truncated(content, rng):
+    return content[: int(rng.uniform(0.02, 0.9) * len(content))]
+
+
+def overwritten(content, rng):
+    """Replace the first 200 bytes and a part by random ones."""
+    begin = int(rng.uniform(0.2, 0.8) * len(content))
+    noise = rng.integers(0, 256, 200, np.uint8).tobytes()
+    return noise + content[200:begin] + noise + content[begin + 200 :]
+
+
+def with_words(content, rng):
+    """Replace a number of a table by a word."""
+    lines = content.decode().splitlines()
+    row = int(rng.integers(100, len(lines)))
+    cells = lines[row].split(",")
+    lines[row] = ",".join([*cells[:-1], "broken"])
+    return "\n".join(lines).encode()
+
+
+def with_decimal_commas(content, rng):
+    return content.replace(b",", b";").replace(b".", b",")
+
+
+FILES = {
+    ".mat": (mat, (truncated, overwritten)),
+    ".h5": (mat73, (truncated,)),
+    ".npz": (npz, (truncated,)),
+    ".wav": (wav, (truncated, overwritten)),
+    ".parquet": (parquet, (truncated,)),
+    ".csv": (csv, (with_words, with_decimal_commas)),
+    ".uff": (uff, (overwritten,)),
+    ".tdms": (tdms, (overwritten,)),
+}
+CASES = [
+    (suffix, damage, seed) for suffix, (_, damages) in FILES.items() for damage in damages for seed in range(4)
+]
+
+
+def refusal_of(path):
+    """Return the refusal of a file, after checking time and memory."""
+    tracemalloc.start()
+    begin = time.process_time()
+    try:
+        with pytest.raises(MeasuredError) as refusal:
+            read(path, Request(rate=12800.0))
+        assert tracemalloc.get_traced_memory()[1] < BYTES
+    finally:
+        tracemalloc.stop()
+    assert time.process_time() - begin < SECONDS
+    return str(refusal.value)
+
+
+def test_there_are_forty_of_them():
+    assert len(CASES) >= 40
+
+
+@pytest.mark.parametrize(("suffix", "damage", "seed"), CASES)
+def test_broken_files_are_refused_with_a_reason(tmp_path, suffix, damage, seed):
+    path = tmp_path / f"a{suffix}"
+    FILES[suffix][0](path)
+    path.write_bytes(damage(path.read_bytes(), np.random.default_rng(seed)))
+    message = refusal_of(path)
+    assert message.startswith(str(path))
+    assert len(message) > len(str(path)) + 10
+
+
+def test_files_that_inflate_are_refused(tmp_path):
+    np.savez_compressed(tmp_path / "a.npz", x=np.zeros(100_000_000, np.int8), y=np.zeros(1 << 27, np.int8))
+    assert (tmp_path / "a.npz").stat().st_size < 1_000_000
+    assert "not plausible" in refusal_of(tmp_path / "a.npz")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.create_dataset("x", shape=(1 << 40,), dtype="f8", chunks=(1 << 20,))
+    assert "MB" in refusal_of(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.csv", b"", "is empty"),
+        ("a.doc", b"x", "expected a file that ends in .csv"),
+        ("a.csv", b"a,b\nno,number\n", "has no row of numbers"),
+        ("a.csv", b"time [h],x\n" + b"1,2\n2,3\n" * 20, "expected s, ms or us"),
+        ("a.csv", b"\0\1\2\3", "is no text"),
+    ],
+)
+def test_what_is_no_table_of_signals_is_refused(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    assert message in refusal_of(tmp_path / name)
+
+
+def test_a_zip_of_something_else_is_refused(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("readme.txt", "no arrays")
+    assert "a.npz" in refusal_of(tmp_path / "a.npz")

@@ -1,0 +1,221 @@
+"""Files of measured signals: each format is written by its library's own writer and read back equal."""
+
+import json
+from math import pi
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import savemat, wavfile
+
+from bearingsim.measured import MeasuredError, Request, read
+from bearingsim.measured.checks import clipped_share, refuse_unusable
+from tests.scenes.commands import STUDY, type_
+
+RATE = 12800.0
+X = np.random.default_rng(1).normal(size=(4096, 2))
+T = np.arange(len(X)) / RATE
+
+
+def csv(path):
+    pd.DataFrame({"time [s]": T, "acc [g]": X[:, 0], "b": X[:, 1]}).to_csv(path, index=False)
+
+
+def csv_without_heads(path):
+    np.savetxt(path, np.column_stack([T, X]))
+
+
+def csv_of_other_separator(path):
+    text = pd.DataFrame({"time (ms)": 1e3 * T, "acc (g)": X[:, 0], "b": X[:, 1]}).to_csv(index=False, sep=";")
+    path.write_text(f"Exported by a logger\n\n{text}", encoding="utf-8-sig")
+
+
+def mat(path):
+    savemat(path, {"acc": X[:, 0], "b": X[:, 1], "acc_unit": "g", "fs": RATE, "RPM": 1796.0})
+
+
+def mat_of_structs(path):
+    savemat(path, {"bearing": {"fs": RATE, "rpm": 1796, "acc": X[:, 0], "b": X[:, 1], "units": {"acc": "g"}}})
+
+
+def mat73(path):
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in (("acc", X[:, :1].T), ("b", X[:, 1:].T), ("fs", [[RATE]]), ("rpm", [[1796.0]])):
+            file[name] = values
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+        file["acc_unit"] = np.array([[ord("g")]], np.uint16)
+        file["acc_unit"].attrs["MATLAB_class"] = np.bytes_("char")
+    with open(path, "r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+
+
+def npz(path):
+    np.savez_compressed(path, acc=X[:, 0], b=X[:, 1], fs=RATE, rpm=1796.0, acc_unit="g")
+
+
+def parquet(path):
+    pytest.importorskip("pyarrow")
+    pd.DataFrame({"time [s]": T, "acc [g]": X[:, 0], "b": X[:, 1]}).to_parquet(path)
+
+
+def uff(path):
+    pyuff = pytest.importorskip("pyuff", reason="the extra `formats` is not installed")
+    common = {
+        "type": 58, "binary": 0, "func_type": 1, "rsp_node": 1, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1, "x": T,
+        "abscissa_inc": 1.0 / RATE, "num_pts": len(X), "abscissa_spacing": 1, "abscissa_min": 0.0,
+        "orddenom_spec_data_type": 0,
+    }  # fmt: skip
+    sets = [
+        common | {"id1": name, "data": X[:, column], "ordinate_axis_units_lab": unit}
+        for column, (name, unit) in enumerate((("acc", "g"), ("b", "NONE")))
+    ]
+    pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+
+
+def tdms(path):
+    nptdms = pytest.importorskip("nptdms", reason="the extra `formats` is not installed")
+    with nptdms.TdmsWriter(str(path)) as writer:
+        writer.write_segment(
+            [
+                nptdms.ChannelObject("g1", name, X[:, column], {"wf_increment": 1.0 / RATE} | properties)
+                for column, (name, properties) in enumerate((("acc", {"unit_string": "g"}), ("b", {})))
+            ]
+        )
+
+
+@pytest.mark.parametrize(
+    ("write", "suffix", "accuracy"),
+    [
+        (csv, ".csv", 0.0),
+        (csv_without_heads, ".txt", 1e-15),
+        (csv_of_other_separator, ".csv", 0.0),
+        (mat, ".mat", 0.0),
+        (mat_of_structs, ".mat", 0.0),
+        (mat73, ".mat", 0.0),
+        (npz, ".npz", 0.0),
+        (parquet, ".parquet", 0.0),
+        (uff, ".uff", 1e-9),
+        (tdms, ".tdms", 0.0),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*datetime:DeprecationWarning")
+def test_a_file_is_read_as_it_was_written(tmp_path, write, suffix, accuracy):
+    path = tmp_path / f"signal{suffix}"
+    write(path)
+    recording = read(path)
+    assert len(recording.channels) == 2
+    for column, values in enumerate(recording.channels.values()):
+        assert np.abs(values - X[:, column]).max() <= accuracy
+    assert recording.rate.value == pytest.approx(RATE, rel=1e-9)
+    has_speed = recording.speed is not None
+    assert has_speed is (suffix in (".mat", ".npz"))
+    if has_speed:
+        assert recording.shaft * 60.0 == pytest.approx(1796.0)
+    unit = next(iter(recording.units.values()))
+    if write is not csv_without_heads:
+        assert (unit.value, unit.source) == ("g", "the file")
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, np.int32, np.float32, np.float64])
+def test_wav_samples_are_shares_of_full_scale_until_it_is_given(tmp_path, kind):
+    scale = {np.uint8: 127.0, np.int16: 32767.0, np.int32: 2.0**31 - 1.0}.get(kind, 1.0)
+    values = 0.9 * np.sin(np.arange(4096.0))
+    wavfile.write(tmp_path / "a.wav", 48000, (scale * values + 128.0 * (kind is np.uint8)).astype(kind))
+    recording = read(tmp_path / "a.wav")
+    error = np.abs(recording.channels["signal"] - values).max()
+    assert error < (2e-2 if kind is np.uint8 else 1e-4)
+    assert recording.rate.value == 48000.0
+    is_integer = np.dtype(kind).kind in "iu"
+    assert recording.units["signal"].value == ("of full scale" if is_integer else "")
+    scaled = read(tmp_path / "a.wav", Request(unit="g", full_scale=50.0))
+    factor = 50.0 if is_integer else 1.0
+    assert scaled.channels["signal"] == pytest.approx(factor * recording.channels["signal"])
+    assert scaled.units["signal"].value == "g"
+
+
+def test_own_units_and_exports_are_read(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(STUDY + "record: [ring.acceleration]\n")
+    type_("run", "small.yaml", "--quick", "--jobs", 1, "--out", "results")
+    job = json.loads(type_("show", "results", "--json")[0])[0]["job"]
+    type_("export", "results", "--series", job, "--out", "series.mat")
+    type_("export", "results", "--series", job, "--out", "series.csv")
+    from bearingsim import open_results
+
+    series = open_results("results").series(job)
+    own = series["ring.acceleration.x"].astype(float)
+    unit_file = next(path for path in (tmp_path / "results" / "units").rglob("*.h5") if _has(path, job))
+    names = {unit_file: f"{job}/ring.acceleration.x", "series.mat": f"job_{job}.ring_acceleration_x"}
+    for path, channel in (*names.items(), ("series.csv", "ring.acceleration.x")):
+        recording = read(tmp_path / path, Request(channel=channel))
+        assert np.allclose(recording.channels[channel], own, rtol=1e-6), path
+        assert recording.rate.value == pytest.approx(10240.0)
+        assert recording.units[channel].value == "m/s^2"
+    assert recording.speed is None
+    assert read(tmp_path / "series.mat").shaft == pytest.approx(30.0)
+
+
+def _has(path, job):
+    with h5py.File(path) as file:
+        return job.encode() in file["job"][()]
+
+
+# Values that the user gives
+
+
+def test_options_replace_what_the_file_states(tmp_path):
+    npz(tmp_path / "a.npz")
+    recording = read(tmp_path / "a.npz", Request(rate=1000.0, speed=2.0 * pi, unit="m/s^2", channel="b"))
+    assert list(recording.channels) == ["b"]
+    assert recording.rate == (recording.rate.__class__)(1000.0, "--rate")
+    assert recording.shaft == pytest.approx(1.0)
+    assert recording.units["b"].value == "m/s^2"
+
+
+def test_a_missing_rate_and_speed_are_asked_for_by_their_options(tmp_path):
+    np.savez(tmp_path / "a.npz", x=X[:, 0])
+    with pytest.raises(MeasuredError, match="--rate '51"):
+        read(tmp_path / "a.npz")
+    with pytest.raises(MeasuredError, match="--speed '1796 rpm'"):
+        _ = read(tmp_path / "a.npz", Request(rate=RATE)).shaft
+    with pytest.raises(MeasuredError, match="no channel `y`: it has `x`"):
+        read(tmp_path / "a.npz", Request(rate=RATE, channel="y"))
+
+
+# Refusals
+
+
+def test_gaps_and_uneven_times_are_refused_with_their_place(tmp_path):
+    t = np.delete(T, slice(1000, 1010))
+    pd.DataFrame({"time": t, "x": X[: len(t), 0]}).to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(MeasuredError, match=r"1 gaps in the column `time`, the first after 0\.078"):
+        read(tmp_path / "a.csv")
+    pd.DataFrame({"time": T**1.01, "x": X[:, 0]}).to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(MeasuredError, match="uneven times"):
+        read(tmp_path / "a.csv")
+
+
+def test_rounded_times_are_no_gaps(tmp_path):
+    pd.DataFrame({"time": np.round(T, 5), "x": X[:, 0]}).to_csv(tmp_path / "a.csv", index=False)
+    assert read(tmp_path / "a.csv").rate.value == pytest.approx(RATE, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda x: np.where(np.arange(len(x)) == 128, np.nan, x), r"1 missing .* samples, the first at 0\.01 s"),
+        (lambda x: np.where(x > 3.0, np.inf, x), "infinite"),
+        (lambda x: 0.0 * x + 2.5, r"constant \(2\.5\)"),
+        (lambda x: np.clip(x, -1.2, 1.2), "clipped: .* at its extremes in a row"),
+    ],
+)  # fmt: skip
+def test_unusable_signals_are_refused(tmp_path, change, message):
+    with pytest.raises(MeasuredError, match=message):
+        refuse_unusable(tmp_path, "x", change(X[:, 0]), RATE)
+
+
+def test_single_extremes_are_not_clipped(tmp_path):
+    refuse_unusable(tmp_path, "x", X[:, 0], RATE)
+    assert clipped_share(np.array([0.0, 1.0, 0.0, 1.0, -1.0])) == 0.0
+    assert clipped_share(np.array([0.0, 1.0, 1.0, -1.0])) == 0.5
