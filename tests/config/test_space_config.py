@@ -198,15 +198,15 @@ def test_loads_at_rest_include_misalignment() -> None:
         fields = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}
         return limits.loads_at_rest(assemble.healthy_case(case(**fields)))
 
-    leaning, straight = (at_rest(lean, damping=CHI) for lean in ("1 mrad", "0 mrad"))
+    tilted, straight = (at_rest(lean, damping=CHI) for lean in ("1 mrad", "0 mrad"))
     assert straight[0] == pytest.approx(316, rel=0.01)
-    assert leaning[0] == pytest.approx(455, rel=0.01)
+    assert tilted[0] == pytest.approx(455, rel=0.01)
     assert (
-        leaning[2] > 1.3 * straight[2]
+        tilted[2] > 1.3 * straight[2]
     )  # this damping goes with the force, stiffness with the length that carries
-    leaning, straight = (at_rest(lean) for lean in ("1 mrad", "0 mrad"))  # the default goes with the stiffness
+    tilted, straight = (at_rest(lean) for lean in ("1 mrad", "0 mrad"))  # the default goes with the stiffness
     assert straight[2] == pytest.approx(2.5e-6 * straight[1], rel=1e-9)
-    assert leaning[2] == pytest.approx(2.39e-6 * leaning[1], rel=0.01)  # flanges hold, and are not damped so
+    assert tilted[2] == pytest.approx(2.39e-6 * tilted[1], rel=0.01)  # flanges hold, and are not damped so
 
 
 def test_equivalent_cases_have_one_id() -> None:

@@ -33,9 +33,9 @@ def time_of(case):
 def record_of(case):
     """Forces of 10 N, slips of 2 % and 0.2 mm/s, a cage that hangs 3 um to the right."""
     time = time_of(case)
-    worth = {"roller.2.outer_force": 10.0, "roller.2.outer_slip": 2e-4, "cage.slip": SLIP}
-    worth |= {"cage.speed": OMEGA_C * (1.0 - SLIP), "cage.position.x": 0.0, "cage.position.y": 3e-6}
-    series = {name: np.full(len(time), worth[name]) for channel in case.record for name in dataset_names(channel)}
+    values = {"roller.2.outer_force": 10.0, "roller.2.outer_slip": 2e-4, "cage.slip": SLIP}
+    values |= {"cage.speed": OMEGA_C * (1.0 - SLIP), "cage.position.x": 0.0, "cage.position.y": 3e-6}
+    series = {name: np.full(len(time), values[name]) for channel in case.record for name in dataset_names(channel)}
     features = {"velocity@BPFO": 1e-6, "velocity@BPFO.phase": 0.0, "cage.slip.mean": SLIP}
     return SimpleNamespace(
         time=time, series=series, features=features, info={"cage_angle_start_rad": 0.5, "cpu_s": 1.0}

@@ -122,12 +122,12 @@ def test_profiles_are_before_over_and_after_the_defect(loaded):
 
 
 def test_tilt_and_skew_share_time_axis_of_load_map(loaded, monkeypatch):
-    def leaning(case):
+    def tilted(case):
         result = record(case)
         result.series |= {"roller.2.tilt": 3e-6 * (1.0 + result.time), "roller.2.skew": 0.0 * result.time}
         return result
 
-    monkeypatch.setattr("tests.plots.test_plots.record", leaning)
+    monkeypatch.setattr("tests.plots.test_plots.record", tilted)
     opened = loaded(
         text=STUDY.replace(
             "[roller.2.outer_line_load]", "[roller.2.outer_line_load, roller.2.tilt, roller.2.skew]"

@@ -114,8 +114,8 @@ def test_contact_is_where_path_is_below_geometric_path():
 def test_recorded_path_is_drawn_over_sections(results, monkeypatch):
     def made(test_case):
         time = np.arange(round(test_case.duration * test_case.sampling)) / test_case.sampling
-        worth = {"roller.2.radial": 3e-6, "ring.displacement.x": 0.0, "ring.displacement.y": 0.0}
-        series = {name: np.full(len(time), worth[name]) for c in test_case.record for name in dataset_names(c)}
+        values = {"roller.2.radial": 3e-6, "ring.displacement.x": 0.0, "ring.displacement.y": 0.0}
+        series = {name: np.full(len(time), values[name]) for c in test_case.record for name in dataset_names(c)}
         return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": -0.6})
 
     monkeypatch.setattr("tests.plots.test_plots.record", made)

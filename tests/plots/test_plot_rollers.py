@@ -14,7 +14,7 @@ from tests.plots.test_plots import only, results, text_of
 __all__ = ["results"]
 
 STUDY = """\
-study: leaning
+study: tilted
 bearing: nf308
 rig: {axial_stiffness: 1e7 N/m, tilting_stiffness: 1e4 N m/rad, sensor_angle: 90 deg}
 speed: 1800 rpm
@@ -27,27 +27,27 @@ sweep:
 duration: 20 ms
 record: [roller.2.outer_line_load, roller.2.tilt, roller.3.tilt, roller.2.skew, ring.lean, ring.axial]
 """
-WORTH = {"roller.2.tilt": 2e-3, "roller.3.tilt": -3e-3, "roller.2.skew": 4e-6}
-WORTH |= {"ring.lean.x": 5e-6, "ring.lean.y": 7e-6, "ring.axial": 8e-6}
+VALUES = {"roller.2.tilt": 2e-3, "roller.3.tilt": -3e-3, "roller.2.skew": 4e-6}
+VALUES |= {"ring.lean.x": 5e-6, "ring.lean.y": 7e-6, "ring.axial": 8e-6}
 
 
 def record(case):
     time = np.arange(round(case.duration * case.sampling)) / case.sampling
     names = [name for channel in case.record for name in dataset_names(channel)]
-    series = {name: np.full(len(time), WORTH.get(name, 1e3)) for name in names}
+    series = {name: np.full(len(time), VALUES.get(name, 1e3)) for name in names}
     return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": 0.0})
 
 
 @pytest.fixture
-def leaning(results, monkeypatch):
+def tilted(results, monkeypatch):
     monkeypatch.setattr("tests.plots.test_plots.record", record)
     return results(STUDY)
 
 
-def test_same_channel_of_rollers_shares_a_panel(leaning):
+def test_same_channel_of_rollers_shares_a_panel(tilted):
     channels = ["roller.2.tilt", "roller.3.tilt", "roller.2.skew"]
     for kind in ("series", "roller"):
-        _, canvas = only(drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=channels))
+        _, canvas = only(drawn(tilted, kind=kind, jobs=tilted.jobs[:1], y=channels))
         assert len(canvas.axes) == 2
         tilt, skew = canvas.axes
         assert tilt.get_ylabel().replace("\n", " ") == "Tilt of each roller, its +z end outwards (mrad)"
@@ -61,34 +61,34 @@ def test_same_channel_of_rollers_shares_a_panel(leaning):
         assert colours[0] != colours[1]
 
 
-def test_each_roller_is_drawn_at_its_own_angle(leaning):
+def test_each_roller_is_drawn_at_its_own_angle(tilted):
     channels = ["roller.2.tilt", "roller.3.tilt"]
-    [ax] = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1], y=channels))[1].axes
+    [ax] = only(drawn(tilted, kind="roller", jobs=tilted.jobs[:1], y=channels))[1].axes
     first = [line.get_xdata()[0] for line in ax.lines[:2]]
     assert first == pytest.approx([360.0 / 13, 720.0 / 13])
 
 
-def test_ring_tilt_has_two_components_at_any_sensor_angle(leaning):
-    [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1], y=["ring.lean"]))[1].axes
+def test_ring_tilt_has_two_components_at_any_sensor_angle(tilted):
+    [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1], y=["ring.lean"]))[1].axes
     assert ax.get_ylabel().replace("\n", " ") == "Lean of the outer ring's axis (µrad)"
     assert {line.get_label(): line.get_ydata()[0] for line in ax.lines} == pytest.approx(
         {"x": 5.0, "y": 7.0}, rel=1e-6
     )
 
 
-def test_slices_are_drawn_only_by_name(leaning):
-    axes = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1]))[1].axes
+def test_slices_are_drawn_only_by_name(tilted):
+    axes = only(drawn(tilted, kind="roller", jobs=tilted.jobs[:1]))[1].axes
     assert [ax.get_ylabel().split()[0] for ax in axes] == ["Tilt", "Skew"]
-    [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1]))[1].axes
+    [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1]))[1].axes
     assert ax.get_ylabel().startswith("Tilt of roller 2")
-    [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1], y=["roller.2.outer_line_load.3"]))[1].axes
+    [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1], y=["roller.2.outer_line_load.3"]))[1].axes
     assert ax.get_ylabel().replace("\n", " ") == "Line load of roller 2 on the outer race, slice 3 (N/mm)"
 
 
 @pytest.mark.parametrize("kind", ["series", "roller", "spectrum"])
-def test_line_load_of_all_slices_is_referred_to_kind_load(leaning, kind):
+def test_line_load_of_all_slices_is_referred_to_kind_load(tilted, kind):
     with pytest.raises(PlotError, match="use `--kind load`"):
-        drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=["roller.2.outer_line_load"])
+        drawn(tilted, kind=kind, jobs=tilted.jobs[:1], y=["roller.2.outer_line_load"])
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class KnownIndices(NamedTuple):
+class ReferenceIndices(NamedTuple):
     """A function of points (..., d), and its indices (d,)."""
 
     function: Callable[[Array], Array]
@@ -18,7 +18,7 @@ class KnownIndices(NamedTuple):
     total: Array
 
 
-def _ishigami(a: float = 7.0, b: float = 0.1) -> KnownIndices:
+def _ishigami(a: float = 7.0, b: float = 0.1) -> ReferenceIndices:
     """sin x + a sin^2 y + b z^4 sin x, each of them from -pi to pi (Ishigami and Homma, 1990)."""
 
     def function(u: Array) -> Array:
@@ -29,14 +29,14 @@ def _ishigami(a: float = 7.0, b: float = 0.1) -> KnownIndices:
     variance_y = a**2 / 8.0
     variance_xz = b**2 * math.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)  # x and z
     variance = variance_x + variance_y + variance_xz
-    return KnownIndices(
+    return ReferenceIndices(
         function,
         np.array([variance_x, variance_y, 0.0]) / variance,
         np.array([variance_x + variance_xz, variance_y, variance_xz]) / variance,
     )
 
 
-def _sobol_g(a: Array) -> KnownIndices:
+def _sobol_g(a: Array) -> ReferenceIndices:
     """The product of (|4 x_j - 2| + a_j)/(1 + a_j) (Saltelli and Sobol', 1995)."""
 
     def function(u: Array) -> Array:
@@ -44,7 +44,7 @@ def _sobol_g(a: Array) -> KnownIndices:
 
     variances = 1.0 / 3.0 / (1.0 + a) ** 2
     variance = np.prod(1.0 + variances) - 1.0
-    return KnownIndices(
+    return ReferenceIndices(
         function, variances / variance, variances * np.prod(1.0 + variances) / (1.0 + variances) / variance
     )
 

@@ -343,12 +343,12 @@ def test_nodes_are_doubled_if_defect_varies_along_roller(write: Write, shape: st
 
 def test_reference_is_compared_with_half_the_slices_or_twice_the_harmonics(write: Write) -> None:
     """Twice the slices would exceed the limit. Other cases have this error within that of the model."""
-    leaning = candidates.reference(accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
-    other = candidates.with_other_nodes(leaning)
+    sliced = candidates.reference(accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
+    other = candidates.with_other_nodes(sliced)
     assert other is not None
-    assert (leaning.contact.slices, other[0].contact.slices, other[0].contact.length_nodes) == (48, 24, NODES)
+    assert (sliced.contact.slices, other[0].contact.slices, other[0].contact.length_nodes) == (48, 24, NODES)
     assert other[1] == 1.0
-    assert candidates.with_other_nodes(leaning, is_reference=False) is None
+    assert candidates.with_other_nodes(sliced, is_reference=False) is None
     bending = candidates.reference(accuracy_study(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
     other = candidates.with_other_nodes(bending)
     assert other is not None

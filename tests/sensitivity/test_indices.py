@@ -7,13 +7,13 @@ from scipy.stats import sobol_indices
 from bearingsim.designs import cube
 from bearingsim.sensitivity import estimates
 from bearingsim.sensitivity.estimates import estimate
-from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, KnownIndices
+from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, ReferenceIndices
 
-KNOWN = pytest.mark.parametrize("closed_form", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
+EACH_CLOSED_FORM = pytest.mark.parametrize("closed_form", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
 BOTH = np.stack
 
 
-def blocks_of(closed_form: KnownIndices, n: int, seed: int = 1):
+def blocks_of(closed_form: ReferenceIndices, n: int, seed: int = 1):
     d = len(closed_form.first)
     return closed_form.function(cube("saltelli", n, d, seed)).reshape(n, d + 2)
 
@@ -24,14 +24,14 @@ def test_closed_forms_agree_with_literature():
     assert SOBOL_G.first.sum() < 1.0 < SOBOL_G.total.sum()
 
 
-@KNOWN
+@EACH_CLOSED_FORM
 @pytest.mark.parametrize("seed", [1, 2])
 def test_indices_agree_with_closed_forms(closed_form, seed):
     result = estimates.indices(blocks_of(closed_form, 2**14, seed))
     assert np.abs(result - BOTH([closed_form.first, closed_form.total])).max() < 0.02
 
 
-@KNOWN
+@EACH_CLOSED_FORM
 def test_indices_with_dropped_blocks(closed_form):
     f = blocks_of(closed_form, 2**14)
     f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
@@ -40,7 +40,7 @@ def test_indices_with_dropped_blocks(closed_form):
     assert np.abs(estimates.indices(full) - BOTH([closed_form.first, closed_form.total])).max() < 0.05
 
 
-@KNOWN
+@EACH_CLOSED_FORM
 @pytest.mark.parametrize("offset", [0.0, 1e3])
 def test_indices_agree_with_scipy(closed_form, offset):
     f = blocks_of(closed_form, 2**12) + offset
@@ -122,7 +122,7 @@ def test_bootstrap_draws_whole_blocks():
     assert result.high == pytest.approx([1.0])
 
 
-@KNOWN
+@EACH_CLOSED_FORM
 @pytest.mark.parametrize("n", [128, 2**14])
 def test_morris_ranks_by_total_index(closed_form, n):
     d = len(closed_form.first)
