@@ -124,7 +124,7 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
         if len(ends) > 1 and not unknown:
             common = [float(ends["least"].max()), float(ends["largest"].min())]
-            shared = f"all cases share {_range(name, pd.Series(common), unit, factor)}"
+            shared = f"all cases can have {_range(name, pd.Series(common), unit, factor)}"
             texts.append(shared if common[0] < common[1] else "the ranges of some cases are separate")
         if jobs:
             yield f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}: {', '.join(texts)}"

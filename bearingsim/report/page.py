@@ -58,13 +58,14 @@ class Table:
 class Page:
     """Content of the page.
 
-    subject: bearing, defect and figures in words;
+    subject: bearing, defect and figures in words; varied: some parameters are varied as uncertain;
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
     omissions: what was left out, and why; text: the study file; changes: overrides of the command line.
     """
 
     study: str
     subject: str
+    varied: bool
     counts: str
     complete: bool
     written: str
@@ -104,6 +105,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     return Page(
         study=results.plan["study"],
         subject=subject(results),
+        varied=bool(results.variations),
         counts=_counts(results, table),
         complete=bool((table["status"] != "missing").all()),
         written=f"Written {now()[:16].replace('T', ' ')} UTC.",

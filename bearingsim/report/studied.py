@@ -58,9 +58,11 @@ def studied(results: "Results") -> Iterator[Fact]:
         laws = machine_values(results, rows, {path for path, _ in CAPTION_FIELDS} - DAMPING)
         nominal = {"damping": ", ".join(laws).removeprefix("damping ")}
         nominal["clearance"] = _span("clearance", parameters, SMALL | dict(units))
-        values = [f" (nominal: {nominal[name]})" if nominal.get(name) else "" for name in tried]
-        texts = [f"{name} {text}{value}" for name, text, value in zip(tried, ranges, values, strict=True)]
-        yield "Varied (uncertainty)", "; ".join(texts)
+        nominal_texts = [f", nominal: {nominal[name]}" if nominal.get(name) else "" for name in tried]
+        counts = [f"{len(set(values))} values" for values in tried.values()]
+        details = [count + text for count, text in zip(counts, nominal_texts, strict=True)]
+        texts = [f"{name} {text} ({detail})" for name, text, detail in zip(tried, ranges, details, strict=True)]
+        yield "Varied (uncertainty)", "; ".join(texts) + "; one at a time" * (len(tried) > 1)
     if results.plan["design"]:
         from bearingsim.plots.design import description
 

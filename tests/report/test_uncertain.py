@@ -40,7 +40,7 @@ def test_each_feature_has_its_range_over_all_cases(uncertain):
         jobs = [v["job"] for v in uncertain.variations if v["what"] == quantity]
         ends = numbers[[*cases, *jobs]]
         text = f"with {quantity} {values}: {ends.min():.3g} to {ends.max():.3g} m/s²"
-        assert any(remark.startswith(f"{text}, all cases share ") for remark in rms.remarks)
+        assert any(remark.startswith(f"{text}, all cases can have ") for remark in rms.remarks)
         assert any(remark.startswith(f"with {quantity} ") for remark in line.remarks)
 
 
@@ -61,7 +61,7 @@ def test_value_that_all_ranges_share_is_named(uncertain):
     varied = {v["job"]: 1.0 if v["value"] < 2e-6 else 3.0 for v in uncertain.variations if v["job"] not in nominal}
     set_features(uncertain, pd.Series(nominal | varied))
     [rms, _] = feature_results(uncertain)
-    assert rms.remarks[-2] == "with damping 1 to 5 µs: 1 to 3 m/s², all cases share 1 to 3 m/s²"
+    assert rms.remarks[-2] == "with damping 1 to 5 µs: 1 to 3 m/s², all cases can have 1 to 3 m/s²"
 
 
 def test_cases_without_a_common_value_are_separate_and_keep_their_order(uncertain):
@@ -96,7 +96,8 @@ def test_varied_damping_is_stated_once(uncertain):
     page = page_of(uncertain)
     facts = dict(page.studied)
     assert facts["Varied (uncertainty)"] == (
-        "damping 1 to 5 µs (nominal: kraemer, beta 2.5 µs); clearance 0 to 5 µm (nominal: 5 µm)"
+        "damping 1 to 5 µs (3 values, nominal: kraemer, beta 2.5 µs); "
+        "clearance 0 to 5 µm (3 values, nominal: 5 µm); one at a time"
     )
     others = [*(value for name, value in facts.items() if name != "Varied (uncertainty)"), *page.assumptions]
     assert not any(word in text for text in others for word in ("damping", "beta", "c/k", "clearance"))
