@@ -206,6 +206,8 @@ SOURCES: dict[str, OfStudy | OfPage | OfTable | OfCommand] = {
     "spall-width.png": OfStudy("spall", 3),
     "excitations.png": OfStudy("excitations"),
     "damping.png": OfStudy("damping"),
+    "surfaces.png": OfStudy("surfaces"),
+    "surfaces-envelope.png": OfStudy("surfaces", 2),
     "tilt.png": OfStudy("tilt", kind="load", where={"defect.offset": "3 mm"}),
     "spall.png": OfStudy("paper/fig07_08_signal", kind="pit", setting={"defect": SPALL, "duration": "20 ms"}),
     **{

@@ -1,4 +1,4 @@
-"""Effect of random waviness on the spectral lines of an NF308: healthy, and with a slot of 0.8 mm in the outer race.
+"""Effect of random waviness on the spectral lines of an NF308: healthy, and with a slot in the outer race.
 
     python docs/evidence/scripts/form_table.py > form_table.txt
 
@@ -71,7 +71,8 @@ def table(load: str) -> None:
 def angles() -> None:
     """Print line, line less healthy and envelope line over the angle of the slot."""
     print("\n150 N, slot at 0, 15, 30, 45, 60 deg: line; less healthy; envelope line")
-    for name, amplitude, seed in (("ideal", None, 0), *((f"A 0.2 um, seed {n}", "0.2 um", n) for n in ANGLE_SEEDS)):
+    formed = ((f"A 0.2 um, seed {n}", "0.2 um", n) for n in ANGLE_SEEDS)
+    for name, amplitude, seed in (("ideal", None, 0), *formed):
         healthy = quantities("150 N", None, amplitude, seed, scatter=amplitude is not None)
         rows = [
             quantities("150 N", SLOT | {"angle": f"{angle} deg"}, amplitude, seed, scatter=amplitude is not None)
