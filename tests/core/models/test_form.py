@@ -8,6 +8,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, advance
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_initial_equilibrium
+from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation.time_grid import requested_step
 from tests.independent import formed_rollers
@@ -229,3 +230,32 @@ def test_half_of_the_rollers_carry_without_clearance(surfaces, order_of_lines, e
     frequency = order_of_lines(shaft, cage)
     forwards, backwards = amplitudes_with(surfaces, [frequency, -frequency], fields)
     assert abs(forwards + np.conj(backwards)) == pytest.approx(expected, rel=0.03)
+
+
+ALL_SURFACES = {
+    "outer": {"spectrum": {"amplitude": "2 um", "orders": [2, 40]}},
+    "inner": {"spectrum": {"amplitude": "2 um", "orders": [2, 40]}},
+    "rollers": {"diameter": {"scatter": "1 um"}, "spectrum": {"amplitude": "0.5 um", "orders": [2, 10]}},
+    "seed": 4,
+}
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers", "planar"])
+@pytest.mark.parametrize("elements", [["outer"], ["inner"], ["rollers"], ["outer", "inner", "rollers"]])
+def test_rates_are_the_derivatives_of_approaches(model, elements):
+    """Of rollers in motion at their kinematic speeds between rings at rest, within 1e-5 of the largest rate."""
+    surfaces = {name: ALL_SURFACES[name] for name in elements} | {"seed": 4}
+    formed = assemble.model(case(model=model, load="3000 N", clearance="-10 um", surfaces=surfaces))
+    y, h = assemble.empty_buffer(formed), 1e-7
+    y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = -3e-6, 1e-6
+    rows = [row + j for row in (lay.DELTA_O, lay.DELTA_I, lay.V_O, lay.V_I) for j in range(formed.bearing.Z)]
+    for t in (1e-3, 0.0123, 0.37):
+        values = []
+        for instant in (t - h, t, t + h):
+            accelerations(formed, instant, y)
+            values.append(y[rows].reshape(2, 2, -1))
+        change, rate = (values[2][0] - values[0][0]) / (2.0 * h), values[1][1]
+        if model == "ring":  # its two contacts share the rate equally
+            change, rate = change.sum(axis=0), rate.sum(axis=0)
+        assert np.abs(rate).max() > 1e-4
+        assert np.abs(change - rate).max() < 1e-5 * np.abs(rate).max()
