@@ -24,7 +24,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev editor wheel-check demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets report-check $(CAMPAIGNS)
+.PHONY: help install install-dev editor wheel-check demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes diagnosis friction early-ends compiler-gains house mutants report-assets report-check $(CAMPAIGNS)
 
 help:
 	@sed -n '1,10s/^# //p' Makefile
@@ -229,6 +229,11 @@ flags: install-dev
 # bowls and spalls at four times the nodes: within the error that is said? Writes docs/data/nodes.csv
 nodes: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.nodes --csv docs/data/nodes.csv
+
+# what does `analyze` find in which noise, and which widths does it state? Writes docs/data/diagnosis.csv, diagnosis_sizes.csv
+diagnosis: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.diagnosis.operating_table
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.diagnosis.sizes
 
 # campaigns on random scenes: ARGS='--cases 20' and others, as of `python -m benchmarks.NAME --help`
 $(CAMPAIGNS): install-dev

@@ -1,7 +1,7 @@
 """Simulated signals of healthy and damaged bearings, the first link of the chain in ``chain.py``.
 
 Each is a run of the model `rollers` of 4 s at 20 480 Hz and 1800 rpm: three bearings, two loads, with and without
-clearance, healthy and with a slot of two widths in each race. Computed once and stored, 84 runs, about ten
+clearance, healthy and with a slot of two widths in each race. Computed once and stored, 84 runs, about two
 minutes.
 """
 
