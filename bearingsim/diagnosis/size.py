@@ -9,7 +9,10 @@ from bearingsim.config.sections.machine import RollingParts
 from bearingsim.signals.events import spacing
 
 DEPTH = 60e-6
-"""m; depth up to which the far edge is struck early (docs/double_impulse.md, step 4): 96 % of 352 readings."""
+"""m; depth up to which the far edge is struck early (docs/double_impulse.md, step 4)."""
+ENTRY_DROP = 1.5e-6
+"""m; drop behind the near rim at which the entry is felt: a ball of the 6205 has lost half of its force after
+0.12 mm (docs/double_impulse.md, step 1)."""
 MOST_DIFFERENCE = 0.05
 """Largest relative difference between the readings of both halves of a record."""
 
@@ -26,8 +29,9 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
     """Read the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: its line (Hz).
 
     With s the spacing of entry and exit times the speed of the contact point, the width is from s to s + sqrt(2
-    R_eff d): a roller on the floor, at a depth d up to 60 um, strikes the far edge that much early. Returns None
-    without two events, or if the readings of both halves of the record differ by over 5 %.
+    R_eff d) + sqrt(2 R_eff a): a roller on the floor, at a depth d up to 60 um, strikes the far edge that much
+    early, and the entry is felt up to a drop a of 1.5 um late. Returns None without two events, or if the readings
+    of both halves of the record differ by over 5 %.
     """
     period = 1.0 / outer
     half = len(series) // 2
@@ -39,4 +43,5 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
         return None
     roller, race = parts.roller_diameter / 2.0, (parts.pitch_diameter + parts.roller_diameter) / 2.0
     low = whole * 2.0 * pi * race * outer / parts.rollers
-    return Size(low, low + sqrt(2.0 * roller * race / (race - roller) * DEPTH), whole)
+    effective = roller * race / (race - roller)
+    return Size(low, low + sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * ENTRY_DROP), whole)

@@ -9,7 +9,7 @@ from bearingsim.diagnosis import Lines, diagnose
 from bearingsim.diagnosis.combs import best_comb, highest_frequency
 from bearingsim.diagnosis.fronts import envelope_front, fast_length, levelled_front, local_median
 from bearingsim.diagnosis.kurtogram import kurtogram
-from bearingsim.diagnosis.size import DEPTH, outer_race_size
+from bearingsim.diagnosis.size import DEPTH, ENTRY_DROP, outer_race_size
 from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
 from bearingsim.diagnosis.thresholds import decibels, threshold
 from bearingsim.study import load_rolling_parts
@@ -145,7 +145,10 @@ def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_
     speed = 2.0 * np.pi * LINES.cage * race
     assert size.low == pytest.approx(size.spacing * speed, rel=1e-6)
     effective = PARTS.roller_diameter / 2.0 * race / (race - PARTS.roller_diameter / 2.0)
-    assert size.high - size.low == pytest.approx(sqrt(2.0 * effective * DEPTH))
+    assert size.high - size.low == pytest.approx(
+        sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * ENTRY_DROP)
+    )
+    assert sqrt(2.0 * effective * ENTRY_DROP) == pytest.approx(0.12e-3, rel=0.02)
 
 
 def test_no_width_without_two_events():
