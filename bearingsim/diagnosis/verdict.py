@@ -90,8 +90,8 @@ def diagnose(
     """Diagnose a bearing from a series (n,) sampled at ``fs`` (Hz), with the shaft at ``shaft`` (Hz).
 
     tolerance: relative, of the lines; band: of the first front (Hz). A race is named if its comb exceeds the
-    threshold, no other rhythm of the record scores higher, and the record is not full of lines. Raises ValueError
-    as ``envelope_front``.
+    threshold and lies within the tolerance, no other rhythm of the record scores higher, and the record is not
+    full of lines. Raises ValueError as ``envelope_front``.
     """
     lines = Lines.of(parts, shaft)
     part = series[: fast_length(len(series))]
@@ -104,6 +104,8 @@ def diagnose(
     comb = findings[best].comb
     scores = rivals(fronts, lines, best, comb.frequency, tolerance)
     rival = comb_at(fronts, float(scores.fundamentals[np.argmax(scores.scores)]))
+    if abs(findings[best].deviation) > tolerance:  # the peak of this comb is beyond the range that was searched
+        rival = max(comb, rival, key=lambda other: other.score)
     crowded = share_of_rivals(scores, comb.score, tolerance)
     verdict = _verdict(fronts, findings, best, limit, rival, crowded)
     is_clear = comb.score >= limit + HARMONICS * log(10.0 ** (CLEAR_DB / 10.0))
@@ -137,7 +139,7 @@ def _verdict(
     score = findings[best].comb.score
     if score <= limit or crowded > MOST_CROWDED:
         return NONE
-    if rival.score > score:
+    if rival.score > score or rival is findings[best].comb:
         return RHYTHM
     outer, roller = findings[OUTER], findings[ROLLER]
     is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SAME_BINS * fronts[0].step

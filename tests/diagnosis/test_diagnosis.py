@@ -53,6 +53,16 @@ def test_a_wrong_speed_names_no_race_but_the_rhythm(change):
     assert abs(multiples - round(multiples)) < 0.01
 
 
+@pytest.mark.parametrize(("tolerance", "verdict"), [(0.02, "other rhythm"), (0.03, "outer")])
+def test_a_line_beyond_the_tolerance_names_no_race(tolerance, verdict):
+    rhythm = 0.977 * LINES.outer
+    result = diagnosis(impacts(rhythm, slip=0.005), tolerance=tolerance)
+    assert result.findings["outer"].comb.score > result.threshold
+    assert result.verdict == verdict
+    if verdict == "other rhythm":
+        assert result.rival.frequency == pytest.approx(rhythm, rel=2e-3)
+
+
 def test_tones_with_many_harmonics_are_no_defect():
     """Mains and its harmonics, at BPFO: the first front sees a comb, the levelled one does not."""
     t = np.arange(51200) / RATE
