@@ -8,6 +8,7 @@ from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.runner import RunSummary
+    from bearingsim.store import Results
 
 MAX_FEATURES = 3  # largest number of features printed in full; the rest are counted
 
@@ -27,10 +28,11 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         return
     for text in summary.findings.withdrawn:
         say(text)
-    feature_list, quick = [], False
+    feature_list, quick, options = [], False, ""
     with suppress(ResultsError):  # raised if another run has replaced the plan
         results = open_results(summary.folder)
         feature_list, quick = list(feature_results(results)), results.plan["quick"]
+        options = _plot_options(results)
     for result in feature_list[:MAX_FEATURES]:
         say(f"  {result.name}: {', '.join(filter(None, [result.values, result.error]))}")
         for remark in result.remarks:
@@ -49,8 +51,20 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         for text in summary.details:
             say(text)
     if summary.done + summary.resumed:
-        say(f"next: bearingsim plot {short_path(summary.folder)}")
+        say(f"next: bearingsim plot {short_path(summary.folder)}{options}")
     if verbose and summary.failed:
         from bearingsim.cli import tables
 
         tables.show_failures(summary.folder, tracebacks=True)
+
+
+def _plot_options(results: "Results") -> str:
+    """Return the options that `bearingsim plot` needs: a kind, if the study has no figures and sweeps nothing."""
+    from bearingsim.plots.labels import PlotError
+    from bearingsim.plots.select import case_rows, planned
+
+    try:
+        planned(results, case_rows(results))
+    except PlotError:
+        return " --kind spectrum"
+    return ""

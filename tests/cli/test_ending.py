@@ -59,6 +59,13 @@ def test_features_after_the_first_three_are_counted(study_folder):
     assert "  and 2 more: bearingsim show results/small" in lines
 
 
+def test_a_run_without_a_sweep_ends_with_a_command_that_draws(study_folder):
+    Path("small.yaml").write_text(STUDY.partition("sweep:")[0] + "duration: 30 ms\nsettle: 10 ms\n")
+    command = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[-1]
+    assert command == "next: bearingsim plot results/small --kind spectrum"
+    assert "spectrum" in type_(*command.split()[2:])[0]
+
+
 def test_verbose_prints_details(study_folder):
     lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[1:]
     verbose_lines = type_("-v", "run", "small.yaml", "--jobs", "1")[0].splitlines()
