@@ -40,17 +40,13 @@ def with_words(content, rng):
     return "\n".join(lines).encode()
 
 
-def with_decimal_commas(content, rng):
-    return content.replace(b",", b";").replace(b".", b",")
-
-
 FILES = {
     ".mat": (mat, (truncated, overwritten)),
     ".h5": (mat73, (truncated,)),
     ".npz": (npz, (truncated,)),
     ".wav": (wav, (truncated, overwritten)),
     ".parquet": (parquet, (truncated,)),
-    ".csv": (csv, (with_words, with_decimal_commas)),
+    ".csv": (csv, (with_words,)),
     ".uff": (uff, (overwritten,)),
     ".tdms": (tdms, (overwritten,)),
 }
@@ -104,6 +100,9 @@ def test_files_that_inflate_are_refused(tmp_path):
         ("a.csv", b"a,b\nno,number\n", "has no row of numbers"),
         ("a.csv", b"time [h],x\n" + b"1,2\n2,3\n" * 20, "expected s, ms or us"),
         ("a.csv", b"\0\1\2\3", "is no text"),
+        ("a.csv", b"acc\n" + b"1,1564\n-2,35\n" * 20, "decimal sign of 1, and 1 in the line above: export"),
+        ("a.csv", b"1,1564\n-2,35\n" * 20, "may separate 2 columns or be the decimal sign of 1: export"),
+        ("a.csv", b"t,x\n" + b"0,1,2,35\n0,2,-2,35\n" * 20, "columns or be the decimal sign of 2, and 2 in the"),
     ],
 )
 def test_what_is_no_table_of_signals_is_refused(tmp_path, name, content, message):

@@ -31,6 +31,21 @@ def csv_of_other_separator(path):
     path.write_text(f"Exported by a logger\n\n{text}", encoding="utf-8-sig")
 
 
+def csv_with_decimal_commas(path):
+    text = pd.DataFrame({"time [s]": T, "acc [g]": X[:, 0], "b": X[:, 1]}).to_csv(index=False, sep=";")
+    path.write_text(text.replace(".", ","))
+
+
+def table_with_decimal_commas(path):
+    csv_without_heads(path)
+    path.write_text(path.read_text().replace(".", ","))
+
+
+def csv_with_two_lines_of_heads(path):
+    text = pd.DataFrame({"Time": T, "acc": X[:, 0], "b": X[:, 1]}).to_csv(index=False)
+    path.write_text(text.replace("\n", "\n(s),(g),\n\n", 1))
+
+
 def mat(path):
     savemat(path, {"acc": X[:, 0], "b": X[:, 1], "acc_unit": "g", "fs": RATE, "RPM": 1796.0})
 
@@ -90,6 +105,9 @@ def tdms(path):
         (csv, ".csv", 0.0),
         (csv_without_heads, ".txt", 1e-15),
         (csv_of_other_separator, ".csv", 0.0),
+        (csv_with_decimal_commas, ".csv", 1e-15),
+        (table_with_decimal_commas, ".txt", 1e-15),
+        (csv_with_two_lines_of_heads, ".csv", 0.0),
         (mat, ".mat", 0.0),
         (mat_of_structs, ".mat", 0.0),
         (mat73, ".mat", 0.0),
@@ -113,7 +131,7 @@ def test_a_file_is_read_as_it_was_written(tmp_path, write, suffix, accuracy):
     if has_speed:
         assert recording.shaft * 60.0 == pytest.approx(1796.0)
     unit = next(iter(recording.units.values()))
-    if write is not csv_without_heads:
+    if write not in (csv_without_heads, table_with_decimal_commas):
         assert (unit.value, unit.source) == ("g", "the file")
 
 
@@ -159,6 +177,14 @@ def test_own_units_and_exports_are_read(tmp_path, monkeypatch):
 def _has(path, job):
     with h5py.File(path) as file:
         return job.encode() in file["job"][()]
+
+
+def test_whole_numbers_of_two_columns_are_read_where_they_are_named_or_have_signs(tmp_path):
+    pairs = [(number % 7, (-3) ** (number % 5)) for number in range(64)]
+    for heads, rows in (("a,b\n", [(x, abs(y)) for x, y in pairs]), ("", pairs)):
+        (tmp_path / "a.csv").write_text(heads + "".join(f"{x},{y}\n" for x, y in rows))
+        channels = read(tmp_path / "a.csv", Request(rate=RATE)).channels
+        assert [list(values) for values in channels.values()] == [list(column) for column in zip(*rows)]  # noqa: B905
 
 
 # Values that the user gives
