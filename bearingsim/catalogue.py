@@ -184,6 +184,24 @@ _M, _S, _C, _A = (
     "bearingsim.assemble",
 )
 
+MEANINGS = {
+    "impulse": "model: a train of impulses excites the outer ring",
+    "static": "model: equilibrium of the outer ring at each instant, without inertia",
+    "ring": "model: the outer ring moves on massless rollers; the cage turns at its kinematic speed",
+    "rollers": "model: rollers move radially, the outer ring in the plane; the cage turns at its kinematic speed, "
+    "without slip",
+    "planar": "model: rollers, cage and outer ring move in the plane, with friction and slip",
+    "spatial": "model: as planar, with rollers in slices that tilt and skew",
+    "palmgren": "contact stiffness: force of a steel line contact, k δ^(10/9) (Palmgren)",
+    "iso16281": "contact stiffness: force of a steel line contact by slices, k δ^(10/9) (ISO 16281)",
+    "johnson": "contact stiffness: line contact of two elastic cylinders (Johnson)",
+    "point": "contact stiffness: elliptical point contact, k δ^(3/2) (Hertz)",
+    "kraemer": "contact damping: β times the contact stiffness (Krämer)",
+    "hunt-crossley": "contact damping: χ times the contact force (Hunt and Crossley)",
+    "film": "contact damping: of the oil film",
+}
+"""Meaning of models and laws that a study names by a word."""
+
 register(
     Model(
         "impulse",

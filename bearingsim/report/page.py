@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from bearingsim.catalogue import MEANINGS
 from bearingsim.plots import labels
 from bearingsim.plots.points import relative_bounds
 from bearingsim.report.charts import Chart
@@ -192,10 +193,10 @@ def _computed(results: "Results") -> Iterator[Fact]:
     if "model" in parameters and len(parameters):
         yield "Models", _tally(parameters["model"])
         yield from (
-            (name, TERMS[name])
+            (name, MEANINGS[name])
             for column in ("model", "contact.stiffness", "contact.damping.law")
             for name in dict.fromkeys(parameters.get(column, ()))
-            if name in TERMS
+            if name in MEANINGS
         )
     if "method" in info and len(info):
         yield "Methods", _tally(info["method"])
@@ -215,25 +216,6 @@ def _computed(results: "Results") -> Iterator[Fact]:
 NAMES = {"packages": "Packages", "python": "Python", "platform": "Platform", "git_commit": "Commit",
          "model_version": "Version of the models"}  # fmt: skip
 """Names of the facts of ``store.read_provenance`` on the page."""
-
-
-TERMS = {
-    "impulse": "model: a train of impulses excites the outer ring",
-    "static": "model: equilibrium of the outer ring at each instant, without inertia",
-    "ring": "model: the outer ring moves on massless rollers; the cage turns at its kinematic speed",
-    "rollers": "model: rollers move radially, the outer ring in the plane; the cage turns at its kinematic speed, "
-    "without slip",
-    "planar": "model: rollers, cage and outer ring move in the plane, with friction and slip",
-    "spatial": "model: as planar, with rollers in slices that tilt and skew",
-    "palmgren": "contact stiffness: force of a steel line contact, k δ^(10/9) (Palmgren)",
-    "iso16281": "contact stiffness: force of a steel line contact by slices, k δ^(10/9) (ISO 16281)",
-    "johnson": "contact stiffness: line contact of two elastic cylinders (Johnson)",
-    "point": "contact stiffness: elliptical point contact, k δ^(3/2) (Hertz)",
-    "kraemer": "contact damping: β times the contact stiffness (Krämer)",
-    "hunt-crossley": "contact damping: χ times the contact force (Hunt and Crossley)",
-    "film": "contact damping: of the oil film",
-}
-"""Meaning of models and laws that a study names by a word."""
 
 
 def _tally(column: "pd.Series[str]") -> str:
