@@ -4,10 +4,11 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
+from bearingsim.cli.analysis import LINE_NAMES
 from bearingsim.cli.opening import short_path
 from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
@@ -16,8 +17,20 @@ from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.diagnosis import Lines
+    from bearingsim.diagnosis.comparison import Row, Signal, Standing
     from bearingsim.measured import Recording, Request
     from bearingsim.store import Results
+
+
+class Pair(NamedTuple):
+    """Simulated and measured signal of a bearing, names of their channels, the race with the defect, SI unit."""
+
+    simulated: "Signal"
+    measured: "Signal"
+    recording: "Recording"
+    channels: tuple[str, str]
+    race: str
+    unit: str
 
 
 def show(
@@ -35,63 +48,143 @@ def show(
     request: what the user states in place of the file; y: the job's channel; scale: multiply the simulated signal
     by a factor, to the measured RMS. Raises UserError for a channel, unit or speed that does not fit.
     """
-    from bearingsim.diagnosis.comparison import Signal, common_band, compare
-    from bearingsim.measured import read
-    from bearingsim.measured.checks import refuse_unusable
-    from bearingsim.plots import lines
+    from bearingsim.diagnosis.comparison import common_band, compare
     from bearingsim.plots.measured import check_path, draw_comparison
 
     if figure is not None:
         check_path(figure)
+    pair = _pair(results, job, file, request, y)
+    band = common_band(pair.simulated, pair.measured)
+    standing, remark = _standing(pair)
+    has_line = standing is None or standing.is_over
+    rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
+    factor = rows[0].measured / rows[0].simulated if scale else None
+    if factor is not None:
+        pair = pair._replace(simulated=pair.simulated._replace(series=factor * pair.simulated.series))
+        rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
+    if figure is not None:
+        names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
+        draw_comparison(pair.simulated, pair.measured, pair.race, band, names, pair.unit, factor, figure)
+    if as_json:
+        say(json.dumps(_as_dict(job, pair, band, factor, standing, rows), indent=1))
+        return
+    _print_signals(job, pair, band, factor)
+    _print_features(rows)
+    for text in remark:
+        say(text)
+    if figure is not None:
+        say(short_path(figure))
+
+
+def _pair(results: "Results", job: str, file: Path, request: "Request", y: str | None) -> Pair:
+    """Read both signals, in the SI unit of the job's channel, with the lines of the bearing at their speeds."""
+    from bearingsim.diagnosis.comparison import Signal
+    from bearingsim.measured import read
+    from bearingsim.measured.checks import refuse_unusable
+    from bearingsim.plots import lines
+
     series, parameters = results.series(job), _parameters(results, job)
     channel = _channel(list(series.channels), y)
     recording = read(file, request)
-    name = _only_channel(recording)
-    refuse_unusable(file, name, recording.channels[name], recording.rate.value)
+    name, rate = _only_channel(recording), recording.rate.value
+    refuse_unusable(file, name, recording.channels[name], rate)
     unit = series.units[channel]
-    measured_values = recording.channels[name] * _factor(recording, name, channel, unit)
+    values = recording.channels[name] * _factor(recording, name, channel, unit)
     shaft = float(parameters["speed"]) / (2.0 * math.pi)
-    fs = 1.0 / float(series.time[1] - series.time[0])
-    race = (lines.races(parameters) or ["outer"])[0]
     measured_shaft = shaft if recording.speed is None else recording.shaft
+    fs = 1.0 / float(series.time[1] - series.time[0])
     simulated = Signal(series.channels[channel].astype(float), fs, lines_of(parameters, shaft))
-    measured = Signal(measured_values, recording.rate.value, lines_of(parameters, measured_shaft))
-    band = common_band(simulated, measured)
-    rows = compare(simulated, measured, race, band, unit)
-    factor = rows[0].measured / rows[0].simulated if scale else 1.0
-    if scale:
-        simulated = simulated._replace(series=factor * simulated.series)
-        rows = compare(simulated, measured, race, band, unit)
-    if figure is not None:
-        draw_comparison(
-            simulated, measured, race, band, (f"job {job[:8]}, {channel}", f"{file.name}, {name}"), unit, figure
-        )
-    if as_json:
-        values = {
-            row.name: {"unit": row.unit, "simulated": _json(row.simulated), "measured": _json(row.measured)}
-            for row in rows
-        }
-        facts = {"job": job, "channel": channel, "file": str(file), "measured_channel": name, "race": race}
-        say(json.dumps({**facts, "band_hz": list(band), "scale": factor, "features": values}, indent=1))
-        return
-    say(f"job {job}: {channel}, {len(simulated.series) / fs:.4g} s at {fs:g} Hz")
-    rate, seconds = recording.rate, len(measured_values) / recording.rate.value
-    say(f"{short_path(file)}: {name}, {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
-    source = "the job; `--speed` gives another" if recording.speed is None else recording.speed.source
-    say(f"speed of the measurement: {measured_shaft * 60.0:.6g} rpm ({source})")
-    say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
-    if scale:
-        say(f"simulated signal times {factor:.4g}, to the measured RMS")
-    print_table(
-        ["", "unit", "simulated", "measured", "difference", "ratio"],
-        [
-            [row.name, row.unit, *(_number(value) for value in (row.simulated, row.measured)), *_differences(row)]
-            for row in rows
-        ],
-        text_columns=2,
+    measured = Signal(values, rate, lines_of(parameters, measured_shaft))
+    race = (lines.races(parameters) or ["outer"])[0]
+    return Pair(simulated, measured, recording, (channel, name), race, unit)
+
+
+def _standing(pair: Pair) -> "tuple[Standing | None, list[str]]":
+    """Return the score of the race's line in the measured signal, None if it cannot be judged, and a remark."""
+    from bearingsim.diagnosis.comparison import standing
+    from bearingsim.diagnosis.suitability import Unsuitable
+    from bearingsim.diagnosis.thresholds import decibels
+
+    line = LINE_NAMES[pair.race]
+    try:
+        result = standing(pair.measured, pair.race)
+    except Unsuitable as error:
+        return None, [f"whether {line} stands out of the measured signal is not known: {error}"]
+    values = f"score {decibels(result.score):.1f} dB, threshold {decibels(result.threshold):.1f} dB"
+    if result.is_over:
+        return result, [f"{line} of the measured signal: {values}"]
+    return result, [
+        f"{line} of the measured signal: no line over the threshold ({values}); check speed and bearing by "
+        "`bearingsim analyze`"
+    ]
+
+
+def _source_of_speed(recording: "Recording") -> str:
+    return "the job" if recording.speed is None else recording.speed.source
+
+
+def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: float | None) -> None:
+    """Print duration, rate and speed of both signals, and what was done to them."""
+    (channel, name), rate = pair.channels, pair.recording.rate
+    say(
+        f"job {job}: {channel}, {len(pair.simulated.series) / pair.simulated.fs:.4g} s at {pair.simulated.fs:g} Hz"
     )
-    if figure is not None:
-        say(short_path(figure))
+    seconds = len(pair.measured.series) / rate.value
+    say(f"{short_path(pair.recording.path)}: {name}, {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
+    advice = "; `--speed` gives another" if pair.recording.speed is None else ""
+    speed = f"{pair.measured.lines.shaft * 60.0:.6g} rpm"
+    say(f"speed of the measurement: {speed} ({_source_of_speed(pair.recording)}{advice})")
+    say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
+    if factor is not None:
+        say(f"simulated signal times {factor:.4g}, to the measured RMS")
+
+
+def _print_features(rows: "list[Row]") -> None:
+    """Print the features of both signals, and the meaning of a dash."""
+    cells = [
+        [row.name, row.unit, *(_number(value) for value in (row.simulated, row.measured)), *_differences(row)]
+        for row in rows
+    ]
+    print_table(["", "unit", "simulated", "measured", "difference", "ratio"], cells, text_columns=2)
+    if any("-" in row for row in cells):
+        say("-: not found in the signal, or no ratio because the values are in dB")
+
+
+def _as_dict(
+    job: str,
+    pair: Pair,
+    band: tuple[float, float],
+    factor: float | None,
+    standing: "Standing | None",
+    rows: "list[Row]",
+) -> dict[str, Any]:
+    """Return the values of `--json`."""
+    from bearingsim.diagnosis.thresholds import decibels
+
+    recording, (channel, name) = pair.recording, pair.channels
+    return {
+        "job": job,
+        "channel": channel,
+        "file": str(recording.path),
+        "measured_channel": name,
+        "race": pair.race,
+        "simulated_rate_hz": pair.simulated.fs,
+        "simulated_speed_rpm": pair.simulated.lines.shaft * 60.0,
+        "rate_hz": recording.rate.value,
+        "rate_source": recording.rate.source,
+        "speed_rpm": pair.measured.lines.shaft * 60.0,
+        "speed_source": _source_of_speed(recording),
+        "unit": recording.units[name].value,
+        "unit_source": recording.units[name].source,
+        "band_hz": list(band),
+        "scale": 1.0 if factor is None else factor,
+        "score_db": decibels(standing.score) if standing else None,
+        "threshold_db": decibels(standing.threshold) if standing else None,
+        "features": {
+            row.key: {"unit": row.unit, "simulated": _json(row.simulated), "measured": _json(row.measured)}
+            for row in rows
+        },
+    }
 
 
 def only_job(results: "Results") -> str:

@@ -1,11 +1,16 @@
 """Simulated and measured signal of one bearing, laid side by side in a common band."""
 
+import re
 from math import log10, nan
 from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.diagnosis.combs import best_comb, highest_frequency
+from bearingsim.diagnosis.fronts import default_band, envelope_front, fast_length, levelled_front
 from bearingsim.diagnosis.kinematics import Lines
+from bearingsim.diagnosis.suitability import refuse_unsuitable
+from bearingsim.diagnosis.thresholds import threshold
 from bearingsim.signals.events import spacing
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.picker import PickedLine, pick_from
@@ -32,31 +37,60 @@ class Row(NamedTuple):
     simulated: float
     measured: float
 
+    @property
+    def key(self) -> str:
+        """Name of the feature in JSON."""
+        return re.sub(r"\W+", "_", self.name.lower())
+
+
+class Standing(NamedTuple):
+    """Score of the line of a race in a signal, and the threshold that one of a hundred healthy signals exceeds."""
+
+    score: float
+    threshold: float
+
+    @property
+    def is_over(self) -> bool:
+        """True if the score exceeds the threshold."""
+        return self.score > self.threshold
+
+
+def standing(signal: Signal, race: str) -> Standing:
+    """Score the line of a race as ``diagnose`` does. Raises Unsuitable for a record that cannot be judged."""
+    series, fs, lines = signal
+    refuse_unsuitable(len(series), fs, lines, default_band(fs))
+    part, highest = series[: fast_length(len(series))], highest_frequency(lines)
+    fronts = envelope_front(part, fs, lines.shaft, highest), levelled_front(part, fs, lines.shaft, highest)
+    comb = best_comb(fronts, lines.of_race(race), TOLERANCE)
+    return Standing(comb.score, threshold(lines.shaft * len(series) / fs, TOLERANCE))
+
 
 def common_band(*signals: Signal) -> tuple[float, float]:
     """Return the band (Hz) in which all signals are unaltered by sampling."""
     return 0.0, FLAT * min(signal.fs for signal in signals)
 
 
-def compare(simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str) -> list[Row]:
+def compare(
+    simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, has_line: bool = True
+) -> list[Row]:
     """Compare two signals in a band (Hz): level, shape, and the rhythm of a race in the envelope.
 
-    unit: SI unit of the series. Harmonics of the envelope are in dB relative to the fundamental; orders refer to
-    the frequency of the shaft; the spacing of entry and exit is in fractions of a pass, which the speed does not
-    change.
+    unit: SI unit of the series; has_line: whether the measured signal has a rhythm to be read. Harmonics of the
+    envelope are in dB relative to the fundamental; orders refer to the frequency of the shaft; the spacing of
+    entry and exit is in fractions of a pass, which the speed does not change.
     """
-    values = [_features(signal, race, band) for signal in (simulated, measured)]
+    values = [_features(simulated, race, band), _features(measured, race, band, has_line)]
     units = {"RMS": unit, "peak": unit, "line": "orders", "line over kinematic": ""}
     units |= {f"envelope, harmonic {number}": "dB" for number in range(2, HARMONICS + 1)}
     return [Row(name, units.get(name, ""), values[0][name], values[1][name]) for name in values[0]]
 
 
-def _features(signal: Signal, race: str, band: tuple[float, float]) -> dict[str, float]:
+def _features(signal: Signal, race: str, band: tuple[float, float], has_line: bool = True) -> dict[str, float]:
     series = band_pass(signal.series - signal.series.mean(), signal.fs, band)
     moments = statistics(series)
     frequency, amplitude = envelope_spectrum(signal.series, signal.fs, band)
     expected = signal.lines.of_race(race)
-    fundamental = pick_from(frequency, amplitude, expected, TOLERANCE)
+    fundamental = pick_from(frequency, amplitude, expected, TOLERANCE) if has_line else None
     line = fundamental.frequency if fundamental else nan
     features = {
         "RMS": moments["rms"],

@@ -2,16 +2,13 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from bearingsim.measured.arrays import TIMES
 from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.measured.si import FACTORS
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 HEAD = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
 """Head of a column: name, and unit in brackets."""
@@ -29,7 +26,7 @@ UNITS = {unit for unit in SECONDS if unit} | {unit for units in FACTORS.values()
 
 
 class Layout(NamedTuple):
-    """Layout of a CSV file: separator (None: blanks), decimal sign, first line of numbers, heads of the columns."""
+    """Layout of a CSV file: separator (None: blanks), decimal sign, first line of numbers, heads of columns."""
 
     separator: str | None
     decimal: str
@@ -100,8 +97,8 @@ def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]]) -> N
         names = f", and {len(above[-1])} in the line above" if above else ""
         raise MeasuredError(
             path,
-            f"has commas that may separate {columns} columns or be the decimal sign of {columns // 2}{names}: export "
-            f"with decimal points, with `;` between columns, or with a line of {columns} names",
+            f"has commas that may separate {columns} columns or be the decimal sign of {columns // 2}{names}: "
+            f"export with decimal points, with `;` between columns, or with a line of {columns} names",
         )
 
 

@@ -23,6 +23,8 @@ SHOWN_PASSES = 8.0
 MOST_POINTS = 4000
 """Points of a drawn spectrum; of more, the largest in each group is drawn."""
 SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
+QUANTITIES = {"m/s^2": "Acceleration", "m/s": "Velocity", "m": "Displacement", "N": "Force"}
+"""Quantities by SI unit."""
 HARMONICS = 3
 TITLES = {
     "outer": "outer race",
@@ -162,16 +164,18 @@ def draw_comparison(
     band: tuple[float, float],
     names: tuple[str, str],
     unit: str,
+    factor: float | None,
     path: Path,
 ) -> Path:
     """Write the figure of two signals; return the file.
 
-    names: of the simulated and the measured signal; unit: SI unit of both; band: of the envelope (Hz).
+    names: of the simulated and the measured signal; unit: SI unit of both; band: of the envelope (Hz); factor: by
+    which the simulated signal was multiplied. If None, both are drawn relative to their largest samples over time.
     """
     from bearingsim.plots.style import drawing
 
     with drawing():
-        return _write(_comparison(simulated, measured, race, band, names, unit), path)
+        return _write(_comparison(simulated, measured, race, band, names, unit, factor), path)
 
 
 def _comparison(
@@ -181,6 +185,7 @@ def _comparison(
     band: tuple[float, float],
     names: tuple[str, str],
     unit: str,
+    factor: float | None,
 ) -> "Canvas":
     """Draw time signals around their largest samples, spectra and envelope spectra, one over the other."""
     from matplotlib.figure import Figure
@@ -190,6 +195,8 @@ def _comparison(
 
     canvas = Figure(figsize=(PAGE_IN, 1.15 * PAGE_IN), layout="constrained")
     time, whole, envelope = canvas.subplots(3, 1)
+    if factor is not None:
+        names = f"{names[0]}, times {factor:.3g}", names[1]
     for signal, name, colour, width in zip(
         (measured, simulated), names[::-1], COLOURS[1::-1], (0.9, 0.7), strict=True
     ):
@@ -199,6 +206,9 @@ def _comparison(
         peak = quarter + int(np.argmax(np.abs(series[quarter : len(series) - count + quarter + 1])))
         part = series[peak - quarter : peak - quarter + count]
         passes = (np.arange(len(part)) - quarter) / signal.fs * signal.lines.of_race(race)
+        own = float(np.abs(part).max())
+        if factor is None:
+            part, name = part / own, f"{name}, 1 = {own:.3g} {unit} over time"
         time.plot(passes, part, color=colour, lw=width, label=name)
         frequency, amplitude = spectrum(signal.series, signal.fs)
         inside = (frequency > 0.0) & (frequency <= band[1])
@@ -216,9 +226,11 @@ def _comparison(
         place = number * simulated.lines.of_race(race) / simulated.lines.shaft
         envelope.axvline(place, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
     time.set_xlabel(f"Time in passes ({SHOWN_LINES[race]}), from the largest sample")
-    time.set_ylabel(f"{unit}, to {band[1] / 1e3:.3g} kHz")
+    quantity = QUANTITIES.get(unit, "Signal")
+    scale = "of its largest sample" if factor is None else f"({unit})"
+    time.set_ylabel(f"{quantity} {scale},\nto {band[1] / 1e3:.3g} kHz")
     whole.set_xlabel("Frequency (kHz)")
-    whole.set_ylabel(f"Amplitude ({unit})")
+    whole.set_ylabel(f"Amplitude of {quantity.lower()} ({unit})")
     envelope.set_xlabel(f"Order of the shaft; dashed: {SHOWN_LINES[race]} and multiples")
     envelope.set_ylabel("Squared envelope, of its largest line")
     for ax in (time, whole, envelope):

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from bearingsim import open_results
+from bearingsim.diagnosis.comparison import Signal
+from bearingsim.plots import measured
+from tests.conftest import ROOT
 from tests.scenes.commands import type_
+from tests.scenes.impacts import LINES
 
 STUDY = """\
 study: arc
@@ -50,18 +54,18 @@ def test_a_signal_equals_itself_in_another_unit(results, series, tmp_path):
         assert feature["simulated"] == pytest.approx(feature["measured"], rel=1e-6)
     features = values["features"]
     assert features["line"]["simulated"] == pytest.approx(3.5848, rel=1e-3)
-    assert 0.1 < features["entry to exit, of a pass"]["simulated"] < 0.25
-    assert features["RMS"]["unit"] == "m/s^2"
+    assert 0.1 < features["entry_to_exit_of_a_pass"]["simulated"] < 0.25
+    assert features["rms"]["unit"] == "m/s^2"
 
 
 def test_nothing_is_scaled_without_the_option_which_prints_its_factor(results, series, tmp_path):
     np.savez(tmp_path / "a.npz", x=3.0 * series["ring.acceleration.x"].astype(float), fs=25600.0)
     words = [results, tmp_path / "a.npz", "--unit", "m/s^2"]
-    values = compared(*words)["features"]["RMS"]
+    values = compared(*words)["features"]["rms"]
     assert values["measured"] == pytest.approx(3.0 * values["simulated"])
     scaled = compared(*words, "--scale")
     assert scaled["scale"] == pytest.approx(3.0)
-    assert scaled["features"]["RMS"]["simulated"] == pytest.approx(scaled["features"]["RMS"]["measured"])
+    assert scaled["features"]["rms"]["simulated"] == pytest.approx(scaled["features"]["rms"]["measured"])
     assert "simulated signal times 3, to the measured RMS" in type_("compare", *words, "--scale")[0]
 
 
@@ -69,8 +73,52 @@ def test_lines_are_compared_in_orders_where_the_speeds_differ(results, series, t
     fs = 25600.0 / 0.9  # the same passes in nine tenths of the time
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=fs)
     features = compared(results, tmp_path / "a.npz", "--unit", "m/s^2", "--speed", "1000 rpm")["features"]
-    for name in ("line", "entry to exit, of a pass"):
+    for name in ("line", "entry_to_exit_of_a_pass"):
         assert features[name]["simulated"] == pytest.approx(features[name]["measured"], rel=5e-3), name
+
+
+@pytest.mark.parametrize("kind", ["noise", "wrong speed"])
+def test_a_measured_line_under_the_threshold_is_not_compared(results, series, tmp_path, kind):
+    noise = np.random.default_rng(1).normal(size=25600)
+    own = series["ring.acceleration.x"].astype(float)
+    signal = noise if kind == "noise" else own + own.std() * noise
+    np.savez(tmp_path / "a.npz", x=signal, fs=25600.0, x_unit="m/s^2")
+    words = [results, tmp_path / "a.npz", "--speed", "900 rpm" if kind == "noise" else "960 rpm"]
+    values = compared(*words)
+    assert values["score_db"] < values["threshold_db"]
+    for feature in ("line", "line_over_kinematic", "envelope_harmonic_2", "entry_to_exit_of_a_pass"):
+        assert values["features"][feature]["measured"] is None, feature
+        assert values["features"][feature]["simulated"] is not None, feature
+    assert values["features"]["rms"]["measured"] == pytest.approx(np.std(signal), rel=0.15)
+    out = type_("compare", *words)[0]
+    assert "BPFO of the measured signal: no line over the threshold (score " in out
+    assert "-: not found in the signal" in out
+
+
+def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp_path):
+    np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=25600.0, x_unit="m/s^2")
+    values = compared(results, tmp_path / "a.npz")
+    page = (ROOT / "docs/diagnosis.md").read_text().partition("## Keys of `compare --json`")[2]
+    for key in (*values, *values["features"]):
+        assert f"`{key}`" in page, key
+    assert (values["rate_hz"], values["rate_source"]) == (25600.0, "the variable `fs`")
+    assert (values["speed_rpm"], values["speed_source"]) == (pytest.approx(900.0), "the job")
+    assert (values["unit"], values["unit_source"]) == ("m/s^2", "the file")
+
+
+@pytest.mark.parametrize(("factor", "heights"), [(None, (1.0, 1.0)), (2.0, (0.2, 20.0))])
+def test_both_curves_are_seen_over_time(factor, heights):
+    t = np.arange(25600) / 25600.0
+    signals = [Signal(height * np.cos(2.0 * np.pi * 3000.0 * t), 25600.0, LINES) for height in (20.0, 0.2)]
+    canvas = measured._comparison(*signals, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
+    curves = canvas.axes[0].get_lines()
+    assert [np.abs(curve.get_ydata()).max() for curve in curves] == pytest.approx(heights, rel=0.05)
+    labels = [curve.get_label() for curve in curves]
+    if factor is None:
+        assert labels[1].startswith("job, 1 = 2")
+        assert canvas.axes[0].get_ylabel().startswith("Acceleration of its largest sample")
+    else:
+        assert labels == ["file", "job, times 2"]
 
 
 def test_text_and_figure(results, series, tmp_path):
