@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from bearingsim.cli import app
-from tests.scenes.commands import STUDY, type_
+from tests.scenes.commands import STUDY, type_, write_signal
 from tests.scenes.design_results import run_design
 
 USER_FILES = [
@@ -139,8 +139,10 @@ COMMAND_LINES = {
     "stability": [["stability", "--quick", "--out", "."], ["stability", "--quick", "--out", "archive"]],
     "bench": [["bench", "--quick", "--out", "."], ["bench", "small.yaml", "--quick", "--out", "archive"]],
     "new": [["new", "study.yaml"], ["new", "thesis.tex"]],
+    "analyze": [["analyze", "SIGNAL", "--bearing", "nf308", "--figure", "figures/thesis.png"]],
+    "compare": [["compare", "DONE", "SIGNAL", "--job", "JOB", "--unit", "m/s", "--figure", "figures/thesis.png"]],
 }
-"""Commands that would write into a folder or over a file of the user. DONE, PLANE, JOB: placeholders."""
+"""Commands that would write into a folder or over a file of the user. DONE, PLANE, JOB, SIGNAL: placeholders."""
 WITHOUT_FOLDER = {"freq", "warm"}
 """Commands that write no files into folders of the user."""
 REMEDIES = ("--out", "another", "name a file", "holds no results", "--force", "not a folder")
@@ -149,6 +151,13 @@ REMEDIES = ("--out", "another", "name a file", "holds no results", "--force", "n
 @pytest.fixture(scope="session")
 def plane(tmp_path_factory):
     return run_design(tmp_path_factory.mktemp("plane") / "fake", n=16)
+
+
+@pytest.fixture(scope="session")
+def signal(tmp_path_factory):
+    path = tmp_path_factory.mktemp("measured") / "signal.npz"
+    write_signal(path)
+    return path
 
 
 def commands():
@@ -169,13 +178,13 @@ def test_every_command_and_option_that_names_a_path_is_tried():
             if "Path" in str(parameter)
         }
         tried_options = {word.removeprefix("--") for line in lines for word in line if word.startswith("--")}
-        assert options - {"study", "results", "path", "folders"} <= tried_options, name
+        assert options - {"study", "results", "path", "folders", "file"} <= tried_options, name
 
 
 @pytest.mark.parametrize("words", [line for lines in COMMAND_LINES.values() for line in lines], ids=" ".join)
-def test_user_folder_is_unchanged(user_folder, done, plane, words):
+def test_user_folder_is_unchanged(user_folder, done, plane, signal, words):
     job = json.loads((done / "plan.json").read_text())["jobs"][0]["job"]
-    placeholders = {"DONE": str(done), "PLANE": str(plane), "JOB": job}
+    placeholders = {"DONE": str(done), "PLANE": str(plane), "JOB": job, "SIGNAL": str(signal)}
     before = read_files(user_folder, [*USER_FILES, *PROGRAM_FILES])
     paths = sorted(user_folder.parent.rglob("*"))
     _, stderr = type_(*(placeholders.get(word, word) for word in words), code=2)

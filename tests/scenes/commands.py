@@ -1,5 +1,6 @@
-"""A small study, and how the tests type a command."""
+"""A small study and a measured signal, and how the tests type a command."""
 
+import numpy as np
 from typer.testing import CliRunner
 
 from bearingsim.cli import app
@@ -27,3 +28,9 @@ def type_(*words, code=0):
     assert result.exit_code == code, (result.output, result.exc_info)
     assert "Traceback" not in result.stderr
     return result.stdout, result.stderr
+
+
+def write_signal(path):
+    """Write 2 s of noise as a measured signal at 1800 rpm."""
+    noise = np.random.default_rng(0).normal(size=51_200)
+    np.savez(path, x=noise, fs=25_600.0, rpm=1800.0)

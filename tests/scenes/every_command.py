@@ -20,7 +20,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from tests.scenes.commands import STUDY
+from tests.scenes.commands import STUDY, write_signal
 
 COMMANDS: dict[str, tuple[str, ...]] = {
     "new": ("new.yaml",),
@@ -37,9 +37,13 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "freq": ("nf308",),
     "stability": ("--quick", "--out", "stability"),
     "bench": ("--scene", "healthy", "--quick", "--out", "bench"),
+    "analyze": ("signal.npz", "--bearing", "nf308", "--figure", "analyzed.png"),
+    "compare": ("RESULTS", "signal.npz", "--job", "JOB", "--unit", "m/s", "--figure", "compared.png"),
 }
 """Words of each command, by its name."""
-WRITING = frozenset({"new", "run", "plot", "report", "sensitivity", "export", "merge", "stability", "bench"})
+WRITING = frozenset(
+    {"new", "run", "plot", "report", "sensitivity", "export", "merge", "stability", "bench", "analyze", "compare"}
+)
 
 
 def refused_lock(number: int) -> type:
@@ -140,6 +144,7 @@ def run_all(fault: str, arguments: dict[str, str]) -> dict[str, Any]:
     Path(fault).mkdir()
     os.chdir(fault)
     Path("small.yaml").write_text(STUDY)
+    write_signal("signal.npz")
     with FAULTS[fault]():
         results = {"help": run(["--help"])}
         for name, words in COMMANDS.items():
@@ -154,5 +159,6 @@ if __name__ == "__main__":
     replace_long_computations()
     ends = {}
     for fault, jobs in (word.split("=") for word in faults):
-        ends[fault] = run_all(fault, {"RESULTS": results, "DESIGN": design, "JOBS": jobs})
+        job = json.loads(Path(results, "plan.json").read_text())["jobs"][1]["job"]
+        ends[fault] = run_all(fault, {"RESULTS": results, "DESIGN": design, "JOBS": jobs, "JOB": job})
     Path(record).write_text(json.dumps(ends), encoding="utf-8")
