@@ -124,6 +124,8 @@ def show(
         from bearingsim.plots.measured import draw
 
         draw(recording, clearest, *results[clearest], figure)
+    for text in recording.remarks:
+        say(text, err=True)
     if as_json:
         say(json.dumps(as_dict(recording, bearing, tolerance, results, clearest), indent=1))
         return
@@ -157,7 +159,8 @@ def verdict_text(diagnosis: "Diagnosis") -> str:
     if diagnosis.verdict == NONE:
         return f"verdict: none found; a line would need {needed} over the local median"
     score = f"{decibels(finding.comb.score):.1f} dB, threshold {needed}"
-    return f"verdict: {VERDICTS[diagnosis.verdict]}, {finding.comb.frequency:.2f} Hz ({score})"
+    healthy = ", or a healthy bearing with clearance" if diagnosis.loose else ""
+    return f"verdict: {VERDICTS[diagnosis.verdict]}{healthy}, {finding.comb.frequency:.2f} Hz ({score})"
 
 
 def _print_header(recording: "Recording", bearing: str, tolerance: float, diagnosis: "Diagnosis") -> None:
@@ -210,7 +213,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
             f"(entry to exit {1e3 * size.spacing:.3g} ms)"
         )
     if diagnosis.loose:
-        say("clearance alone gives BPFO, too: compare with a record of the healthy bearing")
+        say("clearance alone gives BPFO, too, and no width was read: compare with a record of the healthy bearing")
 
 
 def _whole(value: float) -> str:

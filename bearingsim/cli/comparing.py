@@ -65,6 +65,8 @@ def show(
     if figure is not None:
         names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
         draw_comparison(pair.simulated, pair.measured, pair.race, band, names, pair.unit, factor, figure)
+    for text in pair.recording.remarks:
+        say(text, err=True)
     if as_json:
         say(json.dumps(_as_dict(job, pair, band, factor, standing, rows), indent=1))
         return

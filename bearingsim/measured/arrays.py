@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.measured.content import Content, MeasuredError, Stated
+from bearingsim.measured.content import Content, MeasuredError, Stated, differ
 
 RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "fsamp", "fsampling")
 STEPS = ("dt", "ts", "timestep", "sampletime")
@@ -25,15 +25,16 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     file without signals.
     """
     channels: dict[str, np.ndarray] = {}
-    rate = time = speed = None
+    rates: list[Stated[float]] = []
+    time = speed = None
     for name, values in arrays.items():
         word = _word(name)
         if values.size == 1:
             number = float(np.real(values.ravel()[0]))
-            if word in RATES and rate is None:
-                rate = Stated(number, f"the variable `{name}`")
-            elif word in STEPS and rate is None and number > 0.0:
-                rate = Stated(1.0 / number, f"the variable `{name}`")
+            if word in RATES:
+                rates.append(Stated(number, f"the variable `{name}`"))
+            elif word in STEPS and number > 0.0:
+                rates.append(Stated(1.0 / number, f"the variable `{name}`"))
             elif (word in SPEEDS or word.endswith("rpm")) and speed is None:
                 speed = Stated(number * pi / 30.0, f"the variable `{name}`")
             elif name.lower().endswith("parameters.speed") and speed is None:
@@ -45,8 +46,15 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     if time is not None:
         channels = {name: values for name, values in channels.items() if len(values) == len(time.value)}
     if not channels:
-        raise MeasuredError(path, f"has no signal: {_listed(arrays)}")
-    return Content(channels, time, rate, speed, _units(channels, texts))
+        raise MeasuredError(path, f"has no signal: {_listed(arrays)}{_advice(arrays)}")
+    rate = rates[0] if rates else None
+    other = next((stated for stated in rates if differ(stated.value, rates[0].value)), None)
+    return Content(channels, time, rate, speed, _units(channels, texts), other)
+
+
+def _advice(arrays: Mapping[str, np.ndarray]) -> str:
+    name = next((name for name, values in arrays.items() if np.iscomplexobj(values)), None)
+    return f"; `{name}` is complex: save the real time signal" if name else ""
 
 
 def _word(name: str) -> str:

@@ -28,6 +28,15 @@ class Stated(Generic[Value]):
     source: str
 
 
+MOST_DIFFERENCE = 1e-3
+"""Largest relative difference of two statements of one value: printed values are rounded."""
+
+
+def differ(value: float, other: float) -> bool:
+    """Check if two statements of one value contradict each other."""
+    return not abs(value - other) <= MOST_DIFFERENCE * abs(other)
+
+
 class Request(NamedTuple):
     """Values that the user gives, each in place of the file's: rate (Hz), speed (rad/s), unit, and full scale of
     integer samples in this unit; channel: name of the only one to read."""
@@ -43,7 +52,8 @@ class Request(NamedTuple):
 class Content:
     """Arrays of a file by name, and what the file states about them.
 
-    time: instants (s) of the samples, and the name of their array; rate in Hz, speed in rad/s.
+    time: instants (s) of the samples, and the name of their array; rate in Hz, speed in rad/s; other_rate: a
+    second statement, which differs from the first.
     """
 
     channels: Mapping[str, np.ndarray]
@@ -51,18 +61,23 @@ class Content:
     rate: Stated[float] | None = None
     speed: Stated[float] | None = None
     units: Mapping[str, str] = field(default_factory=dict)
+    other_rate: Stated[float] | None = None
     integer_range: float | None = None
     """Largest value of integer samples, which have no unit."""
 
 
 class Recording(NamedTuple):
-    """Channels (n,) of a file by name, sampling rate (Hz), speed (rad/s) and units, with their sources."""
+    """Channels (n,) of a file by name, sampling rate (Hz), speed (rad/s) and units, with their sources.
+
+    remarks: statements of the file that the request contradicts.
+    """
 
     path: Path
     channels: dict[str, np.ndarray]
     rate: Stated[float]
     speed: Stated[float] | None
     units: dict[str, Stated[str]]
+    remarks: tuple[str, ...] = ()
 
     @property
     def shaft(self) -> float:

@@ -1,13 +1,14 @@
 """Reading a file of signals: its format by the suffix, its rate, speed and units, and what is refused."""
 
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from math import pi
 from pathlib import Path
 
 import numpy as np
 
 from bearingsim.measured.arrays import content_of
-from bearingsim.measured.content import Content, MeasuredError, Recording, Request, Stated
+from bearingsim.measured.content import Content, MeasuredError, Recording, Request, Stated, differ
 from bearingsim.measured.exchange import read_tdms, read_uff
 from bearingsim.measured.matlab import read_hdf5, read_mat
 from bearingsim.measured.sound import read_wav
@@ -90,7 +91,23 @@ def _recording(path: Path, content: Content, request: Request) -> Recording:
         _rate(path, content, request),
         Stated(request.speed, "--speed") if request.speed is not None else content.speed,
         {name: _unit(content.units.get(name), request, scale_unit) for name in channels},
+        tuple(_contradictions(path, content, request)),
     )
+
+
+def _contradictions(path: Path, content: Content, request: Request) -> Iterator[str]:
+    """Yield the statements of a file that differ from the request, which holds."""
+    rates = content.rate, None if content.time is None else _rate_of_times(path, content.time)
+    statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
+        *(("--rate", request.rate, rate, 1.0, "Hz") for rate in rates),
+        ("--speed", request.speed, content.speed, 30.0 / pi, "rpm"),
+    ]
+    for option, requested, stated, factor, unit in statements:
+        if requested is not None and stated is not None and differ(requested, stated.value):
+            yield (
+                f"{path.name} states {factor * stated.value:.6g} {unit} ({stated.source}): "
+                f"`{option}`, {factor * requested:.6g} {unit}, is used in its place"
+            )
 
 
 def _listed(channels: dict[str, np.ndarray]) -> str:
@@ -107,6 +124,9 @@ def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
         return Stated(request.rate, "--rate")
     if content.rate is None:
         raise MeasuredError(path, "states no sampling rate: give it, such as `--rate '51.2 kHz'`")
+    if content.other_rate is not None:
+        values = " and ".join(f"{rate.value:g} Hz ({rate.source})" for rate in (content.rate, content.other_rate))
+        raise MeasuredError(path, f"states two sampling rates, {values}: give the right one by `--rate`")
     if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
         raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by `--rate`")
     return content.rate

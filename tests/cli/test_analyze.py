@@ -33,10 +33,28 @@ def test_the_verdict_comes_with_its_evidence(file):
     assert "damaged.npz: 4 s at 12800 Hz (the variable `fs`)" in out
     assert "unit of acc: g (the file)" in out
     assert "6205 at 1500 rpm (the variable `rpm`), lines within 2 %" in out
-    assert "verdict: outer race, 89.6" in out
-    assert "clearance alone gives BPFO, too" in out
+    assert "verdict: outer race, or a healthy bearing with clearance, 89.6" in out
+    assert "clearance alone gives BPFO, too, and no width was read" in out
     for line in ("BPFO", "BPFI", "2 BSF"):
         assert line in out
+
+
+def test_the_verdict_is_of_one_race_where_a_width_is_read(tmp_path):
+    impact = impacts(LINES.outer, noise=0.02, slip=0.002)
+    signal = impact + 0.5 * np.roll(impact, -round(0.2 / LINES.outer * RATE))
+    np.savez(tmp_path / "a.npz", acc=signal, fs=RATE, rpm=1500.0)
+    out = type_("analyze", tmp_path / "a.npz", "--bearing", "6205")[0]
+    assert "verdict: outer race, 89.6" in out
+    assert "width along the race" in out
+    assert "clearance" not in out
+
+
+def test_a_request_that_contradicts_the_file_is_printed(file):
+    words = ["analyze", file, "--bearing", "6205", "--json"]
+    assert type_(*words, "--rate", "12.8 kHz", "--speed", "1500 rpm")[1] == ""
+    err = type_(*words, "--rate", "24 kHz", "--speed", "1800 rpm")[1]
+    assert "damaged.npz states 12800 Hz (the variable `fs`): `--rate`, 24000 Hz, is used in its place" in err
+    assert "damaged.npz states 1500 rpm (the variable `rpm`): `--speed`, 1800 rpm, is used in its place" in err
 
 
 def test_json_has_fixed_keys(file):

@@ -212,6 +212,15 @@ def test_a_missing_rate_and_speed_are_asked_for_by_their_options(tmp_path):
 # Refusals
 
 
+def test_two_rates_are_refused_until_one_is_given(tmp_path):
+    np.savez(tmp_path / "a.npz", x=X[:, 0], fs=RATE, sampling_rate=24000.0)
+    with pytest.raises(MeasuredError, match=r"two sampling rates, 12800 Hz .*fs.* and 24000 Hz .*`--rate`"):
+        read(tmp_path / "a.npz")
+    assert read(tmp_path / "a.npz", Request(rate=24000.0)).rate.value == 24000.0
+    np.savez(tmp_path / "a.npz", x=X[:, 0], fs=RATE, dt=7.8125e-5)
+    assert read(tmp_path / "a.npz").rate.value == RATE
+
+
 def test_gaps_and_uneven_times_are_refused_with_their_place(tmp_path):
     t = np.delete(T, slice(1000, 1010))
     pd.DataFrame({"time": t, "x": X[: len(t), 0]}).to_csv(tmp_path / "a.csv", index=False)
