@@ -107,7 +107,7 @@ def show(
 
     if figure is not None:
         check_path(figure)
-    parts, recording = load_rolling_parts(bearing), read(file, request)
+    parts, recording = load_rolling_parts(bearing), read(file, request, needs_speed=True)
     fs, shaft = recording.rate.value, recording.shaft
     results: dict[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]] = {}
     for name, values in recording.channels.items():

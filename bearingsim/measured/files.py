@@ -1,7 +1,7 @@
 """Reading a file of signals: its format by the suffix, its rate, speed and units, and what is refused."""
 
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import pi
 from pathlib import Path
 
@@ -31,9 +31,19 @@ def read_npz(path: Path, most: float) -> Content:
     if size > most:
         raise MeasuredError(path, f"would take {size / 1e6:.3g} MB, which is not plausible for its size")
     with np.load(path, allow_pickle=False) as archive:
-        arrays = {name: archive[name] for name in archive.files}
+        arrays = {name: _array(path, archive, name) for name in archive.files}
     texts = {name: str(values) for name, values in arrays.items() if values.dtype.kind == "U" and values.size == 1}
     return content_of(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiub"}, texts)
+
+
+def _array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Return an array of an NPZ file. Raises MeasuredError if it holds Python objects."""
+    try:
+        return archive[name]
+    except ValueError as error:
+        if "allow_pickle" not in str(error):
+            raise
+        raise MeasuredError(path, f"has Python objects in `{name}`: save it as an array of numbers") from None
 
 
 FORMATS: dict[str, Callable[[Path, float], Content]] = {
@@ -52,16 +62,20 @@ FORMATS: dict[str, Callable[[Path, float], Content]] = {
 """Readers by suffix."""
 
 
-def read(path: Path, request: Request = Request()) -> Recording:  # noqa: B008
+def read(path: Path, request: Request = Request(), needs_speed: bool = False) -> Recording:  # noqa: B008
     """Read the channels of a file, with what the user requests in place of what the file states.
 
+    needs_speed: refuse a file without a speed unless the request gives it.
     Raises MeasuredError with the reason and the remedy: an unknown or damaged format, no rate, a gap in time, a
     channel that is not there. OSError if the file cannot be opened.
     """
     size = path.stat().st_size
     reader = FORMATS.get(path.suffix.lower())
-    if path.is_dir() or reader is None:
-        raise MeasuredError(path, f"expected a file that ends in {', '.join(FORMATS)}")
+    if path.is_dir():
+        raise MeasuredError(path, "is a folder: name a file in it")
+    if reader is None:
+        advice = "; save the array with its rate by `np.savez`" if path.suffix.lower() == ".npy" else ""
+        raise MeasuredError(path, f"expected a file that ends in {', '.join(FORMATS)}{advice}")
     if size == 0:
         raise MeasuredError(path, "is empty")
     if size > MOST_BYTES:
@@ -75,6 +89,11 @@ def read(path: Path, request: Request = Request()) -> Recording:  # noqa: B008
             raise
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise MeasuredError(path, f"cannot be read as a {path.suffix} file, it is damaged ({reason})") from error
+    if needs_speed and content.speed is None and request.speed is None:
+        is_without_rate = content.rate is None and content.time is None and request.rate is None
+        options = "--rate '51.2 kHz' --speed '1796 rpm'" if is_without_rate else "--speed '1796 rpm'"
+        values = "no sampling rate and no speed: give both" if is_without_rate else "no speed: give it"
+        raise MeasuredError(path, f"states {values}, such as `{options}`")
     return _recording(path, content, request)
 
 
@@ -97,7 +116,8 @@ def _recording(path: Path, content: Content, request: Request) -> Recording:
 
 def _contradictions(path: Path, content: Content, request: Request) -> Iterator[str]:
     """Yield the statements of a file that differ from the request, which holds."""
-    rates = content.rate, None if content.time is None else _rate_of_times(path, content.time)
+    times = None if content.time is None or _is_coarse(content.time.value) else content.time
+    rates = content.rate, None if times is None else _rate_of_times(path, times)
     statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
         *(("--rate", request.rate, rate, 1.0, "Hz") for rate in rates),
         ("--speed", request.speed, content.speed, 30.0 / pi, "rpm"),
@@ -117,7 +137,7 @@ def _listed(channels: dict[str, np.ndarray]) -> str:
 
 def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     """Return the sampling rate (Hz), from the request, the file's own statement, or its times."""
-    if content.time is not None:
+    if content.time is not None and not (request.rate is not None and _is_coarse(content.time.value)):
         own = _rate_of_times(path, content.time)
         return Stated(request.rate, "--rate") if request.rate is not None else own
     if request.rate is not None:
@@ -132,10 +152,22 @@ def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     return content.rate
 
 
+def _is_coarse(time: np.ndarray) -> bool:
+    """Check if instants (s) are rounded to more than a step, so that most neighbours are equal."""
+    steps = np.diff(time)
+    return len(steps) > 0 and bool(np.all(steps >= 0.0)) and float(np.median(steps)) == 0.0
+
+
 def _rate_of_times(path: Path, time: Stated[np.ndarray]) -> Stated[float]:
     """Return the sampling rate (Hz) of instants (s). Raises MeasuredError for a gap."""
     steps = np.diff(time.value)
-    if len(steps) == 0 or not np.all(np.isfinite(steps)):
+    if len(steps) == 0:
+        raise MeasuredError(path, "has one sample only")
+    if _is_coarse(time.value):
+        raise MeasuredError(
+            path, f"has times rounded to more than a step, in {time.source}: give the rate by `--rate`"
+        )
+    if not np.all(np.isfinite(steps)):
         raise MeasuredError(path, f"has missing times in {time.source}")
     median = float(np.median(steps))
     if median <= 0.0:
@@ -145,8 +177,8 @@ def _rate_of_times(path: Path, time: Stated[np.ndarray]) -> Stated[float]:
         begin, step, expected = float(time.value[gaps[0]]), 1e3 * steps[gaps[0]], 1e3 * median
         raise MeasuredError(
             path,
-            f"has {len(gaps)} gaps in {time.source}, the first after {begin:.6g} s ({step:.4g} ms instead of "
-            f"{expected:.4g} ms): export an even part of it",
+            f"has {len(gaps)} gap{'s' * (len(gaps) != 1)} in {time.source}, the first after {begin:.6g} s "
+            f"({step:.4g} ms instead of {expected:.4g} ms): export an even part of it",
         )
     mean = (time.value[-1] - time.value[0]) / len(steps)
     deviation = np.abs(time.value - time.value[0] - mean * np.arange(len(time.value))).max()

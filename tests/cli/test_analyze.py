@@ -131,7 +131,8 @@ def test_wrong_options_are_refused(file, words, message):
 
 def test_a_file_without_rate_or_speed_asks_for_the_option(tmp_path):
     np.savez(tmp_path / "a.npz", x=impacts(LINES.outer))
-    assert "--rate" in type_("analyze", tmp_path / "a.npz", "--bearing", "6205", code=2)[1]
+    err = " ".join(type_("analyze", tmp_path / "a.npz", "--bearing", "6205", code=2)[1].split())
+    assert "no sampling rate and no speed: give both, such as `--rate '51.2 kHz' --speed '1796 rpm'`" in err
     words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--rate", "12.8 kHz"]
     assert "--speed" in type_(*words, code=2)[1]
     assert "verdict: outer race" in type_(*words, "--speed", "1500 rpm")[0]

@@ -7,6 +7,7 @@ import zipfile
 import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat, wavfile
 
 from bearingsim.measured import MeasuredError, Request, read
 from tests.measured.test_formats import csv, mat, mat73, npz, parquet, tdms, uff
@@ -15,8 +16,6 @@ SECONDS, BYTES = 1.0, 300e6
 
 
 def wav(path):
-    from scipy.io import wavfile
-
     wavfile.write(path, 12800, np.random.default_rng(0).normal(size=4096))
 
 
@@ -100,6 +99,7 @@ def test_files_that_inflate_are_refused(tmp_path):
         ("a.csv", b"a,b\nno,number\n", "has no row of numbers"),
         ("a.csv", b"time [h],x\n" + b"1,2\n2,3\n" * 20, "expected s, ms or us"),
         ("a.csv", b"\0\1\2\3", "is no text"),
+        ("a.csv", b"time,x\n0.1,2\n", "has one sample only"),
         ("a.csv", b"acc\n" + b"1,1564\n-2,35\n" * 20, "decimal sign of 1, and 1 in the line above: export"),
         ("a.csv", b"1,1564\n-2,35\n" * 20, "may separate 2 columns or be the decimal sign of 1: export"),
         ("a.csv", b"t,x\n" + b"0,1,2,35\n0,2,-2,35\n" * 20, "columns or be the decimal sign of 2, and 2 in the"),
@@ -108,6 +108,26 @@ def test_files_that_inflate_are_refused(tmp_path):
 def test_what_is_no_table_of_signals_is_refused(tmp_path, name, content, message):
     (tmp_path / name).write_bytes(content)
     assert message in refusal_of(tmp_path / name)
+
+
+def test_a_wav_file_that_is_cut_or_is_none_is_refused(tmp_path):
+    path = tmp_path / "a.wav"
+    path.write_text("hello, this is text")
+    assert "is no WAV file, which begins with `RIFF`" in refusal_of(path)
+    wavfile.write(path, 12800, np.zeros((4096, 2)))
+    path.write_bytes(path.read_bytes()[:-1000])
+    assert "fewer samples than its header states" in refusal_of(path)
+
+
+def test_arrays_that_are_no_signals_are_refused_with_a_remedy(tmp_path):
+    np.savez(tmp_path / "a.npz", x=np.array([None, 1], object))
+    assert "has Python objects in `x`: save it as an array of numbers" in refusal_of(tmp_path / "a.npz")
+    savemat(tmp_path / "a.mat", {"x": np.exp(1j * np.arange(100.0))})
+    assert "`x` is complex: save the real time signal" in refusal_of(tmp_path / "a.mat")
+    np.save(tmp_path / "a.npy", np.arange(100.0))
+    assert "save the array with its rate by `np.savez`" in refusal_of(tmp_path / "a.npy")
+    (tmp_path / "a.csv").mkdir()
+    assert "is a folder: name a file in it" in refusal_of(tmp_path / "a.csv")
 
 
 def test_a_zip_of_something_else_is_refused(tmp_path):

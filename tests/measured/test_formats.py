@@ -224,7 +224,7 @@ def test_two_rates_are_refused_until_one_is_given(tmp_path):
 def test_gaps_and_uneven_times_are_refused_with_their_place(tmp_path):
     t = np.delete(T, slice(1000, 1010))
     pd.DataFrame({"time": t, "x": X[: len(t), 0]}).to_csv(tmp_path / "a.csv", index=False)
-    with pytest.raises(MeasuredError, match=r"1 gaps in the column `time`, the first after 0\.078"):
+    with pytest.raises(MeasuredError, match=r"1 gap in the column `time`, the first after 0\.078"):
         read(tmp_path / "a.csv")
     pd.DataFrame({"time": T**1.01, "x": X[:, 0]}).to_csv(tmp_path / "a.csv", index=False)
     with pytest.raises(MeasuredError, match="uneven times"):
@@ -234,6 +234,13 @@ def test_gaps_and_uneven_times_are_refused_with_their_place(tmp_path):
 def test_rounded_times_are_no_gaps(tmp_path):
     pd.DataFrame({"time": np.round(T, 5), "x": X[:, 0]}).to_csv(tmp_path / "a.csv", index=False)
     assert read(tmp_path / "a.csv").rate.value == pytest.approx(RATE, rel=1e-4)
+
+
+def test_times_rounded_to_more_than_a_step_need_a_rate(tmp_path):
+    pd.DataFrame({"time": np.round(T, 3), "x": X[:, 0]}).to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(MeasuredError, match=r"rounded to more than a step, in the column `time`: .* `--rate`"):
+        read(tmp_path / "a.csv")
+    assert read(tmp_path / "a.csv", Request(rate=RATE)).rate.value == RATE
 
 
 @pytest.mark.parametrize(
