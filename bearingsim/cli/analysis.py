@@ -206,6 +206,9 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     say(f"strongest other rhythm: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{crowd}")
     if diagnosis.verdict == NONE and rival.score > diagnosis.threshold:
         say("this rhythm is no line of the bearing at this speed: check both")
+    if diagnosis.may_be_doubled:
+        half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
+        say(f"half of this line ({half}) is about as strong: the true speed may be half of the given one")
     if diagnosis.size is not None:
         size = diagnosis.size
         say(
@@ -295,4 +298,5 @@ def _channel_dict(
         "width_mm": [1e3 * size.low, 1e3 * size.high] if size else None,
         "spacing_ms": 1e3 * size.spacing if size else None,
         "clearance_may_cause": diagnosis.loose,
+        "speed_may_be_doubled": diagnosis.may_be_doubled,
     }

@@ -9,6 +9,7 @@ import numpy as np
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis.combs import (
     HARMONICS,
+    SHAFT_SHARE,
     Comb,
     best_comb,
     comb_at,
@@ -36,6 +37,10 @@ SAME_BINS = 2.0
 MOST_CROWDED = 0.2
 """Share of other rhythms with a score as high as the claimed one, above which a record is full of lines. Damaged
 signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
+
+STRONG_HALF = 0.8
+"""Score of the rhythm at half of a race's line over that of the line, from which the given speed may be twice the
+true one. Three measured outer races have 0.45 to 0.55 at their speed, and 0.89 to 1.10 at twice their speed."""
 
 
 class Finding(NamedTuple):
@@ -77,6 +82,19 @@ class Diagnosis(NamedTuple):
     def best(self) -> str:
         """Element with the highest score."""
         return max(self.findings, key=lambda race: self.findings[race].comb.score)
+
+    @property
+    def half(self) -> Comb:
+        """Comb at half of the line of the best element."""
+        return comb_at(self.fronts, self.findings[self.best].comb.frequency / 2.0)
+
+    @property
+    def may_be_doubled(self) -> bool:
+        """True if a race is named, and half of its line is about as strong a rhythm and no shaft order."""
+        order = self.half.frequency / self.lines.shaft
+        is_order = abs(order - round(order)) <= SHAFT_SHARE * round(order)
+        is_strong = self.half.score >= STRONG_HALF * self.findings[self.best].comb.score
+        return self.verdict not in (RHYTHM, NONE) and is_strong and not is_order
 
 
 def diagnose(

@@ -11,7 +11,7 @@ from tests.scenes.impacts import LINES, RATE, impacts
 BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
 KEYS = BAND_KEYS | {
     "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "races", "rival", "width_mm",
-    "spacing_ms", "clearance_may_cause",
+    "spacing_ms", "clearance_may_cause", "speed_may_be_doubled",
 }  # fmt: skip
 RACE_KEYS = {
     "expected_hz", "found_hz", "deviation", "score_db", "envelope_db", "levelled_db", "shaft_sidebands_db",
@@ -55,6 +55,15 @@ def test_a_request_that_contradicts_the_file_is_printed(file):
     err = type_(*words, "--rate", "24 kHz", "--speed", "1800 rpm")[1]
     assert "damaged.npz states 12800 Hz (the variable `fs`): `--rate`, 24000 Hz, is used in its place" in err
     assert "damaged.npz states 1500 rpm (the variable `rpm`): `--speed`, 1800 rpm, is used in its place" in err
+
+
+@pytest.mark.parametrize("speed", ["1500 rpm", "3000 rpm"])
+def test_twice_the_speed_is_suspected(file, speed):
+    words = ["analyze", file, "--bearing", "6205", "--speed", speed]
+    is_doubled = speed == "3000 rpm"
+    assert json.loads(type_(*words, "--json")[0])["verdict"] == "outer"
+    assert json.loads(type_(*words, "--json")[0])["speed_may_be_doubled"] is is_doubled
+    assert ("the true speed may be half of the given one" in type_(*words)[0]) is is_doubled
 
 
 def test_json_has_fixed_keys(file):

@@ -53,6 +53,13 @@ def test_a_wrong_speed_or_bearing_names_no_race(name, bearing, factor):
     assert analysis(name, rpm * factor, options, bearing)["verdict"] in ("other rhythm", "none")
 
 
+@pytest.mark.parametrize("name", DAMAGED)
+@pytest.mark.parametrize("factor", [1.0, 2.0])
+def test_twice_the_speed_is_suspected(name, factor):
+    rpm, options, _ = DAMAGED[name]
+    assert analysis(name, rpm * factor, options)["speed_may_be_doubled"] is (factor == 2.0)
+
+
 @pytest.mark.parametrize("name", ["hit_spectraquest_OR8_900.mat", "hit_spectraquest_OR8_600.mat"])
 def test_the_width_of_an_arc_is_covered(name):
     low, high = analysis(name, *DAMAGED[name][:2])["width_mm"]
