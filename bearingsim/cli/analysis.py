@@ -123,7 +123,7 @@ def show(
     if figure is not None:
         from bearingsim.plots.measured import draw
 
-        draw(recording, clearest, *results[clearest], figure)
+        draw(recording, clearest, *results[clearest], parts.name or bearing, figure)
     for text in recording.remarks:
         say(text, err=True)
     if as_json:

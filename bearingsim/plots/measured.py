@@ -54,19 +54,25 @@ def draw(
     diagnosis: "Diagnosis",
     image: "Kurtogram",
     band: tuple[float, float],
+    bearing: str,
     path: Path,
 ) -> Path:
     """Write the figure of a channel in the format of the file's suffix; return the file."""
     from bearingsim.plots.style import drawing
 
     with drawing():
-        return _write(figure(recording, channel, diagnosis, image, band), path)
+        return _write(figure(recording, channel, diagnosis, image, band, bearing), path)
 
 
 def figure(
-    recording: "Recording", channel: str, diagnosis: "Diagnosis", image: "Kurtogram", band: tuple[float, float]
+    recording: "Recording",
+    channel: str,
+    diagnosis: "Diagnosis",
+    image: "Kurtogram",
+    band: tuple[float, float],
+    bearing: str,
 ) -> "Canvas":
-    """Draw the four panels."""
+    """Draw the four panels; bearing: its name in the title."""
     from matplotlib.figure import Figure
 
     from bearingsim.plots.style import PAGE_IN
@@ -74,13 +80,23 @@ def figure(
     canvas = Figure(figsize=(PAGE_IN, 0.8 * PAGE_IN), layout="constrained")
     (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
     values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
-    label = f"{channel}{f' ({unit})' if unit else ''}"
+    label = f"signal {channel}{f' ({unit})' if unit else ''}"
     _draw_time(time, values, fs, diagnosis, label)
     _draw_spectrum(spectrum, values, fs, label)
     _draw_envelope(envelope, diagnosis, band)
     _draw_kurtogram(kurtosis, image, band)
-    canvas.suptitle(f"{recording.path.name}: {TITLES[diagnosis.verdict]}", fontsize=9.0)
+    title = f"{recording.path.name}, {bearing} at {diagnosis.lines.shaft * 60.0:.6g} rpm: {_title(diagnosis)}"
+    canvas.suptitle(title, fontsize=9.0)
     return canvas
+
+
+def _title(diagnosis: "Diagnosis") -> str:
+    """Return the verdict with the frequency that it rests on."""
+    frequency = {"none": None, "other rhythm": diagnosis.rival.frequency}.get(
+        diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
+    )
+    healthy = " or a healthy bearing with clearance" if diagnosis.loose else ""
+    return f"{TITLES[diagnosis.verdict]}{healthy}{f', {frequency:.2f} Hz' if frequency else ''}"
 
 
 def _draw_time(ax: "Axes", values: np.ndarray, fs: float, diagnosis: "Diagnosis", label: str) -> None:
@@ -91,7 +107,7 @@ def _draw_time(ax: "Axes", values: np.ndarray, fs: float, diagnosis: "Diagnosis"
     start = int(np.clip(np.argmax(np.abs(values - values.mean())) - count // 2, 0, len(values) - count))
     ax.plot(1e3 * np.arange(start, start + count) / fs, values[start : start + count], color=COLOURS[0], lw=0.7)
     ax.set_xlabel("Time (ms)")
-    ax.set_ylabel(label)
+    ax.set_ylabel(label[0].upper() + label[1:])
     ax.margins(x=0.0)
 
 
@@ -115,7 +131,9 @@ def _draw_spectrum(ax: "Axes", values: np.ndarray, fs: float, label: str) -> Non
 
 
 def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
-    """Draw the first front in dB, with the harmonics of each race."""
+    """Draw the first front in dB, with the harmonics of each race, the sidebands of the named one, and the height
+    of three equal harmonics at the threshold."""
+    from bearingsim.diagnosis.thresholds import decibels
     from bearingsim.plots.marks import MARK_COLOURS
     from bearingsim.plots.style import COLOURS
 
@@ -130,11 +148,26 @@ def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]
                 number * finding.comb.frequency, color=MARK_COLOURS[race], lw=1.0, label=text, zorder=0.9,
                 ls="-" if is_verdict else (0, (2, 2)), alpha=0.7,
             )  # fmt: skip
+    spacings = {"inner": ("fr", diagnosis.lines.shaft), "roller": ("FTF", diagnosis.lines.cage)}
+    if diagnosis.verdict in spacings:
+        (name, spacing), line = spacings[diagnosis.verdict], diagnosis.findings[diagnosis.verdict].comb.frequency
+        places = [n * line + side * spacing for n in range(1, HARMONICS + 1) for side in (-1.0, 1.0)]
+        for number, place in enumerate(places):
+            ax.axvline(place, color="0.5", lw=0.7, ls=":", zorder=0.8, label=None if number else f"± {name}")
+    ax.axhline(decibels(diagnosis.threshold), color="0.3", lw=0.8, ls=(0, (5, 2)), label="threshold")
     ax.set_xlim(0.0, 1.05 * HARMONICS * max(finding.comb.frequency for finding in diagnosis.findings.values()))
     ax.set_ylim(0.0, 1.25 * float(height.max()))
     ax.set_xlabel("Frequency (Hz)")
-    ax.set_ylabel(f"Envelope, {band[0] / 1e3:.3g}-{band[1] / 1e3:.3g} kHz (dB)")
-    ax.legend(loc="upper right", ncols=3, fontsize=7.0)
+    ax.set_ylabel(f"Envelope, {band[0] / 1e3:.3g}-{band[1] / 1e3:.3g} kHz\n(dB over the local median)")
+    ax.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=5,
+        fontsize=7.0,
+        columnspacing=0.7,
+        handlelength=1.3,
+        handletextpad=0.4,
+    )
 
 
 def _draw_kurtogram(ax: "Axes", image: "Kurtogram", band: tuple[float, float]) -> None:

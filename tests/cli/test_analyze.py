@@ -5,8 +5,13 @@ import json
 import numpy as np
 import pytest
 
+from bearingsim.diagnosis import diagnose
+from bearingsim.diagnosis.kurtogram import kurtogram
+from bearingsim.diagnosis.thresholds import decibels
+from bearingsim.measured import read
+from bearingsim.plots import measured
 from tests.scenes.commands import type_
-from tests.scenes.impacts import LINES, RATE, impacts
+from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 
 BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
 KEYS = BAND_KEYS | {
@@ -103,6 +108,27 @@ def test_the_figure_replaces_figures_only(file, tmp_path, suffix):
     _, err = type_("analyze", file, "--bearing", "6205", "--figure", path, code=2)
     assert "is not a figure of this program" in err
     assert path.read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("race", "modulation", "labels"),
+    [("outer", 0.0, []), ("inner", LINES.shaft, ["± fr"]), ("roller", LINES.cage, ["± FTF"])],
+)
+def test_the_figure_states_the_verdict_and_marks_its_evidence(file, race, modulation, labels):
+    np.savez(file, acc=impacts(LINES.of_race(race), modulation, slip=0.005), acc_unit="g", fs=RATE, rpm=1500.0)
+    recording = read(file)
+    values = recording.channels["acc"]
+    result = diagnose(values, RATE, PARTS, SHAFT)
+    canvas = measured.figure(recording, "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205")
+    title, frequency = canvas.get_suptitle(), result.findings[race].comb.frequency
+    assert title.startswith("damaged.npz, 6205 at 1500 rpm: ")
+    assert title.endswith(f"{' or a healthy bearing with clearance' * (race == 'outer')}, {frequency:.2f} Hz")
+    time, _, envelope, _ = canvas.axes[:4]
+    assert time.get_ylabel() == "Signal acc (g)"
+    assert "dB over the local median" in envelope.get_ylabel()
+    curves = {curve.get_label(): curve for curve in envelope.get_lines()}
+    assert curves["threshold"].get_ydata()[0] == pytest.approx(decibels(result.threshold))
+    assert [label for label in curves if label.startswith("±")] == labels
 
 
 def test_a_band_is_used_on_request_only(file):
