@@ -101,7 +101,7 @@ def show(
     from bearingsim.diagnosis.kurtogram import kurtogram
     from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
     from bearingsim.measured import MeasuredError, read
-    from bearingsim.measured.checks import refuse_unusable
+    from bearingsim.measured.checks import dropout, refuse_unusable
     from bearingsim.plots.measured import check_path
     from bearingsim.study import load_rolling_parts
 
@@ -117,14 +117,15 @@ def show(
         try:
             refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), chosen)
         except Unsuitable as error:
-            raise MeasuredError(file, f"`{name}`: {error}") from None
+            raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
         results[name] = diagnose(values, fs, parts, shaft, tolerance, chosen), image, chosen
     clearest = max(results, key=lambda name: _margin(results[name][0]))
     if figure is not None:
         from bearingsim.plots.measured import draw
 
         draw(recording, clearest, *results[clearest], parts.name or bearing, figure)
-    for text in recording.remarks:
+    dropouts = (dropout(name, values, fs) for name, values in recording.channels.items())
+    for text in (*recording.remarks, *filter(None, dropouts)):
         say(text, err=True)
     if as_json:
         say(json.dumps(as_dict(recording, bearing, tolerance, results, clearest), indent=1))
@@ -136,6 +137,13 @@ def show(
         _print_evidence(diagnosis, chosen)
     if figure is not None:
         say(f"\n{short_path(figure)}")
+
+
+def _other_channel(recording: "Recording", name: str) -> str:
+    """Return the advice to name the longest channel if it is longer than an unsuitable one."""
+    lengths = {channel: len(values) for channel, values in recording.channels.items()}
+    longest = max(lengths, key=lambda channel: lengths[channel])
+    return f"; or name a longer one, `--channel {longest}`" if lengths[longest] > lengths[name] else ""
 
 
 def _margin(diagnosis: "Diagnosis") -> float:

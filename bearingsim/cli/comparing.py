@@ -49,6 +49,7 @@ def show(
     by a factor, to the measured RMS. Raises UserError for a channel, unit or speed that does not fit.
     """
     from bearingsim.diagnosis.comparison import common_band, compare
+    from bearingsim.measured.checks import dropout
     from bearingsim.plots.measured import check_path, draw_comparison
 
     if figure is not None:
@@ -65,7 +66,8 @@ def show(
     if figure is not None:
         names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
         draw_comparison(pair.simulated, pair.measured, pair.race, band, names, pair.unit, factor, figure)
-    for text in pair.recording.remarks:
+    remark_on_rest = dropout(pair.channels[1], pair.measured.series, pair.measured.fs)
+    for text in filter(None, (*pair.recording.remarks, remark_on_rest)):
         say(text, err=True)
     if as_json:
         say(json.dumps(_as_dict(job, pair, band, factor, standing, rows), indent=1))

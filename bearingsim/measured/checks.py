@@ -9,6 +9,9 @@ from bearingsim.measured.content import MeasuredError
 MOST_CLIPPED = 1e-3
 """Largest share of samples at the extremes, in runs of two and more."""
 
+LONGEST_REST = 0.02
+"""Longest share of a record without change that gives no remark."""
+
 
 def refuse_unusable(path: Path, channel: str, values: np.ndarray, rate: float) -> None:
     """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, or clipped."""
@@ -41,3 +44,17 @@ def clipped_share(values: np.ndarray) -> float:
         in_run[:-1] |= in_run[1:]
         share += float(np.count_nonzero(in_run & is_extreme)) / len(values)
     return share
+
+
+def dropout(channel: str, values: np.ndarray, rate: float) -> str | None:
+    """Return a remark on the longest part of a signal (n,) at ``rate`` (Hz) that does not change; None if it is
+    short."""
+    edges = np.concatenate([[0], 1 + np.flatnonzero(np.diff(values)), [len(values)]])
+    lengths = np.diff(edges)
+    begin, length = int(edges[np.argmax(lengths)]), int(lengths.max())
+    if length <= LONGEST_REST * len(values):
+        return None
+    share = (
+        f"{length / rate:.4g} s from {begin / rate:.4g} s on, {100.0 * length / len(values):.0f} % of the record"
+    )
+    return f"`{channel}` does not change for {share}: export a part without it"

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from bearingsim.diagnosis import diagnose
 from bearingsim.diagnosis.kurtogram import kurtogram
@@ -69,6 +70,24 @@ def test_twice_the_speed_is_suspected(file, speed):
     assert json.loads(type_(*words, "--json")[0])["verdict"] == "outer"
     assert json.loads(type_(*words, "--json")[0])["speed_may_be_doubled"] is is_doubled
     assert ("the true speed may be half of the given one" in type_(*words)[0]) is is_doubled
+
+
+def test_a_short_channel_beside_a_long_one_is_refused_with_the_option_for_the_other(tmp_path):
+    savemat(tmp_path / "a.mat", {"a": impacts(LINES.outer, slip=0.005), "b": np.arange(100.0)})
+    words = ["analyze", tmp_path / "a.mat", "--bearing", "6205", "--rate", "12.8 kHz", "--speed", "1500 rpm"]
+    err = " ".join(type_(*words, code=2)[1].split())
+    assert "or name a longer one, `--channel a`" in err
+    assert "verdict: outer race" in type_(*words, "--channel", "a")[0]
+
+
+def test_a_dropout_is_printed(tmp_path):
+    signal = impacts(LINES.outer, slip=0.005)
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--json"]
+    for begin in (len(signal), len(signal) // 2):
+        signal[begin:] = 0.0
+        np.savez(tmp_path / "a.npz", acc=signal, fs=RATE, rpm=1500.0)
+        err = type_(*words)[1]
+        assert ("`acc` does not change for 2 s from 2 s on, 50 % of the record" in err) is (begin < len(signal))
 
 
 def test_json_has_fixed_keys(file):
