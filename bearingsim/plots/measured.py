@@ -268,7 +268,7 @@ def _comparison(
     envelope.set_ylabel("Squared envelope, of its largest line")
     for ax in (time, whole, envelope):
         ax.margins(x=0.0)
-    canvas.legend(loc="outside upper center", ncols=2)
+    canvas.legend(loc="outside upper left")
     return canvas
 
 
