@@ -90,11 +90,14 @@ class Diagnosis(NamedTuple):
 
     @property
     def may_be_doubled(self) -> bool:
-        """True if a race is named, and half of its line is about as strong a rhythm and no shaft order."""
+        """True if a race of a ring is named, and half of its line is about as strong a rhythm and no shaft order.
+
+        Not for a rolling element, which may strike one of the races only, at BSF.
+        """
         order = self.half.frequency / self.lines.shaft
         is_order = abs(order - round(order)) <= SHAFT_SHARE * round(order)
         is_strong = self.half.score >= STRONG_HALF * self.findings[self.best].comb.score
-        return self.verdict not in (RHYTHM, NONE) and is_strong and not is_order
+        return self.verdict in (OUTER, INNER) and is_strong and not is_order
 
 
 def diagnose(
