@@ -27,8 +27,6 @@ MAX_ROWS = 2000
 """Largest number of rows of the table; 100 000 rows take 20 MB."""
 LARGEST_STEP_ERRORS = "largest step errors"
 """Beginning of a statement that repeats the numerical errors of the results."""
-SMOOTH = "smooth surfaces: no waviness or roughness, rollers of one diameter"
-"""Assumption of studies without `surfaces`."""
 MAX_TEXT = 200_000
 """Largest number of characters of the study file that are shown."""
 
@@ -101,7 +99,6 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     done = bool((table["status"] == "done").any())
     figures = collect(results, jobs) if done else Figures()
     assumptions = assumption_texts(results) if done else list(results.plan.get("assumptions", ()))
-    assumptions += [SMOOTH] if has_smooth_surfaces(results) else []
     headlines = list(feature_results(results)) if done else []
     return Page(
         study=results.plan["study"],
@@ -130,12 +127,6 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         text=_study_text(results),
         changes=" ".join(f"{path}={value}" for path, value in results.plan["overrides"].items()),
     )
-
-
-def has_smooth_surfaces(results: "Results") -> bool:
-    """Check if no case and no variation of a study has a form of its surfaces."""
-    has_form = any(str(name).startswith("surfaces.") for name in results.parameters())
-    return not has_form and not any(variation["what"] == "form" for variation in results.variations)
 
 
 def with_symbols(text: str) -> str:

@@ -17,6 +17,7 @@ from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
     RIGID_RING,
+    SMOOTH_SURFACES,
     damping_remark,
     sweeps_damping,
 )
@@ -92,6 +93,14 @@ def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterato
         for sentence, name in ((RIGID_RING, "rigid ring"), (NO_SLIP, "no slip"), (NO_OIL, "no oil drag"))
         if sentence in _assumptions(plan)
     )
+    if _has_smooth_surfaces(plan, cases):
+        yield "smooth surfaces"
+
+
+def _has_smooth_surfaces(plan: Mapping[str, Any], frame: "pd.DataFrame") -> bool:
+    """Check if no job of a study has a form of its surfaces."""
+    has_form = any(str(name).startswith("parameters/surfaces.") for name in frame)
+    return not has_form and not any(variation["what"] == "form" for variation in plan.get("variations", ()))
 
 
 def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
@@ -227,6 +236,8 @@ def assumption_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator
     if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
         yield from _damping_note(plan, frame)
     yield from plan.get("assumptions", ())
+    if _has_smooth_surfaces(plan, frame):
+        yield SMOOTH_SURFACES
 
 
 def _damping_note(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

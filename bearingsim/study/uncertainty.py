@@ -366,6 +366,9 @@ def variations(case: Case, parameters: Sequence[UncertainParameter]) -> list[tup
 RIGID_RING = "rigid ring assumed; bending can change amplitudes several-fold (docs/ring.md)"
 NO_SLIP = "pure rolling assumed; slip and oil drag change amplitudes by some percent (docs/accuracy.md)"
 NO_OIL = "dry friction assumed; oil drag changes amplitudes by some percent, RMS by more (docs/accuracy.md)"
+SMOOTH_SURFACES = (
+    "smooth surfaces assumed; waviness can change amplitudes at light load several-fold (docs/form.md)"
+)
 _RING_CHANNELS = ("ring.", "displacement", "velocity", "acceleration")
 
 

@@ -26,7 +26,7 @@ def test_a_run_ends_with_its_results_and_the_next_command(study_folder):
     for text, row in zip(lines[3:5], (line.argmax(), line.argmin()), strict=True):
         table_row = table.iloc[int(row)]
         assert text.partition(": ")[2] == f"load {table_row['load']:.0f} N, model {table_row['model']}"
-    assert lines[-3] == "4 assumptions not varied: damping, clearance, bracket, rigid ring"
+    assert lines[-3] == "5 assumptions not varied: damping, clearance, bracket, rigid ring, smooth surfaces"
     assert lines[-1] == "next: bearingsim plot results/small"
     assert len(lines) <= 24
     assert all(len(text) <= 100 for text in lines)
@@ -47,7 +47,7 @@ def test_reduced_grid_is_named_and_has_no_variations(study_folder):
     text = STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {sweep: {model: [ring]}}")
     Path("small.yaml").write_text(f"{text}uncertainty: {{damping: [1 us, 5 us]}}\n")
     lines = type_("run", "small.yaml", "--jobs", "1", "--quick")[0].splitlines()
-    assert "4 assumptions not varied: damping, clearance, bracket, rigid ring" in lines
+    assert "5 assumptions not varied: damping, clearance, bracket, rigid ring, smooth surfaces" in lines
     assert lines[-2] == "this was the reduced grid; run without --quick for the whole study"
 
 
@@ -88,7 +88,7 @@ BOTH = "uncertainty: {damping: [1 us, 5 us], clearance: [0 um, 5 um]}"
 
 @pytest.mark.parametrize(
     ("varied", "left"),
-    [(BOTH, "2 assumptions not varied: bracket, rigid"), ("uncertainty: none", "1 assumption not")],
+    [(BOTH, "3 assumptions not varied: bracket, rigid"), ("uncertainty: none", "2 assumptions not")],
 )
 def test_varied_parameters_are_not_assumptions(study_folder, varied, left):
     text = STUDY.replace("model: [static, ring]", "model: [static]") + varied + "\n"
