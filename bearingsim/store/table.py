@@ -254,7 +254,8 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
     """
     import pandas as pd
 
-    lines = [name.removesuffix(".phase") for name in frame.columns if str(name).endswith(".phase")]
+    names = [str(name) for name in frame.columns if str(name).startswith("features/")]
+    lines = [name.removesuffix(".phase") for name in names if name.endswith(".phase")]
     differences = {}
     for line in lines:
         amplitude = frame[line] * np.exp(1j * frame[f"{line}.phase"])

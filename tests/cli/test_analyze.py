@@ -145,8 +145,8 @@ def test_the_figure_states_the_verdict_and_marks_its_evidence(file, race, modula
     time, _, envelope, _ = canvas.axes[:4]
     assert time.get_ylabel() == "Signal acc (g)"
     assert "dB over the local median" in envelope.get_ylabel()
-    curves = {curve.get_label(): curve for curve in envelope.get_lines()}
-    assert curves["threshold"].get_ydata()[0] == pytest.approx(decibels(result.threshold))
+    curves = {str(curve.get_label()): np.asarray(curve.get_ydata()) for curve in envelope.get_lines()}
+    assert curves["threshold"][0] == pytest.approx(decibels(result.threshold))
     assert [label for label in curves if label.startswith("±")] == labels
 
 

@@ -109,11 +109,11 @@ def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp
 @pytest.mark.parametrize(("factor", "heights"), [(None, (1.0, 1.0)), (2.0, (0.2, 20.0))])
 def test_both_curves_are_seen_over_time(factor, heights):
     t = np.arange(25600) / 25600.0
-    signals = [Signal(height * np.cos(2.0 * np.pi * 3000.0 * t), 25600.0, LINES) for height in (20.0, 0.2)]
-    canvas = measured._comparison(*signals, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
+    high, low = (Signal(height * np.cos(2.0 * np.pi * 3000.0 * t), 25600.0, LINES) for height in (20.0, 0.2))
+    canvas = measured._comparison(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
     curves = canvas.axes[0].get_lines()
     assert [np.abs(curve.get_ydata()).max() for curve in curves] == pytest.approx(heights, rel=0.05)
-    labels = [curve.get_label() for curve in curves]
+    labels = [str(curve.get_label()) for curve in curves]
     if factor is None:
         assert labels[1].startswith("job, 1 = 2")
         assert canvas.axes[0].get_ylabel().startswith("Acceleration of its largest sample")

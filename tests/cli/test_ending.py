@@ -106,3 +106,14 @@ def test_jobs_done_by_trials_are_not_counted_as_earlier(write, tmp_path, monkeyp
     again = run(accuracy_study(write), tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
     assert again.resumed == again.planned
     assert again.headline.endswith(f", {again.planned} of them before")
+
+
+def test_a_study_with_harmonics_of_a_race_ends_with_its_results(study_folder):
+    form = "surfaces: {outer: {harmonics: [{order: 12, amplitude: 20 nm, phase: 30 deg}]}}\n"
+    Path("small.yaml").write_text(STUDY.replace("model: [static, ring]", "model: [ring]") + form)
+    lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()
+    assert lines[0].startswith("small: 4 of 4 jobs done")
+    assert not any("smooth surfaces" in line for line in lines)
+    columns = open_results("results/small").table().columns
+    assert "velocity@BPFO-healthy" in columns
+    assert not any("surfaces" in name and name.endswith("-healthy") for name in columns)

@@ -52,3 +52,14 @@ def test_a_step_too_long_for_the_shortest_wave_is_refused():
     assert requested_step(case(**fast, method="verlet")) <= wave / 40.0
     assert requested_step(case(**fast, model="static")) <= wave / 40.0
     assert np.isclose(wave, 33.76e-6, rtol=1e-3)
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers"])
+def test_lanes_without_a_roller_carry_nothing(model):
+    """The padding after the 13th roller would be pressed by the height of the race at its place."""
+    surfaces = {"outer": {"harmonics": [{"order": 1, "amplitude": "5 um"}]}}
+    forces = [
+        simulate(case(model=name, surfaces=surfaces, duration="50 ms")).features["outer_force.max"]
+        for name in (model, "static")
+    ]
+    assert forces[0] == pytest.approx(forces[1], rel=0.1)

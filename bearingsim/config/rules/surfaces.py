@@ -31,8 +31,9 @@ def _rollers(case: "CaseFields") -> Iterator[Conflict]:
     surface = case.surfaces and case.surfaces.rollers
     if not surface:
         return
-    count, deviations = case.bearing.rollers, surface.diameter and surface.diameter.deviations
-    if deviations and len(deviations) != count:
+    count = case.bearing.rollers
+    deviations = surface.diameter.deviations if surface.diameter else None
+    if deviations is not None and len(deviations) != count:
         paths: tuple[Path, ...] = (("surfaces", "rollers", "diameter"), ("bearing", "rollers"))
         message = f"{len(deviations)} diameters for {count} rollers"
         yield Conflict("diameters", paths, message, "give one deviation for each roller")

@@ -30,6 +30,7 @@ RACE_O, RACE_SLOPE_O, ROLLER_O, ROLLER_SLOPE_O, RATE_O, RACE_I, RACE_SLOPE_I, RO
     lay.rows(lay.JACOBIAN_WORK + lay.FIRST_LANE, "m, m, m, m, m/s", "planar", "evaluation", count=2)
 )
 FULL_TURN = 2.0 * pi
+OUT_OF_REACH = 1.0  # m, recess at the padding lanes after the last roller: no contact closes there
 
 
 @absent
@@ -84,6 +85,13 @@ def split(position, count):
     """Return the whole part of a ``position`` from 0 to ``count``, below ``count``, and the rest; both floats."""
     whole = min(floor(position), count - 1.0)
     return whole, position - whole
+
+
+@inlined
+def open_padding(recess, derivative, Z, y, n):
+    """Keep the contacts of the padding lanes, from ``Z`` to ``n``, open: a table of a race goes on there."""
+    for j in range(Z, n):
+        y[recess + j], y[derivative + j] = OUT_OF_REACH, 0.0
 
 
 # rollers at kinematic angles
@@ -152,6 +160,8 @@ def _fill_recesses(form, bearing, t, y):
     set_race(form.inner, theta_c - theta_i, omega_c - bearing.omega_i, bearing.Z, RECESS_I, RECESS_V_I, y, n)
     add_rollers(form.rollers, roll, omega_b, RECESS_O, RECESS_V_O, y, n)
     add_rollers(form.rollers, roll + pi, omega_b, RECESS_I, RECESS_V_I, y, n)
+    open_padding(RECESS_O, RECESS_V_O, bearing.Z, y, n)
+    open_padding(RECESS_I, RECESS_V_I, bearing.Z, y, n)
 
 
 @generic(inline="late", absent=0.0)
@@ -247,6 +257,7 @@ def read_surface(surface: Any, Z: int, place: int, position: int, y: np.ndarray,
 def _read_race(surface, Z, place, position, y, n):
     per_angle = Z * surface.pieces.shape[0] / FULL_TURN
     read_pieces(surface.table, surface.pieces.shape[2], per_angle, place, position, y, n)
+    open_padding(place, position, Z, y, n)
 
 
 @read_surface.register(WavyRollers)
