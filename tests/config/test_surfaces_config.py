@@ -51,6 +51,14 @@ REFUSED = {
         {"rollers": {"diameter": ["1 um", "0 um"]}},
         "2 diameters for 13 rollers (give one deviation for each roller)",
     ),
+    "no diameters": (
+        {"rollers": {"diameter": []}},
+        "0 diameters for 13 rollers (give one deviation for each roller)",
+    ),
+    "many large waves": (
+        {"outer": {"harmonics": [{"order": order, "amplitude": "90 um"} for order in range(2, 202)]}},
+        "18000 um is over 1 % of the rolling element's diameter (is the unit right?)",
+    ),
     "two kinds of diameters": (
         {"rollers": {"diameter": {"scatter": "1 um", "deviations": ["1 um"]}}},
         "expected either `scatter` or `deviations`",

@@ -53,13 +53,15 @@ def _heights(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _largest_lengths(case: "CaseFields") -> Iterator[tuple[Path, float]]:
-    """Yield the path and value (m) of each amplitude and deviation."""
+    """Yield the path and value (m) of each amplitude and deviation, and of all harmonics of a surface."""
     for name in ("outer", "inner", "rollers"):
         surface = getattr(case.surfaces, name)
         if surface is None:
             continue
         for number, harmonic in enumerate(surface.harmonics):
             yield ("surfaces", name, "harmonics", number, "amplitude"), harmonic.amplitude
+        if len(surface.harmonics) > 1:  # crests of all waves may coincide
+            yield ("surfaces", name, "harmonics"), sum(abs(harmonic.amplitude) for harmonic in surface.harmonics)
         if surface.spectrum is not None:
             low = surface.spectrum.orders[0]
             yield (
