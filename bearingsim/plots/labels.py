@@ -70,9 +70,10 @@ def pretty(unit: str) -> str:
 
 
 def printed(quantity: str) -> str:
-    """Return a quantity with its unit as printed: `0.5 to 10 µs` for `0.5 to 10 us`."""
-    number, space, unit = quantity.rpartition(" ")
-    return f"{number}{space}{pretty(unit)}"
+    """Return a quantity with its unit as printed: `0.35 µm (3 samples)` for `0.35 um (3 samples)`."""
+    value, bracket, remark = quantity.partition(" (")
+    number, space, unit = value.rpartition(" ")
+    return f"{number}{space}{pretty(unit)}{bracket}{remark}"
 
 
 def name_text(path: str) -> str:

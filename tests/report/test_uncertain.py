@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from bearingsim.plots.labels import printed
 from bearingsim.report.headline import feature_results
 from bearingsim.report.page import page_of
 from bearingsim.report.render import html
@@ -173,3 +174,11 @@ def test_caption_counts_the_cases_of_unknown_range(uncertain):
     [chart] = [chart for chart in page_of(uncertain).charts if chart.kind == "line"]
     text = "shaded: damping 1 to 5 µs and clearance 0 to 5 µm, range unknown in 1 of 6 cases"
     assert chart.names["band"].startswith(text)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "text"),
+    [("0.35 um (3 samples)", "0.35 µm (3 samples)"), ("0.5 to 10 us", "0.5 to 10 µs"), ("2", "2")],
+)
+def test_unit_of_a_range_is_printed_with_its_symbol(quantity, text):
+    assert printed(quantity) == text
