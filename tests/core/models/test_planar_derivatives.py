@@ -39,12 +39,13 @@ def assert_derivatives_agree(model, y):
                 assert np.abs(value - reference)[block].max() <= 1e-5 * np.abs(reference[block]).max() + 1e-9 * row
 
 
-@pytest.mark.parametrize("setup", SETUPS)
+@pytest.mark.parametrize("setup", [name for name, fields in SETUPS.items() if "surfaces" not in fields])
 @pytest.mark.parametrize("seed", range(6))
 def test_derivatives_are_those_of_the_accelerations(setup, seed):
     """Contacts open and closed, defects of races and of a roller, traction, every guide, drag, shaft, bracket.
 
-    On rollers the defects' edges are elastic: load share and drop at a defect both change along it.
+    On rollers the defects' edges are elastic: load share and drop at a defect both change along it. Surfaces with
+    form have no derivatives, and implicit methods are refused there.
     """
     model, y = random_contact_state(setup, seed, **EDGES[setup])
     assert_derivatives_agree(model._replace(lag=0.0), y)
