@@ -113,7 +113,7 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
     if name.endswith((".phase", "-healthy")):
         return
     tried = group_by_kind((variation["what"], variation["value"]) for variation in results.variations)
-    varied = [(variation["of"], variation["what"]) for variation in results.variations]
+    varied = {(variation["of"], variation["what"]) for variation in results.variations}
     for quantity, values in tried.items():
         jobs = [job for job in rows["job"] if (job, quantity) in varied]
         ends = results.spread(name, quantity)[["least", "largest"]].astype(float).reindex(jobs).dropna()
