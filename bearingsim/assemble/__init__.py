@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from bearingsim.assemble import bending, contacts, defects, form, free, geometry, scales, space
-from bearingsim.assemble.rest import bracket_anchor, static_model
-from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, call, code
+from bearingsim.assemble.anchor import bracket_anchor
+from bearingsim.assemble.reduced import bearing_of, healthy_case, static_case
+from bearingsim.assemble.rest import static_model
+from bearingsim.catalogue import METHODS, MODELS, call, code
 from bearingsim.config import Case
-from bearingsim.config.sections.contact import Undamped as NoDamping
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Defects
@@ -32,6 +33,7 @@ from bearingsim.errors import UserError
 
 __all__ = [
     "align_with_cusp",
+    "bearing_of",
     "empty_buffer",
     "find_equilibrium",
     "healthy_case",
@@ -116,16 +118,6 @@ def model(case: Case) -> Any:
     return _build_model(bearing_of(case))
 
 
-RESET_OPTIONS = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
-RESET_OPTIONS |= {"duration": 1.0, "settle": 0.0}
-"""Fields of method and duration, with arbitrary values."""
-
-
-def bearing_of(case: Case) -> Case:
-    """Reset the fields that do not affect the bearing, so that all its computations share cached parameters."""
-    return case.model_copy(update=RESET_OPTIONS)
-
-
 @lru_cache(maxsize=64)
 def _build_model(case: Case) -> Any:
     """Build the core's model, cached: its arrays are read-only by convention."""
@@ -167,29 +159,8 @@ def support(case: Case) -> Support:
     """Return load and bracket on the case's ring, zero if they act on a carrier."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    x_0, y_0 = anchor_in_space(_static_case(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
+    x_0, y_0 = anchor_in_space(static_case(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
-
-
-def healthy_case(case: Case) -> Case:
-    """Return the case without defects, with fields reset that do not affect the static load."""
-    defaults = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
-    return case.model_copy(update=RESET_OPTIONS | defaults)
-
-
-def _static_case(case: Case) -> Case:
-    """Return the healthy case with fields reset that matter only in motion, unless they select compiled code."""
-    static_fields = {
-        "start_angle": 0.0,
-        "antialias": True,
-        "rig": case.rig.model_copy(update=NO_BRACKET),
-        "contact": case.contact.model_copy(update={"damping": NoDamping()}),
-    }
-    return healthy_case(case).model_copy(update=static_fields)
-
-
-NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
-"""Fields of a rig that do not affect the equilibrium of a ring under its load alone."""
 
 
 @lru_cache(maxsize=256)

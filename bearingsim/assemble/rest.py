@@ -1,4 +1,4 @@
-"""Static equilibrium of the healthy bearing: anchor of the bracket, largest roller load, mean damping."""
+"""Static equilibrium of the healthy bearing: largest roller load, mean damping."""
 
 from functools import lru_cache
 from typing import Any
@@ -52,22 +52,24 @@ def static_bearing(
     return Static(bearing, support, *laws, defects, ring_bending, form)
 
 
-def bracket_anchor(case: Case) -> tuple[float, float]:
-    """Compute the mean static position (m, m) of the healthy ring without bracket, over a ball pass."""
-    equilibrium = healthy_equilibrium(case)
-    return equilibrium.x, equilibrium.y
-
-
 def largest_load(case: Case) -> float:
-    """Compute the largest static roller force (N) of the healthy bearing without bracket, over a ball pass."""
+    """Compute the largest static roller force (N) of the healthy, smooth bearing without bracket, over a ball
+    pass."""
     return healthy_equilibrium(case).load
 
 
 def healthy_equilibrium(case: Case) -> MeanEquilibrium:
-    """Compute the static equilibrium of the healthy bearing without bracket, over a ball pass."""
-    laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
+    """Compute the static equilibrium of the healthy, smooth bearing without bracket, over a ball pass.
+
+    Its rollers have their mean diameter, which acts as a clearance. Waviness is left out, because what is computed
+    from these loads is a property of the bearing, not of one crest under one roller.
+    """
+    bearing = geometry.bearing(case)
+    if case.surfaces is not None:
+        bearing = bearing._replace(gap=bearing.gap - 0.5 * case.surfaces.mean_diameter_deviation)
+    outer, inner = _undamped_laws(case)
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
-    return _equilibrium(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
+    return _equilibrium(bearing, outer, inner, repr((outer, inner)), case.load, case.load_across, ring)
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
@@ -81,11 +83,35 @@ def _equilibrium(
     ring: bending.RingParameters | None,
 ) -> MeanEquilibrium:
     """Compute ``healthy_equilibrium``, cached; ``law_names`` distinguishes types of laws that compare equal."""
+    model = _without_bracket(bearing, outer, inner, F, F_across, ring, SMOOTH)
+    return mean_equilibrium(model, lay.buffer(bearing.Z, bearing.m_r))
+
+
+def healthy_static_model(case: Case, form: Any) -> Static:
+    """Build the static model of the healthy bearing without bracket; form: form of its surfaces."""
+    ring = None if case.rig.ring is None else bending.ring_parameters(case)
+    laws = _undamped_laws(case)
+    return _without_bracket(geometry.bearing(case), *laws, case.load, case.load_across, ring, form)
+
+
+def _undamped_laws(case: Case) -> tuple[Undamped, Undamped]:
+    """Return the undamped laws of the contacts with outer and inner race."""
+    return Undamped(contacts.stiffness(case, True)), Undamped(contacts.stiffness(case, False))
+
+
+def _without_bracket(
+    bearing: Bearing,
+    outer: Any,
+    inner: Any,
+    F: float,
+    F_across: float,
+    ring: bending.RingParameters | None,
+    form: Any,
+) -> Static:
     on_carrier = ring is not None and ring.load_path.carried
     support = Support(*((0.0, 0.0) if on_carrier else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     ring_bending = RigidRing() if ring is None else bending.undamped_bending(bending.build_bending(ring))
-    model = static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending)
-    return mean_equilibrium(model, lay.buffer(bearing.Z, bearing.m_r))
+    return static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending, form)
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:

@@ -260,9 +260,10 @@ def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:
     They depend on all parameters that affect the results (12 significant digits), on ``extra`` entries and the
     model's version, but not on unused parameters, or the names and sources of bearing, rig and material.
     """
-    from bearingsim.core import MODEL_VERSION
+    from bearingsim.core import FORM_VERSION, MODEL_VERSION
 
-    entries = ((name, tuple(value) if isinstance(value, list) else value) for name, value in (extra or {}).items())
+    extra = dict(extra or {}) | ({"form_version": FORM_VERSION} if case.surfaces is not None else {})
+    entries = ((name, tuple(value) if isinstance(value, list) else value) for name, value in extra.items())
     return _digest(case, tuple(entries), MODEL_VERSION)
 
 

@@ -153,12 +153,22 @@ def at_rest(scene, t, stiffness=0.0, anchor=0j, guess=-0.4):
     return u, positions((np.conj(u) * direction).real, w_o, w_i, gap)
 
 
-def smooth_anchor(scene):
-    """Return the mean position (complex, m) of a smooth bearing's ring over a ball pass, without a bracket."""
-    smooth = Scene(scene.clearance, scene.load)
+def anchor_of(scene, count=377, generator=233):
+    """Return the mean position (complex, m) of the ring without slot and bracket, over angles of cage and shaft.
+
+    Of ``count`` cage angles spread evenly over a turn, each has the shaft turned by ``generator``/``count`` of a
+    turn more than the one before, and the rollers by 0.414 (two Fibonacci numbers give an even cover).
+    """
+    formed = scene._replace(slot=0.0)
     guess = -0.4 - 1e6 * max(scene.clearance, 0.0) / 2
-    times = (np.arange(32) + 0.5) / 32 * 2 * np.pi / (Z * OMEGA_C)
-    return np.mean([at_rest(smooth, t, guess=guess)[0] for t in times])
+    places = []
+    for n in range(count):
+        t, waves = n / count * 2 * np.pi / OMEGA_C, scene.waves.copy()
+        for wave in waves:
+            turned = {OUTER: 0.0, INNER: 2 * np.pi * generator * n / count - OMEGA_I * t}
+            wave[3] += wave[1] * turned.get(int(wave[0]), 2 * np.pi * 2**0.5 * n)
+        places.append(at_rest(formed._replace(waves=waves), t, guess=guess)[0])
+    return np.mean(places)
 
 
 @njit
@@ -201,7 +211,7 @@ def march(state, h, steps, stride, clearance, load, waves, diameters, slot, anch
 
 def simulate(scene, h, steps, stride):
     """Velocity of the ring along the load (m/s) every ``stride`` of ``steps`` steps ``h`` (s), from rest."""
-    anchor = smooth_anchor(scene)
+    anchor = anchor_of(scene)
     u, q = at_rest(scene, 0.0, K_B, anchor, guess=1e6 * anchor.real)
     state = np.concatenate([[u.real, u.imag, 0.0, 0.0], q, np.zeros(Z)])
     return march(

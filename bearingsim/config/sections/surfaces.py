@@ -180,6 +180,13 @@ class Surfaces(Section):
         )
 
     @property
+    def mean_diameter_deviation(self) -> float:
+        """Mean deviation (m) of the rollers' diameters from the nominal one; a random scatter has none."""
+        diameter = self.rollers and self.rollers.diameter
+        deviations = (diameter and diameter.deviations) or (0.0,)
+        return sum(deviations) / len(deviations)
+
+    @property
     def elements(self) -> list[str]:
         """Elements with deviations, in the words of a defect's `race`."""
         return list(self._given)

@@ -40,6 +40,9 @@ ROUNDING = 1e-14  # of the largest contact force: rounding error of a net force
 LONGEST_STEP = 1e-5  # m
 FIRST_APPROACH = 1e-8  # m: first approach of an unloaded roller
 FIRST_REACH = 1e-6  # m: width of the first bracket, outwards
+# a prime, so that no two triples of angles agree modulo a ball pass; of all generators, 109 lets the least of a
+# smooth function's squared Fourier coefficients alias to its mean
+LATTICE_POINTS, LATTICE_GENERATOR = 509, 109.0
 STEP_TOLERANCE = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far closer
 
 
@@ -348,18 +351,37 @@ def ring_damping(Z, outer, inner, y):
     return c_xx, c_yy
 
 
-def equilibria_over_pass(model, y, samples):
-    """Yield the index of each of ``samples`` equilibria, evenly spaced over a ball pass, with ``y`` in it.
+def equilibria(model, times, y):
+    """Yield the index of each of ``times`` (s) with ``y`` in static equilibrium, each found from the one before.
 
     Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
-    pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), load_magnitude(model)
-    for n in range(samples):
+    load = load_magnitude(model)
+    for n, t in enumerate(times):
         solve = solve_initial_equilibrium if n == 0 else solve_equilibrium
-        residual = solve_in_cpu_time(solve, model, (n + 0.5) / samples * pass_time, y)
+        residual = solve_in_cpu_time(solve, model, float(t), y)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         yield n
+
+
+def equilibria_over_pass(model, y, samples):
+    """Run ``equilibria`` at ``samples`` times evenly spaced over a ball pass."""
+    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
+    return equilibria(model, [(n + 0.5) / samples * pass_time for n in range(samples)], y)
+
+
+def mean_position(model, y):
+    """Return the mean position (m, m) of the body held by the bracket, over all angles of cage, shaft and rollers.
+
+    The three angles turn independently, because with slip no two of them stay in step. The mean is over a lattice
+    of ``LATTICE_POINTS`` triples, 2 pi n (1, g, g^2)/N. Raises ``NoEquilibrium``.
+    """
+    b, g, N = model.bearing, LATTICE_GENERATOR, LATTICE_POINTS
+    turning = model._replace(bearing=b._replace(omega_i=g * b.omega_c, omega_b=g * g % N * b.omega_c))
+    times = 2.0 * pi / b.omega_c * np.arange(N) / N
+    x, y_mean = np.mean([supported_body_position(model, y) for _ in equilibria(turning, times, y)], axis=0)
+    return float(x), float(y_mean)
 
 
 def mean_equilibrium(model, y, samples=32):
