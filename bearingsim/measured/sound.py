@@ -1,5 +1,6 @@
 """WAV files."""
 
+import re
 import warnings
 from pathlib import Path
 
@@ -9,26 +10,46 @@ from bearingsim.measured.content import Content, MeasuredError, Stated
 
 MARKS = (b"RIFF", b"RIFX", b"RF64")
 """First bytes of WAV files."""
+STREAMED = b"\xff\xff\xff\xff"
+"""Size in the header of a stream, which lasts to the end of the file."""
+UNKNOWN = re.compile(r"Unknown wave file format: (\w+)")
+"""Message of SciPy for a compressed encoding."""
 
 
 def read_wav(path: Path) -> Content:
-    """Read a WAV file, 8 to 32 bit or float. Integer samples have no unit; their range is given to the content."""
+    """Read a WAV file, 8 to 64 bit or float; chunks without samples are skipped. Integer samples have no unit.
+
+    Their range is given to the content.
+    """
     from scipy.io import wavfile
 
     with path.open("rb") as file:
-        mark = file.read(4)
+        mark, size = file.read(4), file.read(4)
     if mark not in MARKS:
         raise MeasuredError(path, "is no WAV file, which begins with `RIFF`: export the signal as WAV or CSV")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", wavfile.WavFileWarning)
-        try:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", wavfile.WavFileWarning)
+            warnings.filterwarnings("ignore", ".*not understood", wavfile.WavFileWarning)  # chunks of no samples
+            if mark == b"RIFF" and size == STREAMED:
+                warnings.filterwarnings("ignore", ".*EOF", wavfile.WavFileWarning)
             rate, samples = wavfile.read(path)
-        except wavfile.WavFileWarning as warning:
-            raise MeasuredError(path, f"is a damaged WAV file ({warning})") from None
-        except ValueError:
-            raise MeasuredError(
-                path, "has fewer samples than its header states, or an unknown encoding: export it again, as PCM"
-            ) from None
+    except wavfile.WavFileWarning as warning:
+        raise MeasuredError(path, f"is a damaged WAV file ({warning})") from None
+    except ValueError as error:
+        encoding = UNKNOWN.search(str(error))
+        reason = (
+            f"has samples encoded as {encoding[1]}"
+            if encoding
+            else "has fewer samples than its header states, or no header"
+        )
+        raise MeasuredError(path, f"{reason}: export it again, as PCM") from None
+    except (UnboundLocalError, ZeroDivisionError):  # SciPy does not check for samples
+        samples = np.empty(0)
+    if samples.size == 0:
+        raise MeasuredError(
+            path, "has no samples by its header, which streaming programs leave empty: save it as a file of WAV"
+        )
     columns = samples.reshape(len(samples), -1)
     integer = columns.dtype.kind in "iu"
     values = columns.astype(float) - (128.0 if columns.dtype == np.uint8 else 0.0)
