@@ -102,23 +102,37 @@ class Rivals(NamedTuple):
     scores: np.ndarray
 
 
-def rivals(fronts: Sequence[Front], lines: Lines, race: str, claimed: float, tolerance: float) -> Rivals:
-    """Score the rhythms that are neither the claimed line (Hz) of a race nor its relatives, nor shaft orders.
+def rivals(fronts: Sequence[Front], lines: Lines, race: str, claimed: Comb, tolerance: float) -> Rivals:
+    """Score the rhythms that are neither the claimed line of a race nor its relatives, nor shaft orders.
 
     Relatives are its multiples and fractions up to 3, and its sidebands at one and two times the frequencies of
-    shaft and cage.
+    shaft and cage. A sideband of the shaft that scores higher than the claimed line in both fronts is no relative:
+    the load zone modulates an inner-race defect less than fully, so a line exceeds its own sidebands, and the
+    claimed line is itself a sideband, of a line of another bearing.
     """
     low, high = RIVALS_FROM * lines.shaft, RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
     fundamentals = fundamentals_between(low, high, fronts[0].step)
+    scores = comb_scores(fronts, fundamentals)
     order = np.round(fundamentals / lines.shaft) * lines.shaft
     is_own = np.abs(fundamentals - order) <= SHAFT_SHARE * order
     is_own |= np.abs(fundamentals / lines.of_race(race) - 1.0) <= tolerance
-    spacings = (lines.shaft, 2.0 * lines.shaft, lines.cage, 2.0 * lines.cage)
-    sidebands = [claimed + side * spacing for spacing in spacings for side in (-1.0, 1.0)]
-    for relative in (*(share * claimed for share in RELATIVES), *sidebands):
-        half_width = max(RELATIVE_SHARE * relative, RELATIVE_BINS * fronts[0].step)
-        is_own |= np.abs(fundamentals - relative) <= half_width
-    return Rivals(fundamentals, np.where(is_own, 0.0, comb_scores(fronts, fundamentals).min(axis=0)))
+    is_own |= _is_near(fundamentals, [share * claimed.frequency for share in RELATIVES], fronts[0].step)
+    is_own |= _is_near(fundamentals, _sidebands(claimed.frequency, lines.cage), fronts[0].step)
+    is_weaker = np.any(scores <= np.array(claimed.scores)[:, np.newaxis], axis=0)
+    is_own |= is_weaker & _is_near(fundamentals, _sidebands(claimed.frequency, lines.shaft), fronts[0].step)
+    return Rivals(fundamentals, np.where(is_own, 0.0, scores.min(axis=0)))
+
+
+def _sidebands(frequency: float, spacing: float) -> list[float]:
+    """Return the first and second sidebands (Hz) of a line at both sides."""
+    return [frequency + number * spacing for number in (-2, -1, 1, 2)]
+
+
+def _is_near(fundamentals: np.ndarray, relatives: Sequence[float], step: float) -> np.ndarray:
+    """Check which fundamentals (n,) in Hz lie at any of the relatives of a line (Hz)."""
+    half_widths = [max(RELATIVE_SHARE * relative, RELATIVE_BINS * step) for relative in relatives]
+    pairs = zip(relatives, half_widths, strict=True)
+    return np.any([np.abs(fundamentals - relative) <= width for relative, width in pairs], axis=0)
 
 
 def share_of_rivals(others: Rivals, score: float, tolerance: float) -> float:

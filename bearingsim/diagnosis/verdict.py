@@ -123,7 +123,7 @@ def diagnose(
     limit = threshold(turns, tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)
     comb = findings[best].comb
-    scores = rivals(fronts, lines, best, comb.frequency, tolerance)
+    scores = rivals(fronts, lines, best, comb, tolerance)
     rival = comb_at(fronts, float(scores.fundamentals[np.argmax(scores.scores)]))
     if abs(findings[best].deviation) > tolerance:  # the peak of this comb is beyond the range that was searched
         rival = max(comb, rival, key=lambda other: other.score)

@@ -1,11 +1,12 @@
 """Operating table of `bearingsim analyze`: found, named and missed on simulated signals behind a machine.
 
-    nice .venv/bin/python -m benchmarks.diagnosis.operating_table [--runs results/diagnosis] [--csv FILE]
+    nice .venv/bin/python -m benchmarks.diagnosis.operating_table [--runs results/diagnosis] [--levels 0 healthy]
 
 Signals of ``chain.py`` with seeds other than those of ``thresholds.py``: 200 damaged ones at each of six ratios
 of fault to noise, seeds 910000 and on, and 1000 healthy ones, seeds 920000 and on, at ratios from -20 to 20 dB.
 Damaged signals from 0 dB on are diagnosed again with a speed 7 % off, and as another bearing, whose lines are all
-over 4 % from those of the right one. Writes docs/data/diagnosis.csv. About ten minutes of CPU time.
+over 4 % from those of the right one. Writes docs/data/diagnosis.csv (`--csv`) after each level; `--levels`
+computes some, and leaves the rows of the others. About ten minutes of CPU time.
 """
 
 import argparse
@@ -25,6 +26,8 @@ from bearingsim.study import load_rolling_parts
 from benchmarks.diagnosis import bases, chain
 
 LEVELS = (-15, -10, -5, 0, 5, 10)  # dB
+HEALTHY_ROW = "healthy"
+ROWS = (*map(str, LEVELS), HEALTHY_ROW)
 DAMAGED, HEALTHY = 200, 1000  # signals at a level, and in all
 DAMAGED_SEED, HEALTHY_SEED = 910_000, 920_000
 WRONG_SPEEDS = (1.07, 0.93)
@@ -148,6 +151,17 @@ def _line_error(case: Judged) -> float:
     return abs(finding.comb.frequency / (finding.expected * (1.0 + case.sample.offset)) - 1.0)
 
 
+def cases_of(row: str, twins: Sequence[chain.Twins], damaged: int, healthy: int) -> list[Judged]:
+    """Diagnose the signals of a row: ``damaged`` at a level, or ``healthy``."""
+    if row == HEALTHY_ROW:
+        seeds = range(HEALTHY_SEED, HEALTHY_SEED + healthy)
+        return [judged(twins[seed % len(twins)], seed, None, damaged=False) for seed in seeds]
+    begin = DAMAGED_SEED + DAMAGED * ROWS.index(row)
+    return [
+        judged(twins[seed % len(twins)], seed, float(row), damaged=True) for seed in range(begin, begin + damaged)
+    ]
+
+
 def main() -> None:
     """Compute the table, print and write it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -155,21 +169,20 @@ def main() -> None:
     parser.add_argument("--csv", type=Path, default=Path("docs/data/diagnosis.csv"))
     parser.add_argument("--damaged", type=int, default=DAMAGED)
     parser.add_argument("--healthy", type=int, default=HEALTHY)
+    parser.add_argument("--levels", nargs="+", choices=ROWS, default=ROWS, metavar="LEVEL")
     arguments = parser.parse_args()
     twins = chain.all_twins(arguments.runs)
-    rows = []
-    for number, level in enumerate(LEVELS):
-        seeds = [DAMAGED_SEED + DAMAGED * number + k for k in range(arguments.damaged)]
-        cases = [judged(twins[seed % len(twins)], seed, float(level), damaged=True) for seed in seeds]
-        rows.append(row_of(str(level), cases))
-        print(rows[-1], flush=True)
-    seeds = [HEALTHY_SEED + k for k in range(arguments.healthy)]
-    rows.append(row_of("healthy", [judged(twins[seed % len(twins)], seed, None, damaged=False) for seed in seeds]))
-    print(rows[-1])
-    with arguments.csv.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    table: dict[str, dict[str, object]] = {}
+    if arguments.csv.exists():
+        with arguments.csv.open(newline="") as file:
+            table = {str(row["level_db"]): dict(row) for row in csv.DictReader(file)}
+    for row in arguments.levels:
+        table[row] = row_of(row, cases_of(row, twins, arguments.damaged, arguments.healthy))
+        print(table[row], flush=True)
+        with arguments.csv.open("w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(table[name] for name in ROWS if name in table)
 
 
 if __name__ == "__main__":

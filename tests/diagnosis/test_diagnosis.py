@@ -63,6 +63,20 @@ def test_a_line_beyond_the_tolerance_names_no_race(tolerance, verdict):
         assert result.rival.frequency == pytest.approx(rhythm, rel=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("true", "side", "assumed", "race"), [(NF308, -1, "nu204", "inner"), (PARTS, 1, "nu209", "roller")]
+)
+def test_a_sideband_of_the_line_of_another_bearing_names_no_race(true, side, assumed, race):
+    """The line of the assumed bearing is a sideband of the true one, which is stronger."""
+    parts, line = load_rolling_parts(assumed), Lines.of(true, SHAFT).inner
+    assert Lines.of(parts, SHAFT).of_race(race) == pytest.approx(line + side * SHAFT, rel=0.02)
+    result = diagnosis(impacts(line, SHAFT, slip=0.005), parts=parts)
+    assert result.best == race
+    assert result.findings[race].comb.score > result.threshold
+    assert result.verdict == "other rhythm"
+    assert result.rival.frequency == pytest.approx(line, rel=2e-3)
+
+
 def test_tones_with_many_harmonics_are_no_defect():
     """Mains and its harmonics, at BPFO: the first front sees a comb, the levelled one does not."""
     t = np.arange(51200) / RATE
