@@ -17,7 +17,8 @@ from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.diagnosis import Lines
-    from bearingsim.diagnosis.comparison import Row, Signal, Standing
+    from bearingsim.diagnosis.claims import Claim
+    from bearingsim.diagnosis.comparison import Row, Signal
     from bearingsim.measured import Recording, Request
     from bearingsim.store import Results
 
@@ -57,7 +58,7 @@ def show(
     pair = _pair(results, job, file, request, y)
     band = common_band(pair.simulated, pair.measured)
     standing, remark = _standing(pair)
-    has_line = standing is None or standing.is_over
+    has_line = standing is None or standing.objection is None
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
     factor = rows[0].measured / rows[0].simulated if scale else None
     if factor is not None:
@@ -103,8 +104,8 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     return Pair(simulated, measured, recording, (channel, name), race, unit)
 
 
-def _standing(pair: Pair) -> "tuple[Standing | None, list[str]]":
-    """Return the score of the race's line in the measured signal, None if it cannot be judged, and a remark."""
+def _standing(pair: Pair) -> "tuple[Claim | None, list[str]]":
+    """Return the claim of the race's line in the measured signal, None if it cannot be judged, and a remark."""
     from bearingsim.diagnosis.comparison import standing
     from bearingsim.diagnosis.suitability import Unsuitable
     from bearingsim.diagnosis.thresholds import decibels
@@ -114,13 +115,18 @@ def _standing(pair: Pair) -> "tuple[Standing | None, list[str]]":
         result = standing(pair.measured, pair.race)
     except Unsuitable as error:
         return None, [f"whether {line} stands out of the measured signal is not known: {error}"]
-    values = f"score {decibels(result.score):.1f} dB, threshold {decibels(result.threshold):.1f} dB"
-    if result.is_over:
+    score, needed = (f"{decibels(value):.1f} dB" for value in (result.comb.score, result.threshold))
+    values = f"score {score}, threshold {needed}"
+    if result.objection is None:
         return result, [f"{line} of the measured signal: {values}"]
-    return result, [
-        f"{line} of the measured signal: no line over the threshold ({values}); check speed and bearing by "
-        "`bearingsim analyze`"
-    ]
+    if not result.is_over:
+        reason = f"no line over the threshold ({values})"
+    elif result.is_crowded:
+        reason = f"not told apart, {100.0 * result.crowded:.0f} % of all rhythms are as strong ({values})"
+    else:
+        reason = f"a rhythm of {result.rival.frequency:.2f} Hz is stronger ({decibels(result.rival.score):.1f} dB"
+        reason += f", {line} {score})"
+    return result, [f"{line} of the measured signal: {reason}; check speed and bearing by `bearingsim analyze`"]
 
 
 def _source_of_speed(recording: "Recording") -> str:
@@ -159,7 +165,7 @@ def _as_dict(
     pair: Pair,
     band: tuple[float, float],
     factor: float | None,
-    standing: "Standing | None",
+    standing: "Claim | None",
     rows: "list[Row]",
 ) -> dict[str, Any]:
     """Return the values of `--json`."""
@@ -182,13 +188,23 @@ def _as_dict(
         "unit_source": recording.units[name].source,
         "band_hz": list(band),
         "scale": 1.0 if factor is None else factor,
-        "score_db": decibels(standing.score) if standing else None,
+        "score_db": decibels(standing.comb.score) if standing else None,
         "threshold_db": decibels(standing.threshold) if standing else None,
+        "objection": standing.objection if standing else None,
+        "rival": _rival(standing) if standing else None,
         "features": {
             row.key: {"unit": row.unit, "simulated": _json(row.simulated), "measured": _json(row.measured)}
             for row in rows
         },
     }
+
+
+def _rival(standing: "Claim") -> dict[str, float]:
+    """Return the strongest other rhythm, with the keys of `analyze --json`."""
+    from bearingsim.diagnosis.thresholds import decibels
+
+    rival = standing.rival
+    return {"hz": rival.frequency, "score_db": decibels(rival.score), "crowded": standing.crowded}
 
 
 def only_job(results: "Results") -> str:

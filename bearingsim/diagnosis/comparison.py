@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import best_comb, highest_frequency
+from bearingsim.diagnosis.claims import Claim, claim
+from bearingsim.diagnosis.combs import best_comb, highest_frequency, refined
 from bearingsim.diagnosis.fronts import default_band, envelope_front, fast_length, levelled_front
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
@@ -43,26 +44,18 @@ class Row(NamedTuple):
         return re.sub(r"\W+", "_", self.name.lower())
 
 
-class Standing(NamedTuple):
-    """Score of the line of a race in a signal, and the threshold that one of a hundred healthy signals exceeds."""
+def standing(signal: Signal, race: str) -> Claim:
+    """Claim the line of a race in a signal as ``diagnose`` does, against all other rhythms of the signal.
 
-    score: float
-    threshold: float
-
-    @property
-    def is_over(self) -> bool:
-        """True if the score exceeds the threshold."""
-        return self.score > self.threshold
-
-
-def standing(signal: Signal, race: str) -> Standing:
-    """Score the line of a race as ``diagnose`` does. Raises Unsuitable for a record that cannot be judged."""
+    Raises Unsuitable for a record that cannot be judged.
+    """
     series, fs, lines = signal
     refuse_unsuitable(len(series), fs, lines, default_band(fs))
     part, highest = series[: fast_length(len(series))], highest_frequency(lines)
     fronts = envelope_front(part, fs, lines.shaft, highest), levelled_front(part, fs, lines.shaft, highest)
     comb = best_comb(fronts, lines.of_race(race), TOLERANCE)
-    return Standing(comb.score, threshold(lines.shaft * len(series) / fs, TOLERANCE))
+    comb = comb._replace(frequency=refined(fronts, comb.frequency))
+    return claim(fronts, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
 
 
 def common_band(*signals: Signal) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
+from bearingsim.diagnosis.claims import NONE, RHYTHM, Claim, claim
 from bearingsim.diagnosis.combs import (
     HARMONICS,
     SHAFT_SHARE,
@@ -16,8 +17,6 @@ from bearingsim.diagnosis.combs import (
     heights_at,
     highest_frequency,
     refined,
-    rivals,
-    share_of_rivals,
 )
 from bearingsim.diagnosis.fronts import Front, envelope_front, fast_length, levelled_front
 from bearingsim.diagnosis.kinematics import RACES, Lines
@@ -25,7 +24,7 @@ from bearingsim.diagnosis.size import Size, outer_race_size
 from bearingsim.diagnosis.thresholds import CLEAR_DB, threshold
 
 OUTER, INNER, ROLLER = RACES
-EITHER, RHYTHM, NONE = "outer or roller", "other rhythm", "none"
+EITHER = "outer or roller"
 CAGE_RANGE, CAGE_STEPS = (0.98, 1.01), 25
 """Range of the cage's frequency over the kinematic one, and steps in it."""
 OUTER_MOST, ROLLER_LEAST = 0.55, 0.75
@@ -34,10 +33,6 @@ that of a roller. Simulated outer races have up to 0.38, rollers 0.76 and more f
 (benchmarks/diagnosis), three measured outer races 0.16 to 0.65."""
 SAME_BINS = 2.0
 """Bins within which two combs share one fundamental."""
-MOST_CROWDED = 0.2
-"""Share of other rhythms with a score as high as the claimed one, above which a record is full of lines. Damaged
-signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
-
 STRONG_HALF = 0.8
 """Score of the rhythm at half of a race's line over that of the line, from which the given speed may be twice the
 true one. Three measured outer races have 0.45 to 0.55 at their speed, and 0.89 to 1.10 at twice their speed."""
@@ -61,22 +56,35 @@ class Finding(NamedTuple):
 
 
 class Diagnosis(NamedTuple):
-    """Verdict, and its evidence: fronts, findings by element, threshold of the score, strongest other rhythm.
+    """Verdict, and its evidence: fronts, findings by element, and the claim of the best one.
 
-    verdict: a name of ``RACES``, "outer or roller", "other rhythm" or "none"; crowded: share of other rhythms with
-    a score as high as the best race's; loose: whether clearance alone may give the line; turns: of the shaft.
+    verdict: a name of ``RACES``, "outer or roller", "other rhythm" or "none"; loose: whether clearance alone may
+    give the line; turns: of the shaft.
     """
 
     verdict: str
     lines: Lines
     findings: dict[str, Finding]
-    threshold: float
-    rival: Comb
-    crowded: float
+    claim: Claim
     size: Size | None
     loose: bool
     turns: float
     fronts: tuple[Front, Front]
+
+    @property
+    def threshold(self) -> float:
+        """Score that one of a hundred healthy signals exceeds."""
+        return self.claim.threshold
+
+    @property
+    def rival(self) -> Comb:
+        """Strongest other rhythm."""
+        return self.claim.rival
+
+    @property
+    def crowded(self) -> float:
+        """Share of other rhythms with a score as high as the best race's."""
+        return self.claim.crowded
 
     @property
     def best(self) -> str:
@@ -123,16 +131,12 @@ def diagnose(
     limit = threshold(turns, tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)
     comb = findings[best].comb
-    scores = rivals(fronts, lines, best, comb, tolerance)
-    rival = comb_at(fronts, float(scores.fundamentals[np.argmax(scores.scores)]))
-    if abs(findings[best].deviation) > tolerance:  # the peak of this comb is beyond the range that was searched
-        rival = max(comb, rival, key=lambda other: other.score)
-    crowded = share_of_rivals(scores, comb.score, tolerance)
-    verdict = _verdict(fronts, findings, best, limit, rival, crowded)
+    best_claim = claim(fronts, lines, best, comb, tolerance, limit)
+    verdict = best_claim.objection or _race(fronts, findings, best)
     is_clear = comb.score >= limit + HARMONICS * log(10.0 ** (CLEAR_DB / 10.0))
     size = outer_race_size(series, fs, parts, comb.frequency) if verdict == OUTER and is_clear else None
     loose = verdict in (OUTER, EITHER) and size is None
-    return Diagnosis(verdict, lines, findings, limit, rival, crowded, size, loose, turns, fronts)
+    return Diagnosis(verdict, lines, findings, best_claim, size, loose, turns, fronts)
 
 
 def _finding(fronts: Sequence[Front], lines: Lines, race: str, tolerance: float) -> Finding:
@@ -149,19 +153,9 @@ def _sidebands(front: Front, frequency: float, spacings: np.ndarray) -> tuple[fl
     return tuple(map(float, heights[:, np.argmax(heights.sum(axis=0))]))
 
 
-def _verdict(
-    fronts: Sequence[Front],
-    findings: dict[str, Finding],
-    best: str,
-    limit: float,
-    rival: Comb,
-    crowded: float,
-) -> str:
-    score = findings[best].comb.score
-    if score <= limit or crowded > MOST_CROWDED:
-        return NONE
-    if rival.score > score or rival is findings[best].comb:
-        return RHYTHM
+def _race(fronts: Sequence[Front], findings: dict[str, Finding], best: str) -> str:
+    """Return the race with the best comb, or ``EITHER`` if outer race and roller share it and the lines of the
+    cage do not decide."""
     outer, roller = findings[OUTER], findings[ROLLER]
     is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SAME_BINS * fronts[0].step
     if best == INNER or not is_shared:

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from bearingsim import open_results
+from bearingsim.diagnosis import Lines
 from bearingsim.diagnosis.comparison import Signal
 from bearingsim.plots import measured
 from tests.conftest import ROOT
 from tests.scenes.commands import type_
-from tests.scenes.impacts import LINES
+from tests.scenes.impacts import LINES, PARTS, RATE, impacts
 
 STUDY = """\
 study: arc
@@ -24,6 +25,7 @@ sampling: 25.6 kHz
 record: [ring.acceleration]
 """
 G = 9.80665
+LINES_900 = Lines.of(PARTS, 15.0)
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +88,7 @@ def test_a_measured_line_under_the_threshold_is_not_compared(results, series, tm
     words = [results, tmp_path / "a.npz", "--speed", "900 rpm" if kind == "noise" else "960 rpm"]
     values = compared(*words)
     assert values["score_db"] < values["threshold_db"]
+    assert values["objection"] == "none"
     for feature in ("line", "line_over_kinematic", "envelope_harmonic_2", "entry_to_exit_of_a_pass"):
         assert values["features"][feature]["measured"] is None, feature
         assert values["features"][feature]["simulated"] is not None, feature
@@ -93,6 +96,30 @@ def test_a_measured_line_under_the_threshold_is_not_compared(results, series, tm
     out = type_("compare", *words)[0]
     assert "BPFO of the measured signal: no line over the threshold (score " in out
     assert "-: not found in the signal" in out
+
+
+@pytest.mark.parametrize(
+    ("rhythm", "height", "objection", "reason"),
+    [
+        (1.37 * LINES_900.outer, 3.0, "other rhythm", "a rhythm of 73.6"),
+        (0.1 * LINES_900.shaft, 10.0, "none", "not told apart, "),
+        (LINES_900.outer, 0.0, None, "score "),
+    ],
+)
+def test_a_line_is_not_compared_where_other_rhythms_are_stronger(
+    results, tmp_path, rhythm, height, objection, reason
+):
+    own, other = impacts(LINES_900.outer, slip=0.003, seed=1), impacts(rhythm, slip=0.001, seed=2)
+    np.savez(tmp_path / "a.npz", x=own + height * other, fs=RATE, x_unit="m/s^2")
+    values = compared(results, tmp_path / "a.npz")
+    assert values["objection"] == objection
+    assert values["score_db"] > values["threshold_db"]
+    assert (values["features"]["line"]["measured"] is None) is (objection is not None)
+    if objection == "other rhythm":
+        assert values["rival"]["hz"] == pytest.approx(rhythm, rel=2e-3)
+        assert values["rival"]["score_db"] > values["score_db"]
+    assert (values["rival"]["crowded"] > 0.2) is (objection == "none")
+    assert f"BPFO of the measured signal: {reason}" in type_("compare", results, tmp_path / "a.npz")[0]
 
 
 def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp_path):
