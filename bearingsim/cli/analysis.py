@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 KURTOGRAM = "kurtogram"
 BAND = re.compile(r"^\s*(?P<low>[\d.]+)\s*(?P<unit>k?Hz)?\s*(?:-|\.\.)\s*(?P<high>[\d.]+)\s*(?P<last>k?Hz)\s*$")
+BEARING = "bearing", "--bearing 6205"
+"""Name of what `--bearing` states, and an example."""
 LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 VERDICTS = {
     "outer": "outer race",
@@ -93,21 +95,36 @@ def parse_band(text: str | None) -> Band:
 
 
 def show(
-    file: Path, bearing: str, request: "Request", tolerance: float, band: Band, figure: Path | None, as_json: bool
+    file: Path,
+    bearing: str | None,
+    request: "Request",
+    tolerance: float,
+    band: Band,
+    figure: Path | None,
+    as_json: bool,
 ) -> None:
-    """Print the diagnosis of all channels of a file, and draw the figure of the one with the clearest result."""
+    """Print the diagnosis of all channels of a file, and draw the figure of the one with the clearest result.
+
+    Raises MissingError with all that is stated neither by the file nor by options, the bearing included.
+    """
     from bearingsim.diagnosis import Lines, diagnose
     from bearingsim.diagnosis.fronts import default_band
     from bearingsim.diagnosis.kurtogram import kurtogram
     from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
-    from bearingsim.measured import MeasuredError, read
+    from bearingsim.measured import MeasuredError, MissingError, read
     from bearingsim.measured.checks import dropout, refuse_unusable
     from bearingsim.plots.measured import check_path
     from bearingsim.study import load_rolling_parts
 
     if figure is not None:
         check_path(figure)
-    parts, recording = load_rolling_parts(bearing), read(file, request, needs_speed=True)
+    try:
+        recording = read(file, request, needs_speed=True)
+    except MissingError as error:
+        raise error if bearing is not None else error.beside(*BEARING) from None
+    if bearing is None:
+        raise MissingError(file, dict([BEARING]))
+    parts = load_rolling_parts(bearing)
     fs, shaft = recording.rate.value, recording.shaft
     results: dict[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]] = {}
     for name, values in recording.channels.items():

@@ -24,7 +24,11 @@ if TYPE_CHECKING:
 
 
 class Pair(NamedTuple):
-    """Simulated and measured signal of a bearing, names of their channels, the race with the defect, SI unit."""
+    """Simulated and measured signal of a bearing, names of their channels, the race with the defect, unit.
+
+    The unit is SI, that of the job's channel; if the simulated signal is scaled to a measured one of another or an
+    unknown unit, it is that of the file.
+    """
 
     simulated: "Signal"
     measured: "Signal"
@@ -55,7 +59,7 @@ def show(
 
     if figure is not None:
         check_path(figure)
-    pair = _pair(results, job, file, request, y)
+    pair = _pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
     standing, remark = _standing(pair)
     has_line = standing is None or standing.objection is None
@@ -81,8 +85,8 @@ def show(
         say(short_path(figure))
 
 
-def _pair(results: "Results", job: str, file: Path, request: "Request", y: str | None) -> Pair:
-    """Read both signals, in the SI unit of the job's channel, with the lines of the bearing at their speeds."""
+def _pair(results: "Results", job: str, file: Path, request: "Request", y: str | None, scale: bool) -> Pair:
+    """Read both signals, in one unit unless the simulated one is scaled, with the lines at their speeds."""
     from bearingsim.diagnosis.comparison import Signal
     from bearingsim.measured import read
     from bearingsim.measured.checks import refuse_unusable
@@ -90,18 +94,21 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
 
     series, parameters = results.series(job), _parameters(results, job)
     channel = _channel(list(series.channels), y)
-    recording = read(file, request)
+    recording = read(file, request, needs_unit=not scale)
     name, rate = _only_channel(recording), recording.rate.value
     refuse_unusable(file, name, recording.channels[name], rate)
     unit = series.units[channel]
-    values = recording.channels[name] * _factor(recording, name, channel, unit)
+    factor = _factor(recording, name, channel, unit, scale)
+    values = recording.channels[name] * (factor or 1.0)
     shaft = float(parameters["speed"]) / (2.0 * math.pi)
     measured_shaft = shaft if recording.speed is None else recording.shaft
     fs = 1.0 / float(series.time[1] - series.time[0])
     simulated = Signal(series.channels[channel].astype(float), fs, lines_of(parameters, shaft))
     measured = Signal(values, rate, lines_of(parameters, measured_shaft))
     race = (lines.races(parameters) or ["outer"])[0]
-    return Pair(simulated, measured, recording, (channel, name), race, unit)
+    return Pair(
+        simulated, measured, recording, (channel, name), race, unit if factor else recording.units[name].value
+    )
 
 
 def _standing(pair: Pair) -> "tuple[Claim | None, list[str]]":
@@ -146,7 +153,10 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     say(f"speed of the measurement: {speed} ({_source_of_speed(pair.recording)}{advice})")
     say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
     if factor is not None:
-        say(f"simulated signal times {factor:.4g}, to the measured RMS")
+        from bearingsim.measured.si import FACTORS
+
+        unit = "" if pair.unit in FACTORS else f", in {pair.unit or 'the unit of the file, which is not stated'}"
+        say(f"simulated signal times {factor:.4g}, to the measured RMS{unit}")
 
 
 def _print_features(rows: "list[Row]") -> None:
@@ -261,14 +271,15 @@ def _only_channel(recording: "Recording") -> str:
     return names[0]
 
 
-def _factor(recording: "Recording", name: str, channel: str, unit: str) -> float:
-    """Return the factor from the measured unit to that of the job's channel."""
+def _factor(recording: "Recording", name: str, channel: str, unit: str, scale: bool) -> float | None:
+    """Return the factor from the measured unit to that of the job's channel; None if there is none and the
+    simulated signal is scaled."""
     from bearingsim.measured import MeasuredError
     from bearingsim.measured.si import FACTORS, factor_to
 
     own = recording.units[name].value
     factor = factor_to(unit, own)
-    if factor is None:
+    if factor is None and not scale:
         choices = ", ".join(FACTORS.get(unit, {unit: 1.0}))
         statement = f"has `{name}` in `{own}`" if own else f"states no unit of `{name}`"
         raise MeasuredError(

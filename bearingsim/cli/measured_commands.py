@@ -14,10 +14,10 @@ MeasuredFile = Annotated[
     typer.Argument(metavar="FILE", help="csv, wav, mat, npz, parquet, h5, uff or tdms file", show_default=False),
 ]
 Bearing = Annotated[
-    str,
+    str | None,
     typer.Option(
         metavar="BEARING",
-        help="name in configs/bearings, or path of a bearing file",
+        help="name in configs/bearings, or path of a bearing file; required",
         autocompletion=completion.bearing,
         show_default=False,
     ),
@@ -40,7 +40,7 @@ FullScale = Annotated[
 
 def analyze(
     file: MeasuredFile,
-    bearing: Bearing,
+    bearing: Bearing = None,
     speed: Speed = None,
     rate: Rate = None,
     channel: Annotated[str | None, typer.Option(metavar="NAME", help="channel; default: all")] = None,

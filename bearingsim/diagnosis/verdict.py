@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
-from bearingsim.diagnosis.claims import NONE, RHYTHM, Claim, claim
+from bearingsim.diagnosis.claims import Claim, claim
 from bearingsim.diagnosis.combs import (
     HARMONICS,
     SHAFT_SHARE,

@@ -11,6 +11,13 @@ import numpy as np
 from bearingsim.errors import UserError
 
 Value = TypeVar("Value")
+EXAMPLES = {
+    "sampling rate": "--rate '51.2 kHz'",
+    "speed": "--speed '1796 rpm'",
+    "unit": "--unit g",
+    "unit of integer samples": "--unit g --full-scale 50",
+}
+"""Options that state what a file does not, with an example."""
 
 
 class MeasuredError(UserError):
@@ -18,6 +25,24 @@ class MeasuredError(UserError):
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path}: {reason}")
+
+
+class MissingError(MeasuredError):
+    """Values are stated neither by the file nor by the user; the message names the options that give them.
+
+    examples: options with an example value, by what is missing.
+    """
+
+    def __init__(self, path: Path, examples: Mapping[str, str]) -> None:
+        names = [f"no {name}" for name in examples]
+        listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+        advice = {1: "it", 2: "both"}.get(len(names), "them")
+        super().__init__(path, f"states {listed}: give {advice}, such as `{' '.join(examples.values())}`")
+        self.path, self.examples = path, dict(examples)
+
+    def beside(self, name: str, example: str) -> "MissingError":
+        """Return the error with one more missing value, which is named before the others."""
+        return MissingError(self.path, {name: example, **self.examples})
 
 
 @dataclass(frozen=True)
@@ -83,5 +108,5 @@ class Recording(NamedTuple):
     def shaft(self) -> float:
         """Frequency (Hz) of the shaft. Raises MeasuredError if the speed is not known."""
         if self.speed is None:
-            raise MeasuredError(self.path, "states no speed: give it, such as `--speed '1796 rpm'`")
+            raise MissingError(self.path, {"speed": EXAMPLES["speed"]})
         return self.speed.value / (2.0 * pi)

@@ -8,7 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from bearingsim.measured.arrays import content_of
-from bearingsim.measured.content import Content, MeasuredError, Recording, Request, Stated, differ
+from bearingsim.measured.content import (
+    EXAMPLES,
+    Content,
+    MeasuredError,
+    MissingError,
+    Recording,
+    Request,
+    Stated,
+    differ,
+)
 from bearingsim.measured.exchange import read_tdms, read_uff
 from bearingsim.measured.matlab import read_hdf5, read_mat
 from bearingsim.measured.sound import read_wav
@@ -62,12 +71,18 @@ FORMATS: dict[str, Callable[[Path, float], Content]] = {
 """Readers by suffix."""
 
 
-def read(path: Path, request: Request = Request(), needs_speed: bool = False) -> Recording:  # noqa: B008
+def read(
+    path: Path,
+    request: Request = Request(),  # noqa: B008
+    needs_speed: bool = False,
+    needs_unit: bool = False,
+) -> Recording:
     """Read the channels of a file, with what the user requests in place of what the file states.
 
-    needs_speed: refuse a file without a speed unless the request gives it.
-    Raises MeasuredError with the reason and the remedy: an unknown or damaged format, no rate, a gap in time, a
-    channel that is not there. OSError if the file cannot be opened.
+    needs_speed: refuse a file without a speed unless the request gives it; needs_unit: name a missing unit, too,
+    where something else is missing.
+    Raises MissingError with all options that state what is missing; MeasuredError with the reason and the remedy:
+    an unknown or damaged format, a gap in time, a channel that is not there. OSError if the file cannot be opened.
     """
     size = path.stat().st_size
     reader = FORMATS.get(path.suffix.lower())
@@ -89,12 +104,27 @@ def read(path: Path, request: Request = Request(), needs_speed: bool = False) ->
             raise
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise MeasuredError(path, f"cannot be read as a {path.suffix} file, it is damaged ({reason})") from error
-    if needs_speed and content.speed is None and request.speed is None:
-        is_without_rate = content.rate is None and content.time is None and request.rate is None
-        options = "--rate '51.2 kHz' --speed '1796 rpm'" if is_without_rate else "--speed '1796 rpm'"
-        values = "no sampling rate and no speed: give both" if is_without_rate else "no speed: give it"
-        raise MeasuredError(path, f"states {values}, such as `{options}`")
+    missing = list(_missing(content, request, needs_speed))
+    if missing and needs_unit:
+        missing += _missing_unit(content, request)
+    if missing:
+        raise MissingError(path, {name: EXAMPLES[name] for name in missing})
     return _recording(path, content, request)
+
+
+def _missing(content: Content, request: Request, needs_speed: bool) -> Iterator[str]:
+    """Yield the names of values that neither the file nor the request states."""
+    if content.rate is None and content.time is None and request.rate is None:
+        yield "sampling rate"
+    if needs_speed and content.speed is None and request.speed is None:
+        yield "speed"
+
+
+def _missing_unit(content: Content, request: Request) -> Iterator[str]:
+    """Yield the name of the unit if no channel has one."""
+    names = content.channels if request.channel is None else [request.channel]
+    if request.unit is None and not any(name in content.units for name in names):
+        yield "unit" if content.integer_range is None else "unit of integer samples"
 
 
 def _recording(path: Path, content: Content, request: Request) -> Recording:
@@ -143,7 +173,7 @@ def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     if request.rate is not None:
         return Stated(request.rate, "--rate")
     if content.rate is None:
-        raise MeasuredError(path, "states no sampling rate: give it, such as `--rate '51.2 kHz'`")
+        raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]})
     if content.other_rate is not None:
         values = " and ".join(f"{rate.value:g} Hz ({rate.source})" for rate in (content.rate, content.other_rate))
         raise MeasuredError(path, f"states two sampling rates, {values}: give the right one by `--rate`")

@@ -202,8 +202,9 @@ def draw_comparison(
 ) -> Path:
     """Write the figure of two signals; return the file.
 
-    names: of the simulated and the measured signal; unit: SI unit of both; band: of the envelope (Hz); factor: by
-    which the simulated signal was multiplied. If None, both are drawn relative to their largest samples over time.
+    names: of the simulated and the measured signal; unit: of both, empty if it is not stated; band: of the
+    envelope (Hz); factor: by which the simulated signal was multiplied. If None, both are drawn relative to their
+    largest samples over time.
     """
     from bearingsim.plots.style import drawing
 
@@ -259,11 +260,11 @@ def _comparison(
         place = number * simulated.lines.of_race(race) / simulated.lines.shaft
         envelope.axvline(place, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
     time.set_xlabel(f"Time in passes ({SHOWN_LINES[race]}), from the largest sample")
-    quantity = QUANTITIES.get(unit, "Signal")
-    scale = "of its largest sample" if factor is None else f"({unit})"
-    time.set_ylabel(f"{quantity} {scale},\nto {band[1] / 1e3:.3g} kHz")
+    quantity, in_unit = QUANTITIES.get(unit, "Signal"), f" ({unit})" if unit else ""
+    scale = " of its largest sample" if factor is None else in_unit
+    time.set_ylabel(f"{quantity}{scale},\nto {band[1] / 1e3:.3g} kHz")
     whole.set_xlabel("Frequency (kHz)")
-    whole.set_ylabel(f"Amplitude of {quantity.lower()} ({unit})")
+    whole.set_ylabel(f"Amplitude of {quantity.lower()}{in_unit}")
     envelope.set_xlabel(f"Order of the shaft; dashed: {SHOWN_LINES[race]} and multiples")
     envelope.set_ylabel("Squared envelope, of its largest line")
     for ax in (time, whole, envelope):

@@ -1,5 +1,6 @@
 """`bearingsim analyze`: printed text, JSON, figure, refusals."""
 
+import itertools
 import json
 
 import numpy as np
@@ -183,10 +184,21 @@ def test_wrong_options_are_refused(file, words, message):
     assert message in " ".join(err.replace("│", " ").split())
 
 
-def test_a_file_without_rate_or_speed_asks_for_the_option(tmp_path):
+OPTIONS = {
+    "bearing": (["--bearing", "6205"], "--bearing 6205"),
+    "sampling rate": (["--rate", "12.8 kHz"], "--rate '51.2 kHz'"),
+    "speed": (["--speed", "1500 rpm"], "--speed '1796 rpm'"),
+}
+"""Option and example in the message, by what it states."""
+
+
+@pytest.mark.parametrize("missing", [names for n in (1, 2, 3) for names in itertools.combinations(OPTIONS, n)])
+def test_all_missing_options_are_named_at_once(tmp_path, missing):
     np.savez(tmp_path / "a.npz", x=impacts(LINES.outer))
-    err = " ".join(type_("analyze", tmp_path / "a.npz", "--bearing", "6205", code=2)[1].split())
-    assert "no sampling rate and no speed: give both, such as `--rate '51.2 kHz' --speed '1796 rpm'`" in err
-    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--rate", "12.8 kHz"]
-    assert "--speed" in type_(*words, code=2)[1]
-    assert "verdict: outer race" in type_(*words, "--speed", "1500 rpm")[0]
+    words = [word for name, (words, _) in OPTIONS.items() if name not in missing for word in words]
+    err = " ".join(type_("analyze", tmp_path / "a.npz", *words, code=2)[1].split())
+    examples = " ".join(OPTIONS[name][1] for name in missing)
+    assert f", such as `{examples}`" in err
+    assert [name for name in OPTIONS if f"no {name}" in err] == list(missing)
+    if missing == ("speed",):
+        assert "verdict: outer race" in type_("analyze", tmp_path / "a.npz", *words, "--speed", "1500 rpm")[0]

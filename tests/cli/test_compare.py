@@ -71,6 +71,35 @@ def test_nothing_is_scaled_without_the_option_which_prints_its_factor(results, s
     assert "simulated signal times 3, to the measured RMS" in type_("compare", *words, "--scale")[0]
 
 
+@pytest.mark.parametrize("unit", ["", "V"])
+def test_a_scale_needs_no_unit(results, series, tmp_path, unit):
+    own = series["ring.acceleration.x"].astype(float)
+    np.savez(tmp_path / "a.npz", x=3.0 * own, fs=25600.0, **({"x_unit": unit} if unit else {}))
+    words = [results, tmp_path / "a.npz", "--scale"]
+    values = compared(*words)
+    assert values["scale"] == pytest.approx(3.0)
+    assert values["features"]["rms"]["unit"] == unit
+    assert values["features"]["rms"]["simulated"] == pytest.approx(values["features"]["rms"]["measured"])
+    out = type_("compare", *words, "--figure", tmp_path / "a.png")[0]
+    name = unit or "the unit of the file, which is not stated"
+    assert f"simulated signal times 3, to the measured RMS, in {name}\n" in out
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "states no sampling rate and no unit: give both, such as `--rate '51.2 kHz' --unit g`"),
+        (["--scale"], "states no sampling rate: give it, such as `--rate '51.2 kHz'`"),
+        (["--unit", "g"], "states no sampling rate: give it, such as `--rate '51.2 kHz'`"),
+    ],
+)
+def test_all_missing_options_are_named(results, series, tmp_path, words, message):
+    np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float))
+    _, err = type_("compare", results, tmp_path / "a.npz", *words, code=2)
+    assert message in " ".join(err.split())
+
+
 def test_lines_are_compared_in_orders_where_the_speeds_differ(results, series, tmp_path):
     fs = 25600.0 / 0.9  # the same passes in nine tenths of the time
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=fs)
