@@ -203,7 +203,7 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
 
 def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     from bearingsim.diagnosis import NONE
-    from bearingsim.diagnosis.thresholds import decibels
+    from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
 
     heads = [
         "line", "expected (Hz)", "found (Hz)", "deviation", "harmonics (dB)", "levelled (dB)", "score (dB)",
@@ -229,8 +229,19 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     rival = diagnosis.rival
     crowd = f", {100.0 * diagnosis.crowded:.0f} % of all rhythms reach the score of {LINE_NAMES[diagnosis.best]}"
     say(f"strongest other rhythm: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{crowd}")
-    if diagnosis.verdict == NONE and rival.score > diagnosis.threshold:
-        say("this rhythm is no line of the bearing at this speed: check both")
+    if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
+        say(
+            "this rhythm is no line of this bearing at this speed: another part of the machine causes it, or the "
+            "bearing or the speed is wrong"
+        )
+    elif diagnosis.verdict == NONE and diagnosis.threshold < rival.score < clear(diagnosis.threshold):
+        say("noise may cause it: the highest of many rhythms exceeds the threshold, which is for three lines")
+    if diagnosis.is_extrapolated:
+        low, high = measured_turns()
+        say(
+            f"threshold extrapolated: measured for {low:g} to {high:g} turns of the shaft, the record has "
+            f"{diagnosis.turns:.4g}"
+        )
     if diagnosis.may_be_doubled:
         half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
         say(f"half of this line ({half}) is about as strong: the true speed may be half of the given one")
@@ -302,6 +313,7 @@ def _channel_dict(
         "band_hz": list(band),
         "kurtogram_band_hz": list(image.best),
         "threshold_db": decibels(diagnosis.threshold),
+        "threshold_extrapolated": diagnosis.is_extrapolated,
         "races": {
             race: {
                 "expected_hz": finding.expected,

@@ -39,6 +39,17 @@ def _table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.log(turns), np.log(tolerances), scores
 
 
+def measured_turns() -> tuple[float, float]:
+    """Return the least and the largest number of turns for which thresholds were measured."""
+    lengths = _table()[0]
+    return round(exp(lengths[0])), round(exp(lengths[-1]))
+
+
+def clear(limit: float) -> float:
+    """Return the score from which a result is clear, ``CLEAR_DB`` over a threshold."""
+    return limit + HARMONICS * log(10.0 ** (CLEAR_DB / 10.0))
+
+
 def decibels(score: float) -> float:
     """Convert a score to the height (dB over the local median) that each of its harmonics has if all are equal."""
     return 10.0 * log10(max(exp(score / HARMONICS) - 1.0, 1e-3))

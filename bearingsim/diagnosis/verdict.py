@@ -1,15 +1,13 @@
 """Verdict on a signal of a bearing: whose line stands out, whether another rhythm does, or none."""
 
 from collections.abc import Sequence
-from math import log
 from typing import NamedTuple
 
 import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
-from bearingsim.diagnosis.claims import Claim, claim
+from bearingsim.diagnosis.claims import NONE, RHYTHM, Claim, claim
 from bearingsim.diagnosis.combs import (
-    HARMONICS,
     SHAFT_SHARE,
     Comb,
     best_comb,
@@ -21,7 +19,7 @@ from bearingsim.diagnosis.combs import (
 from bearingsim.diagnosis.fronts import Front, envelope_front, fast_length, levelled_front
 from bearingsim.diagnosis.kinematics import RACES, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
-from bearingsim.diagnosis.thresholds import CLEAR_DB, threshold
+from bearingsim.diagnosis.thresholds import clear, measured_turns, threshold
 
 OUTER, INNER, ROLLER = RACES
 EITHER = "outer or roller"
@@ -87,6 +85,22 @@ class Diagnosis(NamedTuple):
         return self.claim.crowded
 
     @property
+    def has_other_rhythm(self) -> bool:
+        """True if a rhythm that is no line stands out: the verdict, or clearly over the threshold beside none.
+
+        Of 200 records of noise the strongest rhythm exceeds the threshold in 8, by 1.2 dB at most.
+        """
+        is_full = self.claim.is_over and self.claim.is_crowded
+        is_clear = self.verdict == NONE and self.rival.score >= clear(self.threshold) and not is_full
+        return self.verdict == RHYTHM or is_clear
+
+    @property
+    def is_extrapolated(self) -> bool:
+        """True if the threshold is of a shorter or longer record than those for which it was measured."""
+        low, high = measured_turns()
+        return not low <= self.turns <= high
+
+    @property
     def best(self) -> str:
         """Element with the highest score."""
         return max(self.findings, key=lambda race: self.findings[race].comb.score)
@@ -133,8 +147,8 @@ def diagnose(
     comb = findings[best].comb
     best_claim = claim(fronts, lines, best, comb, tolerance, limit)
     verdict = best_claim.objection or _race(fronts, findings, best)
-    is_clear = comb.score >= limit + HARMONICS * log(10.0 ** (CLEAR_DB / 10.0))
-    size = outer_race_size(series, fs, parts, comb.frequency) if verdict == OUTER and is_clear else None
+    has_size = verdict == OUTER and comb.score >= clear(limit)
+    size = outer_race_size(series, fs, parts, comb.frequency) if has_size else None
     loose = verdict in (OUTER, EITHER) and size is None
     return Diagnosis(verdict, lines, findings, best_claim, size, loose, turns, fronts)
 

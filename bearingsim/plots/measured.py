@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 SHOWN_PASSES = 8.0
 """Periods of the shown line in the panel of the time signal."""
+LEAST_SHOWN = 1e-8
+"""Smallest amplitude of a spectrum that is shown, of the largest; below are rounding errors."""
+LOWEST_DB = -10.0
+"""Lowest height of an envelope spectrum that is shown: nine tenths of the bins of noise lie above -8 dB."""
 MOST_POINTS = 4000
 """Points of a drawn spectrum; of more, the largest in each group is drawn."""
 SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
@@ -80,18 +84,22 @@ def figure(
     canvas = Figure(figsize=(PAGE_IN, 0.8 * PAGE_IN), layout="constrained")
     (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
     values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
-    label = f"signal {channel}{f' ({unit})' if unit else ''}"
-    _draw_time(time, values, fs, diagnosis, label)
-    _draw_spectrum(spectrum, values, fs, label)
+    in_unit = f" ({unit})" if unit else ""
+    _draw_time(time, values, fs, diagnosis, f"Signal{in_unit}")
+    _draw_spectrum(spectrum, values, fs, f"Amplitude{in_unit}")
     _draw_envelope(envelope, diagnosis, band)
     _draw_kurtogram(kurtosis, image, band)
-    title = f"{recording.path.name}, {bearing} at {diagnosis.lines.shaft * 60.0:.6g} rpm: {_title(diagnosis)}"
-    canvas.suptitle(title, fontsize=9.0)
+    source = f"{recording.path.name}, {channel}, {bearing} at {diagnosis.lines.shaft * 60.0:.6g} rpm"
+    canvas.suptitle(f"{source}\n{_title(diagnosis)}", fontsize=9.0)
     return canvas
 
 
 def _title(diagnosis: "Diagnosis") -> str:
     """Return the verdict with the frequency that it rests on."""
+    from bearingsim.diagnosis import NONE
+
+    if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
+        return f"{TITLES[NONE]}; strongest other rhythm {diagnosis.rival.frequency:.2f} Hz"
     frequency = {"none": None, "other rhythm": diagnosis.rival.frequency}.get(
         diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
     )
@@ -107,7 +115,7 @@ def _draw_time(ax: "Axes", values: np.ndarray, fs: float, diagnosis: "Diagnosis"
     start = int(np.clip(np.argmax(np.abs(values - values.mean())) - count // 2, 0, len(values) - count))
     ax.plot(1e3 * np.arange(start, start + count) / fs, values[start : start + count], color=COLOURS[0], lw=0.7)
     ax.set_xlabel("Time (ms)")
-    ax.set_ylabel(label[0].upper() + label[1:])
+    ax.set_ylabel(label)
     ax.margins(x=0.0)
 
 
@@ -118,27 +126,28 @@ def _draw_spectrum(ax: "Axes", values: np.ndarray, fs: float, label: str) -> Non
     frequency, amplitude = spectrum(values, fs)
     group = max(1, len(frequency) // MOST_POINTS)
     count = len(frequency) // group * group
-    ax.semilogy(
-        1e-3 * frequency[:count:group],
-        np.maximum(amplitude[:count].reshape(-1, group).max(axis=1), amplitude.max() * 1e-8),
-        color=COLOURS[0],
-        lw=0.6,
-    )
+    drawn = amplitude[:count].reshape(-1, group).max(axis=1)
+    ax.semilogy(1e-3 * frequency[:count:group], drawn, color=COLOURS[0], lw=0.6)
     ax.set_xlabel("Frequency (kHz)")
-    ax.set_ylabel(f"Amplitude of {label}")
-    ax.set_ylim(bottom=max(ax.get_ylim()[0], 1e-6 * float(amplitude.max())))
+    ax.set_ylabel(label)
+    ax.set_ylim(_floor(drawn), 2.0 * float(drawn.max()))
     ax.margins(x=0.0)
 
 
+def _floor(amplitude: np.ndarray) -> float:
+    """Return the lower limit of a logarithmic axis, below all amplitudes (n,) but the lowest hundredth."""
+    return max(0.5 * float(np.quantile(amplitude, 0.01)), LEAST_SHOWN * float(amplitude.max()))
+
+
 def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
-    """Draw the first front in dB, with the harmonics of each race, the sidebands of the named one, and the height
-    of three equal harmonics at the threshold."""
+    """Draw the first front in dB, with the harmonics of each race or of a stronger rhythm, the sidebands of the
+    named race, and the height of three equal harmonics at the threshold."""
     from bearingsim.diagnosis.thresholds import decibels
     from bearingsim.plots.marks import MARK_COLOURS
     from bearingsim.plots.style import COLOURS
 
     front = diagnosis.fronts[0]
-    height = 10.0 * np.log10(np.maximum(front.height[1:], 1.0))
+    height = 10.0 * np.log10(np.maximum(front.height[1:], 1e-9))
     ax.plot(front.frequency[1:], height, color=COLOURS[0], lw=0.6)
     for race, finding in diagnosis.findings.items():
         is_verdict = race in diagnosis.verdict
@@ -148,6 +157,10 @@ def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]
                 number * finding.comb.frequency, color=MARK_COLOURS[race], lw=1.0, label=text, zorder=0.9,
                 ls="-" if is_verdict else (0, (2, 2)), alpha=0.7,
             )  # fmt: skip
+    if diagnosis.has_other_rhythm:
+        for number in range(1, HARMONICS + 1):
+            label = f"{diagnosis.rival.frequency:.2f} Hz" if number == 1 else None
+            ax.axvline(number * diagnosis.rival.frequency, color="0.2", lw=1.0, label=label, zorder=0.9)
     spacings = {"inner": ("fr", diagnosis.lines.shaft), "roller": ("FTF", diagnosis.lines.cage)}
     if diagnosis.verdict in spacings:
         (name, spacing), line = spacings[diagnosis.verdict], diagnosis.findings[diagnosis.verdict].comb.frequency
@@ -156,7 +169,7 @@ def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]
             ax.axvline(place, color="0.5", lw=0.7, ls=":", zorder=0.8, label=None if number else f"± {name}")
     ax.axhline(decibels(diagnosis.threshold), color="0.3", lw=0.8, ls=(0, (5, 2)), label="threshold")
     ax.set_xlim(0.0, 1.05 * HARMONICS * max(finding.comb.frequency for finding in diagnosis.findings.values()))
-    ax.set_ylim(0.0, 1.25 * float(height.max()))
+    ax.set_ylim(LOWEST_DB, 1.25 * float(height.max()))
     ax.set_xlabel("Frequency (Hz)")
     ax.set_ylabel(f"Envelope, {band[0] / 1e3:.3g}-{band[1] / 1e3:.3g} kHz\n(dB over the local median)")
     ax.legend(
@@ -171,17 +184,24 @@ def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]
 
 
 def _draw_kurtogram(ax: "Axes", image: "Kurtogram", band: tuple[float, float]) -> None:
-    """Draw kurtosis by level and band, with the edges of the analysed band."""
+    """Draw kurtosis by level and band, the edges of the analysed band, and a frame around the largest kurtosis."""
+    from matplotlib.patches import Rectangle
+
     levels = np.arange(len(image.kurtosis) + 1) - 0.5
     mesh = ax.pcolormesh(
         1e-3 * image.edges, levels, np.maximum(image.kurtosis, 0.0), cmap="viridis", rasterized=True
     )
     for edge in band:
-        ax.axvline(1e-3 * edge, color="white", lw=1.0, ls=(0, (4, 2)))
+        ax.axvline(1e-3 * edge, color="white", lw=1.0, ls=(0, (4, 2)), clip_on=False)
+    low, high = (1e-3 * edge for edge in image.best)
+    level = round(np.log2(1e-3 * image.edges[-1] / (high - low)))
+    frame = Rectangle((low, level - 0.5), high - low, 1.0, fill=False, ec="#d62728", lw=1.5, clip_on=False)
+    ax.add_patch(frame)
     ax.grid(visible=False)
     ax.set_ylim(levels[-1], levels[0])
     ax.set_xlabel("Frequency (kHz)")
-    ax.set_ylabel("Level (2^k bands)")
+    ax.set_title(f"red: most impulsive, {low:.3g}-{high:.3g} kHz; dashed: analysed", fontsize=7.0)
+    ax.set_ylabel("Level (halvings of the band)")
     canvas = ax.get_figure(root=True)
     assert canvas is not None
     canvas.colorbar(mesh, ax=ax, label="Excess kurtosis of the envelope")

@@ -17,8 +17,8 @@ from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 
 BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
 KEYS = BAND_KEYS | {
-    "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "races", "rival", "width_mm",
-    "spacing_ms", "clearance_may_cause", "speed_may_be_doubled",
+    "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "threshold_extrapolated", "races",
+    "rival", "width_mm", "spacing_ms", "clearance_may_cause", "speed_may_be_doubled",
 }  # fmt: skip
 RACE_KEYS = {
     "expected_hz", "found_hz", "deviation", "score_db", "envelope_db", "levelled_db", "shaft_sidebands_db",
@@ -141,14 +141,59 @@ def test_the_figure_states_the_verdict_and_marks_its_evidence(file, race, modula
     result = diagnose(values, RATE, PARTS, SHAFT)
     canvas = measured.figure(recording, "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205")
     title, frequency = canvas.get_suptitle(), result.findings[race].comb.frequency
-    assert title.startswith("damaged.npz, 6205 at 1500 rpm: ")
+    assert title.startswith("damaged.npz, acc, 6205 at 1500 rpm\n")
     assert title.endswith(f"{' or a healthy bearing with clearance' * (race == 'outer')}, {frequency:.2f} Hz")
-    time, _, envelope, _ = canvas.axes[:4]
-    assert time.get_ylabel() == "Signal acc (g)"
+    time, spectrum, envelope, kurtosis = canvas.axes[:4]
+    assert (time.get_ylabel(), spectrum.get_ylabel()) == ("Signal (g)", "Amplitude (g)")
+    amplitude = np.asarray(spectrum.get_lines()[0].get_ydata())
+    assert np.mean(amplitude < spectrum.get_ylim()[0]) < 0.01
+    assert amplitude.max() < spectrum.get_ylim()[1]
+    height = np.asarray(envelope.get_lines()[0].get_ydata())
+    assert np.mean(height < envelope.get_ylim()[0]) < 0.1
+    low, high = (f"{edge / 1e3:.3g}" for edge in kurtogram(values, RATE).best)
+    assert kurtosis.get_title() == f"red: most impulsive, {low}-{high} kHz; dashed: analysed"
     assert "dB over the local median" in envelope.get_ylabel()
     curves = {str(curve.get_label()): np.asarray(curve.get_ydata()) for curve in envelope.get_lines()}
     assert curves["threshold"][0] == pytest.approx(decibels(result.threshold))
     assert [label for label in curves if label.startswith("±")] == labels
+
+
+@pytest.mark.parametrize(
+    ("rhythm", "verdict"), [(1.19 * LINES.outer, "none"), (0.977 * LINES.outer, "other rhythm")]
+)
+def test_a_strong_rhythm_that_is_no_line_is_marked_and_explained(file, rhythm, verdict):
+    np.savez(file, acc=impacts(rhythm, slip=0.005), fs=RATE, rpm=1500.0)
+    values = read(file).channels["acc"]
+    result = diagnose(values, RATE, PARTS, SHAFT)
+    assert result.verdict == verdict
+    assert result.has_other_rhythm
+    assert result.rival.frequency == pytest.approx(rhythm, rel=2e-3)
+    canvas = measured.figure(read(file), "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205")
+    assert f" {result.rival.frequency:.2f} Hz" in canvas.get_suptitle()
+    labels = [str(curve.get_label()) for curve in canvas.axes[2].get_lines()]
+    assert f"{result.rival.frequency:.2f} Hz" in labels
+    out = type_("analyze", file, "--bearing", "6205")[0]
+    assert ("another part of the machine causes it, or the bearing or the speed is wrong" in out) is (
+        verdict == "none"
+    )
+
+
+def test_noise_blames_neither_bearing_nor_speed(tmp_path):
+    """The seed is of a record whose strongest rhythm exceeds the threshold."""
+    np.savez(tmp_path / "a.npz", x=np.random.default_rng(1).normal(size=51200), fs=RATE, rpm=1500.0)
+    out = type_("analyze", tmp_path / "a.npz", "--bearing", "6205")[0]
+    assert "verdict: none found; a line would need 7.9 dB over the local median" in out
+    assert "noise may cause it: the highest of many rhythms exceeds the threshold" in out
+    assert "is wrong" not in out
+
+
+@pytest.mark.parametrize(("seconds", "is_extrapolated"), [(4.0, False), (20.0, True)])
+def test_an_extrapolated_threshold_is_stated(tmp_path, seconds, is_extrapolated):
+    np.savez(tmp_path / "a.npz", x=impacts(LINES.outer, seconds=seconds, slip=0.005), fs=RATE, rpm=1500.0)
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205"]
+    text = "threshold extrapolated: measured for 5 to 320 turns of the shaft, the record has 500"
+    assert (text in type_(*words)[0]) is is_extrapolated
+    assert json.loads(type_(*words, "--json")[0])["threshold_extrapolated"] is is_extrapolated
 
 
 def test_a_band_is_used_on_request_only(file):
