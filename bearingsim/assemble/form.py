@@ -9,7 +9,9 @@ import numpy as np
 from bearingsim.assemble import contacts, rest
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.config import Case
-from bearingsim.config.sections.surfaces import RaceSurface, RollerSurface, Surfaces
+from bearingsim.config.scan.file import TRANSFERRED_FILES
+from bearingsim.config.scan.roundness import form_harmonics, read_roundness
+from bearingsim.config.sections.surfaces import RaceSurface, RollerSurface, Roundness, Surfaces
 from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.laws import hertz
 from bearingsim.core.layout import VECTOR_WIDTH
@@ -114,6 +116,23 @@ def race_coefficients(surface: RaceSurface, seed: int, stream: int) -> np.ndarra
     heights = harmonic_coefficients(surface.harmonics, count)
     if surface.spectrum is not None:
         heights = heights + spectrum_coefficients(surface.spectrum, random(seed, stream), count)
+    if surface.roundness is not None:
+        heights = heights + roundness_coefficients(surface.roundness, stream == OUTER_STREAM, count)
+    return heights
+
+
+def roundness_coefficients(roundness: Roundness, on_outer: bool, count: int) -> np.ndarray:
+    """Return the complex amplitudes of a measured profile, (count,), m.
+
+    Raises ValueError if the file has changed since the case was built.
+    """
+    digest = str(roundness.digest)
+    profile = read_roundness(TRANSFERRED_FILES.get(digest, roundness.file))
+    if profile.digest != digest:
+        raise ValueError(f"{roundness.file} has changed since the study was read")
+    measured = form_harmonics(profile, roundness.orders, on_outer)
+    heights = np.zeros(count, complex)
+    heights[: len(measured)] = measured * np.exp(-1j * roundness.angle * np.arange(len(measured)))
     return heights
 
 

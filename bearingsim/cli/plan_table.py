@@ -62,7 +62,7 @@ FRICTION_ROWS: tuple[Row, ...] = (
 
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: also a row per case."""
-    from bearingsim.config.scan.repair import notes
+    from bearingsim.config.scan.notes import notes
     from bearingsim.runner.packing import cost_text, worker_note
 
     study, screen = plan.study, console()
@@ -167,7 +167,7 @@ def byte_text(count: int) -> str:
 
 def as_json(plan: Plan) -> str:
     """Return the plan as JSON, in SI; null means no limit."""
-    from bearingsim.config.scan.repair import notes
+    from bearingsim.config.scan.notes import notes
 
     cases, baselines, variations = plan.job_counts
     entries = {

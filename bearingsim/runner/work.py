@@ -43,7 +43,7 @@ class Engine:
     estimate: str = "bearingsim.simulation.time_grid:estimate"
     warm: str = "bearingsim.simulation:warm"
     try_out: str = "bearingsim.simulation:try_out"
-    notes: str = "bearingsim.config.scan.repair:notes"
+    notes: str = "bearingsim.config.scan.notes:notes"
     compiling: str = "bearingsim.simulation.pricing:compile_time"
 
 

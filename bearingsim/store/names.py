@@ -56,15 +56,18 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
         if value == value and value != "":
             _set_nested(tree, str(path).split("."), _as_integer(value))
     if root is not None:
-        for defect in _mapping(tree.get("defects", {})).values():
-            _use_scan_copy(root, _mapping(defect))
+        surfaces = _mapping(tree.get("surfaces", {}))
+        races = [_mapping(surfaces.get(race, {})) for race in ("outer", "inner")]
+        profiles = [race.get("roundness", {}) for race in races]
+        for section in (*_mapping(tree.get("defects", {})).values(), *profiles):
+            _use_scan_copy(root, _mapping(section))
     return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in OMITTED_FIELDS})
 
 
-def _use_scan_copy(root: Path, defect: dict[str, Any]) -> None:
-    """Set the file of a scanned defect to its stored copy. Raises ScanError if there is no copy."""
-    if "file" in defect:
-        defect["file"] = str(find_scan_copy(root, str(defect.get("digest")), str(defect["file"])))
+def _use_scan_copy(root: Path, section: dict[str, Any]) -> None:
+    """Set the file of a scanned defect or race to its stored copy. Raises ScanError if there is no copy."""
+    if "file" in section:
+        section["file"] = str(find_scan_copy(root, str(section.get("digest")), str(section["file"])))
 
 
 def _as_integer(value: Any) -> Any:

@@ -101,7 +101,7 @@ def _unit(path: Path, planned: set[str]) -> _Unit:
     digests = [
         column
         for name, column in columns.items()
-        if name.startswith("parameters/defects.") and name.endswith(".digest")
+        if name.startswith(("parameters/defects.", "parameters/surfaces.")) and name.endswith(".digest")
     ]
     planned_rows = [row for row, job in enumerate(jobs) if job in planned]
     return _Unit(

@@ -1,4 +1,7 @@
-"""Copies of the surface scans of a study in its results folder, so that the original files are not needed."""
+"""Copies of the scans and roundness profiles of a study in its results folder.
+
+They make the original files unnecessary.
+"""
 
 import re
 from collections.abc import Iterable
@@ -11,6 +14,7 @@ from bearingsim.store.own_files import ID, SCANS
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
+    from bearingsim.config.sections.surfaces import Surfaces
 
 
 def store_scans(root: Path, cases: Iterable["Case"]) -> None:
@@ -32,18 +36,33 @@ def read_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
 
 def with_short_paths(case: "Case") -> "Case":
     """Return the case with shortened paths of its scans, for a machine without the original files."""
-    if all(defect.file is None for defect in case.defects):
-        return case
     defects = tuple(
         defect if defect.file is None else defect.model_copy(update={"file": short_path(defect.file)})
         for defect in case.defects
     )
-    return case.model_copy(update={"defects": defects})
+    return case.model_copy(update={"defects": defects, "surfaces": _with_short_profiles(case.surfaces)})
+
+
+def _with_short_profiles(surfaces: "Surfaces | None") -> "Surfaces | None":
+    if surfaces is None:
+        return None
+    races = {
+        race: getattr(surfaces, race).model_copy(
+            update={"roundness": profile.model_copy(update={"file": short_path(profile.file)})}
+        )
+        for race, profile in surfaces.profiles.items()
+    }
+    return surfaces.model_copy(update=races)
 
 
 def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
-    """List the digest and file of each scan of some cases, without duplicates."""
-    return sorted({(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest})
+    """List the digest and file of each scan and roundness profile of some cases, without duplicates."""
+    files = set[tuple[str | None, str | None]]()
+    for case in cases:
+        files |= {(defect.digest, defect.file) for defect in case.defects}
+        profiles = case.surfaces.profiles.values() if case.surfaces is not None else ()
+        files |= {(profile.digest, profile.file) for profile in profiles}
+    return sorted((digest, file) for digest, file in files if digest and file)
 
 
 def check_scans(root: Path) -> list[Path]:

@@ -6,8 +6,9 @@ from os.path import isfile
 from pathlib import Path as FilePath
 
 from bearingsim.config.case import LAWS
+from bearingsim.config.fields import Path
 from bearingsim.config.library import Kind, find, read, similar_file
-from bearingsim.study.paths import put
+from bearingsim.study.paths import node_at, put
 from bearingsim.text.files_read import record
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
@@ -17,7 +18,7 @@ def expand_tree(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
 
     A name without a file is left unchanged, because the validation of the case reports it with its position.
     """
-    tree = _locate_scans(_list_defects(tree, problems), folder)
+    tree = _locate_files(_name_profiles(_list_defects(tree, problems)), folder)
     tree = _add_default(tree, "rig", "bvt5")
     for section, kind in _REFERENCES:
         if section in tree.mapping:
@@ -43,17 +44,33 @@ def _list_defects(tree: Node, problems: list[Problem]) -> Node:
     return Node({"defects": defects} | others, tree.mark, tree.key)
 
 
-def _locate_scans(tree: Node, folder: FilePath) -> Node:
-    """Replace the files of scans by absolute paths, searched in the working directory, then in ``folder``."""
-    for number, defect in enumerate(tree.mapping.get("defects", _EMPTY).items):
-        file = defect.mapping.get("file")
+_RACES: tuple[Path, ...] = (("surfaces", "outer", "roundness"), ("surfaces", "inner", "roundness"))
+
+
+def _name_profiles(tree: Node) -> Node:
+    """Replace `roundness: race.csv` by the mapping `{file: race.csv}`, whose keys can be swept."""
+    for path in _RACES:
+        profile = node_at(tree, path)
+        if profile is not None and isinstance(profile.value, str) and profile.value != "none":
+            section = Node({"file": Node(profile.value, profile.mark)}, profile.mark, profile.key)
+            tree = put(tree, path, section)
+    return tree
+
+
+def _locate_files(tree: Node, folder: FilePath) -> Node:
+    """Replace the files of scans and roundness profiles by absolute paths, searched in the working directory, then
+    in ``folder``.
+    """
+    defects = tree.mapping.get("defects", _EMPTY).items
+    for path in (*(("defects", number) for number in range(len(defects))), *_RACES):
+        file = node_at(tree, (*path, "file"))
         if file is not None and isinstance(file.value, str):
             candidates = [base / file.value for base in (FilePath(), folder)]
             existing = next(filter(isfile, candidates), None)
             for candidate in candidates:
                 record(candidate)
             if existing is not None:
-                tree = put(tree, ("defects", number, "file"), replace(file, value=str(existing.absolute())))
+                tree = put(tree, (*path, "file"), replace(file, value=str(existing.absolute())))
     return tree
 
 

@@ -62,7 +62,7 @@ sweep:
 
 # Form of surfaces, in all models except impulse and spatial. Default: smooth races, equal rollers
 # surfaces:
-#   outer: {spectrum: {amplitude: 0.2 um}}                  # A n^-1.3, orders 2 to 200, random phases
+#   outer: {spectrum: {amplitude: 0.2 um}}                  # A n^-1.3, orders 2 to 200; or {roundness: race.csv}
 #   inner: {harmonics: [{order: 12, amplitude: 20 nm}]}
 #   rollers: {diameter: {scatter: 0.5 um}}
 #   seed: 0

@@ -23,7 +23,7 @@ INACTIVE: dict[str, Any] = {
     "shaft": None,
     "unbalance": None,
     "misalignment": None,
-    "surfaces": None,
+    "surfaces": {"outer": {"roundness": None}, "inner": {"roundness": None}},
     "tolerance": "auto",
     "prove": True,
     "periodic": True,
@@ -61,7 +61,7 @@ def relevant_fields(case: Case) -> dict[str, str]:
     texts = {
         name: _text(name, value, _unused(name, case))
         for name, value in values.items()
-        if name not in INACTIVE or isinstance(INACTIVE[name], dict) or value != INACTIVE[name]
+        if not _is_inactive(name, value)
     }
     if not case.defects:
         texts.pop("excitation", None)
@@ -72,6 +72,12 @@ def relevant_fields(case: Case) -> dict[str, str]:
     if not catalogue.MODELS[case.model].slips and case.excitation != "random-impulses":
         texts.pop("seed", None)
     return texts
+
+
+def _is_inactive(name: str, value: Any) -> bool:
+    """Return True for a field without effect; of sections with inactive keys, one that is not given."""
+    inactive = INACTIVE.get(name, ...)
+    return value is None if isinstance(inactive, dict) else bool(value == inactive)
 
 
 def is_random(case: Case) -> bool:
@@ -95,6 +101,8 @@ def _unused(name: str, case: Case) -> tuple[str, ...]:
         return ("sensor", "load") if case.rig.ring is None else (SENSOR_ANGLE,)
     if name == "defects":
         return ("file",)  # the content affects results, not its location
+    if name == "surfaces" and case.surfaces is not None:
+        return tuple(f"{race}.roundness.file" for race in case.surfaces.profiles)
     return (*paths, "length_nodes") if name == "contact" and sliced else paths
 
 

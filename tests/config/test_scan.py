@@ -15,7 +15,8 @@ from bearingsim.config import Case
 from bearingsim.config.scan import file as scanfile
 from bearingsim.config.scan import repair
 from bearingsim.config.scan.file import ScanError, read_file
-from bearingsim.config.scan.repair import notes, read_scan
+from bearingsim.config.scan.notes import notes
+from bearingsim.config.scan.repair import read_scan
 from bearingsim.core.defects import traced
 from bearingsim.core.defects.envelope import path_over
 from bearingsim.study import load_study
@@ -255,7 +256,7 @@ def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
         ),
         ("x [mm],y [mm],depth [um]\n1,1,1\n", "got `x [mm]`, `y [mm]`, `depth [um]`"),
         ("s [mm],z [mm],depth [um]\n1,1,x\n", "line 2: expected a number, got `x`"),
-        ("s [mm],z [mm],depth [um]\n1,1,inf\n", "line 2: `inf` is no depth"),
+        ("s [mm],z [mm],depth [um]\n1,1,inf\n", "line 2: `inf` is not finite"),
         ("s [mm],z [mm],depth [um]\n0,1,1,5,1\n", "line 2: 5 cells, the first line has 3"),
         ("s [mm],z [mm],depth [um]\n", "no points in this file"),
         ("s [mm],z [mm],depth [um]\n1,1,1\n1,1,2\n2,1,1\n2,2,1\n1,2,2\n", "two points have the same coordinates"),

@@ -41,7 +41,7 @@ REFUSED = {
     "one mapping": ({"outer": {"harmonics": {"order": 2, "amplitude": "20 nm"}}}, "expected a list of mappings"),
     "a single order": (
         {"outer": {"spectrum": {"amplitude": "1 um", "orders": 200}}},
-        "expected two orders, the lowest and the highest (as in `orders: [2, 200]`)",
+        "expected the lowest and the highest order, got `200` (as in `orders: [2, 200]`)",
     ),
     "orders the wrong way round": (
         {"outer": {"spectrum": {"amplitude": "1 um", "orders": [200, 2]}}},

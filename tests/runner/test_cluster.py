@@ -47,6 +47,7 @@ speed: 1800 rpm
 load: 150 N
 model: static
 defect: {shape: scan, file: map.csv}
+surfaces: {outer: {roundness: race.csv}}
 sweep: {load: [150 N, 300 N]}
 duration: 30 ms
 settle: 10 ms
@@ -268,6 +269,9 @@ def test_real_results_and_scans_equal_those_of_a_local_run(
     s, z = np.meshgrid(np.linspace(-0.5, 0.5, 11), np.linspace(-6.0, 6.0, 7))
     points = np.stack([s, z, np.where(np.abs(s) < 0.4, 50.0, 0.0)], axis=-1).reshape(-1, 3)
     np.savetxt("map.csv", points, delimiter=",", header="s [mm],z [mm],depth [um]", comments="")
+    angles = np.arange(0.0, 360.0, 0.5)
+    profile = np.stack([angles, 0.2 * np.cos(np.radians(12.0 * angles))], axis=-1)
+    np.savetxt("race.csv", profile, delimiter=",", header="angle [deg],deviation [um]", comments="")
     Path("small.yaml").write_text(SCANNED)
     type_("run", "small.yaml", "--jobs", "1", "--out", "here")
     output, _ = type_("run", "small.yaml", "--scheduler", machines.address, "--out", "there")

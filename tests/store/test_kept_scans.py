@@ -9,9 +9,13 @@ import pytest
 from bearingsim import store
 from bearingsim.config.scan.file import ScanError
 from bearingsim.config.scan.repair import read_scan
+from bearingsim.config.scan.roundness import read_roundness
 from bearingsim.plots.plot import drawn
 from bearingsim.runner import run
+from bearingsim.store.names import case_of
 from bearingsim.study import Study, load_study
+from bearingsim.study.jobs import case_id
+from tests.config.test_roundness import EVEN, heights, write
 from tests.config.test_scan import bowl, write_grid
 
 TEXT = """\
@@ -114,3 +118,41 @@ def test_temporary_scan_of_an_ended_writer_is_removed(tmp_path: Path) -> None:
     )
     leftover.touch()
     assert store.sweep(tmp_path) == [leftover]
+
+
+PROFILE = """\
+study: profiles
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+surfaces: {outer: {roundness: a.csv}, inner: {roundness: {file: b.csv, orders: [2, 20]}}}
+sweep: {load: [150 N, 300 N]}
+model: static
+duration: 20 ms
+settle: 0 ms
+"""
+
+
+def test_profiles_are_kept_with_results(tmp_path: Path, monkeypatch: Any) -> None:
+    """Shards copy the profiles, their merged folder rebuilds cases without the files, and prune keeps them."""
+    home = tmp_path / "somebody"
+    home.mkdir()
+    names = ("a.csv", "b.csv")
+    for name, order in zip(names, (12, 7), strict=True):
+        write(home / name, EVEN, heights(EVEN, {order: (0.1, 0.5)}))
+    (home / "study.yaml").write_text(PROFILE)
+    digests = sorted(read_roundness(home / name).digest for name in names)
+    for number in (1, 2):
+        compute(home, tmp_path / str(number), shard=(number, 2))
+    shutil.rmtree(home)
+    merged = tmp_path / "merged"
+    store.merge([tmp_path / "1", tmp_path / "2"], merged)
+    assert sorted(path.name for path in (merged / "scans").iterdir()) == [f"{digest}.csv" for digest in digests]
+    results = store.open_results(merged)
+    parameters = results.parameters()
+    assert set(parameters["surfaces.outer.roundness.file"]) == {"a.csv"}
+    for job, row in parameters.iterrows():
+        case = case_of(row.to_dict(), merged)
+        assert Path(case.surfaces.inner.roundness.file).parent == merged / "scans"
+        assert case_id(case) == job
+    assert not store.find_removable(merged).files

@@ -35,7 +35,7 @@ def _rollers(case: "CaseFields") -> Iterator[Conflict]:
     deviations = surface.diameter.deviations if surface.diameter else None
     if deviations is not None and len(deviations) != count:
         paths: tuple[Path, ...] = (("surfaces", "rollers", "diameter"), ("bearing", "rollers"))
-        message = f"{len(deviations)} diameters for {count} rollers"
+        message = f"{len(deviations)} diameter{'s' * (len(deviations) != 1)} for {count} rollers"
         yield Conflict("diameters", paths, message, "give one deviation for each roller")
     for number, harmonic in enumerate(surface.harmonics):
         if harmonic.roller is not None and harmonic.roller > count:
@@ -54,6 +54,10 @@ def _heights(case: "CaseFields") -> Iterator[Conflict]:
 
 def _largest_lengths(case: "CaseFields") -> Iterator[tuple[Path, float]]:
     """Yield the path and value (m) of each amplitude and deviation, and of all harmonics of a surface."""
+    for race, roundness in case.surfaces.profiles.items() if case.surfaces else ():
+        from bearingsim.config.scan.roundness import form_range, read_roundness  # imports numpy
+
+        yield ("surfaces", race, "roundness", "file"), form_range(read_roundness(roundness.file), roundness.orders)
     for name in ("outer", "inner", "rollers"):
         surface = getattr(case.surfaces, name)
         if surface is None:

@@ -38,7 +38,8 @@ MIN_FILLED = 0.5  # least share of a grid's cells that have a point
 MAX_ECHO, MIN_ECHO = 60, 12  # limits of the characters of a file's first line quoted in a message
 TRANSFERRED_FILES: dict[str, Path] = {}
 """Files of scans that were transferred to this machine with the jobs, by digest."""
-_COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
+COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
+"""Head of a column: its name, and its unit in brackets."""
 
 
 class ScanError(UserError, ValueError):
@@ -77,18 +78,31 @@ class Grid(NamedTuple):
 
 def read_file(path: Path) -> tuple[Grid, str]:
     """Read a file: its grid with ascending axes, and its digest. Raises ScanError for an invalid scan."""
+    check_exists(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
+    content = read_content(path)
+    try:
+        return reader(path.name, content), digest_of(content)
+    except MemoryError:
+        raise ScanError(f"`{path.name}` takes more memory than there is", "thin it out") from None
+
+
+def check_exists(path: Path) -> None:
+    """Raise ScanError unless there is a file at ``path``."""
     if isdir(path):
         raise ScanError(f"`{path}` is a folder", "name the file in it")
     if not isfile(path):
         raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
+
+
+def read_content(path: Path) -> bytes:
+    """Read a file of at most ``MAX_BYTES``. Raises ScanError if that fails."""
     try:
         if path.stat().st_size > MAX_BYTES:
             raise ScanError(f"`{path.name}` has more than {MAX_BYTES / 1e6:.0f} MB", "thin it out")
-        content = path.read_bytes()
-        return reader(path.name, content), digest_of(content)
+        return path.read_bytes()
     except OSError as error:
         raise ScanError(f"`{path.name}` cannot be read: {error.strerror}") from None
     except MemoryError:
@@ -104,6 +118,14 @@ def digest_of(content: bytes) -> str:
 
 
 def _csv(name: str, content: bytes) -> Grid:
+    rows, numbers = text_rows(name, content)
+    if "|" in rows[0][0]:
+        return _ascending_grid(*_grid(rows, numbers))
+    return _point_grid(rows, numbers)
+
+
+def text_rows(name: str, content: bytes) -> tuple[list[list[str]], list[int]]:
+    """Split a CSV file into its rows of cells, without comments, and their line numbers. Raises ScanError."""
     if content.count(b",") + content.count(b"\n") > 2 * MAX_POINTS:  # before parsing; includes comments
         raise ScanError(f"`{name}` has more than {MAX_POINTS} cells", "thin it out")
     try:
@@ -113,11 +135,9 @@ def _csv(name: str, content: bytes) -> Grid:
     lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
     if len(lines) < 2:
         raise ScanError("no points in this file")
-    numbers, rows = [n for n, _ in lines], list(csv.reader(line for _, line in lines))
+    rows = list(csv.reader(line for _, line in lines))
     _check_separator(rows[0][0])
-    if "|" in rows[0][0]:
-        return _ascending_grid(*_grid(rows, numbers))
-    return _point_grid(rows, numbers)
+    return rows, [n for n, _ in lines]
 
 
 def _check_separator(line: str) -> None:
@@ -127,7 +147,7 @@ def _check_separator(line: str) -> None:
             raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
 
 
-def _echo(text: str, limit: int = MAX_ECHO) -> str:
+def echo(text: str, limit: int = MAX_ECHO) -> str:
     """Quote the beginning of a text."""
     stripped = text.strip()
     return f"`{stripped}`" if len(stripped) <= limit else f"`{stripped[: limit - 3]}...`"
@@ -137,7 +157,7 @@ def _columns(heads: Sequence[str], wording: Wording) -> dict[str, tuple[int, flo
     """Return the index of each recognised column, and its factor to SI."""
     columns = {}
     for number, head in enumerate(heads):
-        match = _COLUMN.fullmatch(head)
+        match = COLUMN.fullmatch(head)
         if match and match[1] in NAMES:
             columns[match[1]] = (number, _factor(match[1], match[2], wording))
     missing = [name for name in ("s", "z") if name not in columns]
@@ -145,7 +165,7 @@ def _columns(heads: Sequence[str], wording: Wording) -> dict[str, tuple[int, flo
         required = "`s`, `z` and either `depth` or `height`"
         first_heads = heads[:6]
         limit = max(MAX_ECHO // max(len(first_heads), 1), MIN_ECHO)
-        listing = ", ".join(_echo(head, limit) for head in first_heads) or "none"
+        listing = ", ".join(echo(head, limit) for head in first_heads) or "none"
         raise ScanError(f"expected {wording.columns} {required}, got {listing}", wording.example)
     return columns
 
@@ -167,7 +187,7 @@ def _point_grid(rows: list[list[str]], numbers: list[int]) -> Grid:
     unused = [
         head.strip() for n, head in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}
     ]
-    table = _numbers(rows[1:], numbers[1:], len(rows[0]))
+    table = cell_values(rows[1:], numbers[1:], len(rows[0]))
     values = {name: table[:, number] * factor for name, (number, factor) in columns.items()}
     p = values.get("depth", values.get("height"))
     s, column = np.unique(values["s"], return_inverse=True)
@@ -198,14 +218,14 @@ def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.nda
     columns = _columns(heads, CSV)
     order = [name for name, _ in sorted(columns.items(), key=lambda item: item[1][0])]
     if len(heads) != 3 or order[0] not in ("depth", "height"):
-        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {_echo(rows[0][0])}")
-    table = _numbers([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
+        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {echo(rows[0][0])}")
+    table = cell_values([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
     row_axis, column_axis = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
     p = table[1:, 1:] * columns[order[0]][1]
     return (column_axis, row_axis, p) if order[2] == "s" else (row_axis, column_axis, p.T)
 
 
-def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
+def cell_values(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
     """Convert cells (n, width) to numbers; empty cells become NaN."""
     if len(rows) * width > MAX_POINTS:
         raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "thin it out")
@@ -223,9 +243,9 @@ def _number(cell: str, line: int) -> float:
         value = float(cell) if cell.strip() else math.nan
     except ValueError:
         hint = "use a point for decimals" if "," in cell else None
-        raise ScanError(f"line {line}: expected a number, got {_echo(cell)}", hint) from None
+        raise ScanError(f"line {line}: expected a number, got {echo(cell)}", hint) from None
     if math.isinf(value):
-        raise ScanError(f"line {line}: `{cell.strip()}` is no depth", "leave a missing cell empty")
+        raise ScanError(f"line {line}: `{cell.strip()}` is not finite", "leave a missing cell empty")
     return value
 
 

@@ -3,11 +3,11 @@
 The steps are axes (``file.py``), spikes, missing cells, level, noise and centre, as described in docs/defects.md.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from os.path import isfile
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,19 +75,6 @@ def _size_warnings(width: float, depth: float) -> Iterator[str]:
         yield f"the defect is deeper ({_um(depth)}) than wide ({_um(width)}); is the unit right?"
     if depth < MIN_DEPTH:
         yield f"the defect is only {_um(depth)} deep; is the unit right?"
-
-
-class HasDefects(Protocol):
-    """Object with defects, such as a case."""
-
-    @property
-    def defects(self) -> Sequence[Any]: ...
-
-
-def notes(cases: Iterable[HasDefects]) -> list[str]:
-    """List the repairs and assumptions of all scans of the cases, without duplicates. Raises ScanError."""
-    files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
-    return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
 
 
 # Repairs

@@ -2,7 +2,8 @@
 
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
 
 from bearingsim.config.fields import (
     OPTIONAL,
@@ -13,6 +14,7 @@ from bearingsim.config.fields import (
     Schema,
     Section,
     SignedLength,
+    Text,
     describe_value,
     integer,
     or_words,
@@ -52,7 +54,8 @@ class RollerHarmonic(Harmonic):
 def _read_orders(raw: Any) -> Any:
     """Check that a value is a pair of orders, the lower first."""
     if not isinstance(raw, list | tuple) or len(raw) != 2:
-        refuse("orders", "expected two orders, the lowest and the highest", "as in `orders: [2, 200]`")
+        hint = "as in `orders: [2, 200]`"
+        refuse("orders", f"expected the lowest and the highest order, got {describe_value(raw)}", hint)
     read = integer(1, MAX_ORDER).read
     low, high = read(raw[0]), read(raw[1])
     if low > high:
@@ -74,6 +77,62 @@ class Spectrum(Section):
     """Exponent p of A n^-p (assumed)."""
     orders: Annotated[tuple[int, int], FileFormat(_read_orders, _orders_schema)] = (2, 200)
     """Lowest and highest order."""
+
+
+def _read_measured_orders(raw: Any) -> Any:
+    """Check that a value is a pair of orders of a measured form, the lower first."""
+    low, high = _read_orders(raw)
+    if low < 2:
+        message = "order 1 of a measured profile is the position of the part, not its form"
+        refuse("orders", message, "begin with order 2")
+    return low, high
+
+
+class Roundness(Section):
+    """Measured roundness profile of a race: a file, and the orders that are taken from it."""
+
+    file: Text
+    """CSV file with the columns `angle` and `deviation`, of which orders 0 and 1 are removed."""
+    orders: Annotated[tuple[int, int], FileFormat(_read_measured_orders, _orders_schema)] = (2, 50)
+    """Lowest and highest order that is taken; the lowest is 2 or more."""
+    angle: Angle = 0.0
+    """Angle on the race of the profile's angle zero."""
+    digest: Text | None = None
+    """Digest of the content of `file`; not set by users."""
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        schema = handler(core)
+        del handler.resolve_ref_schema(schema)["properties"]["digest"]
+        return schema
+
+    @model_validator(mode="after")
+    def _read_profile(self) -> "Roundness":
+        """Read the file: set its digest, and check that it resolves the orders."""
+        from bearingsim.config.scan.file import ScanError  # imports numpy, which only profiles need
+        from bearingsim.config.scan.roundness import check_resolution, read_roundness
+
+        try:
+            profile = read_roundness(self.file)
+        except ScanError as error:
+            refuse("scan", error.message, error.hint, at="file")
+        try:
+            check_resolution(profile, self.orders)
+        except ScanError as error:
+            refuse("orders", error.message, error.hint, at="orders")
+        if self.digest is not None and self.digest != profile.digest:
+            refuse("changed", f"`{self.file}` has changed since", "make the case anew", at="file")
+        object.__setattr__(self, "digest", profile.digest)
+        return self
+
+
+def _file_as_mapping(raw: Any) -> Any:
+    """Convert the name of a file to the mapping that it abbreviates."""
+    return None if raw == "none" else {"file": raw} if isinstance(raw, str) else raw
+
+
+def _roundness_schema(own: Schema) -> Schema:
+    return {"anyOf": [{"type": "string"}, own]}
 
 
 def _check_list(raw: Any) -> Any:
@@ -109,10 +168,22 @@ class _Surface(Section):
 
 
 class RaceSurface(_Surface):
-    """Waviness of a race: `harmonics`, and a random `spectrum`, which add."""
+    """Waviness of a race: `harmonics`, a random `spectrum` and a measured `roundness`, which add."""
 
     harmonics: Annotated[tuple[Harmonic, ...], Field(max_length=MAX_HARMONICS), FileFormat(_check_list, dict)] = ()
     """Waviness of given orders."""
+    roundness: Annotated[Roundness | None, FileFormat(_file_as_mapping, _roundness_schema)] = None
+    """Measured roundness profile: a CSV file, or a mapping with the file and its orders."""
+
+    @property
+    def is_smooth(self) -> bool:
+        """True without any deviation."""
+        return super().is_smooth and self.roundness is None
+
+    @property
+    def highest_order(self) -> int:
+        """Highest order of the waviness; 0 without any."""
+        return max(super().highest_order, self.roundness.orders[1] if self.roundness else 0)
 
 
 class Diameters(Section):
@@ -185,6 +256,12 @@ class Surfaces(Section):
         diameter = self.rollers and self.rollers.diameter
         deviations = (diameter and diameter.deviations) or (0.0,)
         return sum(deviations) / len(deviations)
+
+    @property
+    def profiles(self) -> dict[str, Roundness]:
+        """Measured roundness profiles by race."""
+        races = {"outer": self.outer, "inner": self.inner}
+        return {name: race.roundness for name, race in races.items() if race is not None and race.roundness}
 
     @property
     def elements(self) -> list[str]:

@@ -1,0 +1,34 @@
+"""Repairs of the measured files of some cases, in words."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from bearingsim.config.scan.repair import read_scan
+from bearingsim.config.scan.roundness import read_roundness, remarks
+
+
+class HasFiles(Protocol):
+    """Object with defects and surfaces, such as a case."""
+
+    @property
+    def defects(self) -> Sequence[Any]: ...
+
+    @property
+    def surfaces(self) -> Any: ...
+
+
+def notes(cases: Iterable[HasFiles]) -> list[str]:
+    """List the repairs and assumptions of all scans and roundness profiles of the cases, without duplicates.
+
+    Raises ScanError.
+    """
+    scans: dict[str, None] = {}
+    profiles: dict[tuple[str, tuple[int, int]], None] = {}
+    for case in cases:
+        scans |= dict.fromkeys(defect.file for defect in case.defects if defect.file is not None)
+        measured = case.surfaces.profiles.values() if case.surfaces is not None else ()
+        profiles |= dict.fromkeys((profile.file, profile.orders) for profile in measured)
+    texts = [(file, note) for file in scans for note in read_scan(file).notes]
+    texts += [(file, note) for file, orders in profiles for note in remarks(read_roundness(file), orders)]
+    return list(dict.fromkeys(f"{Path(file).name}: {note}" for file, note in texts))

@@ -1,0 +1,268 @@
+"""Measured roundness profiles of races: reading, checks and repairs, and their harmonics.
+
+CSV with one point per line, and columns named with their units:
+
+    angle [deg],deviation [um]
+    0.0,0.12
+    0.5,0.10
+
+`deviation` is positive where a point lies outside of the material's nominal surface, that is where there is more
+material; `radius` (positive away from the axis, a constant may be missing) can replace it. Lines that begin with #
+are comments.
+"""
+
+from collections.abc import Iterable
+from functools import lru_cache
+from math import degrees, pi
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.config.scan.file import (
+    COLUMN,
+    MAX_ECHO,
+    ScanError,
+    cell_values,
+    check_exists,
+    digest_of,
+    echo,
+    read_content,
+    text_rows,
+)
+from bearingsim.text.units import UnitError, parse
+
+DEVIATION, RADIUS = "deviation", "radius"
+POINTS_PER_WAVE = 7
+"""Least points in the shortest wave."""
+MAX_GAP = 0.5  # limit of a gap, in lengths of the shortest wave
+MIN_POINTS = 2 * POINTS_PER_WAVE
+MAX_MISSING, MAX_SPIKES = 0.05, 0.01  # limits: share of missing points; share of spikes
+SPIKE_WINDOW = 5  # points of the median from which spikes deviate
+MIN_SPIKE = 8.0  # least spike in standard deviations of the deviations from that median
+MIN_SPIKE_HEIGHT = 0.2  # least spike relative to the range of the profile
+MAX_JUMP, MAX_STEPS = 0.1, 3.0  # limits of the jump at the ends: share of the range; largest steps of neighbours
+MIN_ECCENTRICITY = 1e-9  # m; smaller ones are not reported
+SAME_ANGLE = 1e-6  # rad; closer angles are equal
+EVEN = 1e-3  # tolerance of even spacing, relative to the spacing
+EXAMPLE = "the first line is `angle [deg],deviation [um]`"
+CACHED_PROFILES = 64
+
+
+class Profile(NamedTuple):
+    """Measured profile: values (n,), m, at ascending angles (n,), rad, of one turn.
+
+    column: meaning of the values, ``DEVIATION`` or ``RADIUS``; digest: that of the file's content; notes: repairs.
+    """
+
+    angles: np.ndarray
+    values: np.ndarray
+    column: str
+    digest: str
+    notes: tuple[str, ...]
+
+
+def read_roundness(path: str | Path) -> Profile:
+    """Read and repair the profile in a file. Raises ScanError for an invalid format or unusable data."""
+    file = Path(path)
+    check_exists(file)
+    stat = file.stat()
+    return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)
+
+
+@lru_cache(maxsize=CACHED_PROFILES)
+def _read(path: Path, modified: int, size: int) -> Profile:
+    if path.suffix.lower() not in (".csv", ".txt"):
+        raise ScanError(f"expected a file that ends in .csv, got `{path.name}`")
+    content = read_content(path)
+    profile = _table(*text_rows(path.name, content))._replace(digest=digest_of(content))
+    for step in (_fill_missing, _one_turn, _remove_spikes):
+        profile = step(profile)
+    return profile
+
+
+def _table(rows: list[list[str]], numbers: list[int]) -> Profile:
+    columns = _columns(rows[0])
+    table = cell_values(rows[1:], numbers[1:], len(rows[0]))
+    name = DEVIATION if DEVIATION in columns else RADIUS
+    angles, values = (table[:, number] * factor for number, factor in (columns["angle"], columns[name]))
+    used = {number for number, _ in columns.values()}
+    unused = [head.strip() for number, head in enumerate(rows[0]) if number not in used]
+    if np.isnan(angles).any():
+        line = numbers[1 + int(np.flatnonzero(np.isnan(angles))[0])]
+        raise ScanError(f"line {line}: a point has no angle", "`angle` must be in every line")
+    return Profile(angles, values, name, "", (f"columns not used: {', '.join(unused)}",) if unused else ())
+
+
+def _columns(heads: list[str]) -> dict[str, tuple[int, float]]:
+    """Return the index of each recognised column, and its factor to SI."""
+    columns = {}
+    for number, head in enumerate(heads):
+        match = COLUMN.fullmatch(head)
+        if match and match[1] in ("angle", DEVIATION, RADIUS):
+            columns[match[1]] = (number, _factor(match[1], match[2]))
+    if "angle" not in columns or (DEVIATION in columns) == (RADIUS in columns):
+        listing = ", ".join(echo(head, MAX_ECHO // 3) for head in heads[:3])
+        raise ScanError(f"expected columns `angle` and either `deviation` or `radius`, got {listing}", EXAMPLE)
+    return columns
+
+
+def _factor(name: str, unit: str | None) -> float:
+    """Return the factor from a unit to rad or m."""
+    is_angle = name == "angle"
+    if not unit:
+        units = "`angle [deg]`, or rad" if is_angle else f"`{name} [um]`, or mm, m, nm"
+        raise ScanError(f"the unit of `{name}` is missing", f"write {units}")
+    try:
+        return parse(f"1 {unit}", "angle" if is_angle else "length")
+    except UnitError as error:
+        raise ScanError(
+            f"`{name} [{unit}]` has no unit of {'angle' if is_angle else 'length'}", error.hint
+        ) from None
+
+
+def _fill_missing(profile: Profile) -> Profile:
+    """Remove points without a value; they are interpolated later. Raises ScanError if there are too many."""
+    missing = np.isnan(profile.values)
+    count = int(np.count_nonzero(missing))
+    if count == 0:
+        return profile
+    where = _places(profile.angles[missing])
+    if count > MAX_MISSING * len(missing):
+        raise ScanError(f"{count} of {len(missing)} values are missing ({where})", "measure it anew")
+    note = f"{count} missing value{'s' * (count > 1)} filled from the neighbours: {where}"
+    present = ~missing
+    return profile._replace(
+        angles=profile.angles[present], values=profile.values[present], notes=(*profile.notes, note)
+    )
+
+
+def _one_turn(profile: Profile) -> Profile:
+    """Sort the points, and merge the two ends of a turn. Raises ScanError for a profile that does not close."""
+    if len(profile.angles) < MIN_POINTS:
+        raise ScanError(f"{len(profile.angles)} points: at least {MIN_POINTS} are needed")
+    order, notes = np.argsort(profile.angles, kind="stable"), list(profile.notes)
+    angles, values = profile.angles[order], profile.values[order]
+    if np.any(np.diff(order) != 1):
+        notes.append("the angles are not ascending and were sorted")
+    span = float(angles[-1] - angles[0])
+    if span > 2.0 * pi + SAME_ANGLE:
+        message = f"the angles cover {degrees(span):.4g} deg; a profile is one turn"
+        raise ScanError(message, "give one turn, and check the unit of `angle`")
+    steps = np.diff(angles)
+    if np.any(steps < SAME_ANGLE):
+        k = int(np.argmin(steps))
+        raise ScanError(f"two points have the angle {degrees(angles[k]):.6g} deg", "give one value for each angle")
+    if np.ptp(values) == 0.0:
+        raise ScanError(f"all values are the same ({_um(values[0])})", "leave `roundness` out for a round surface")
+    notes += _closing_notes(angles, values)
+    if span > 2.0 * pi - SAME_ANGLE:
+        values = np.append(0.5 * (values[0] + values[-1]), values[1:-1])
+        angles = angles[:-1]
+    return profile._replace(angles=angles, values=values, notes=tuple(notes))
+
+
+def _closing_notes(angles: np.ndarray, values: np.ndarray) -> list[str]:
+    """Return a note if the ends of a turn differ. Raises ScanError if they differ more than neighbours do."""
+    size, jump = float(np.ptp(values)), abs(float(values[0] - values[-1]))
+    gap, spacing = angles[0] + 2.0 * pi - angles[-1], float(np.median(np.diff(angles)))
+    step = float(np.max(np.abs(np.diff(values)))) * max(1.0, gap / spacing)
+    if jump > MAX_JUMP * size and jump > MAX_STEPS * step and gap < pi:
+        ends = f"{degrees(angles[0]):.4g} and {degrees(angles[-1]):.4g} deg"
+        raise ScanError(
+            f"the profile does not close: it differs by {_um(jump)} between {ends}", "remove the drift first"
+        )
+    if gap < SAME_ANGLE and jump > 1e-3 * size:
+        return [f"both ends of the turn are given and differ by {_um(jump)}: their mean is taken"]
+    return []
+
+
+def _remove_spikes(profile: Profile) -> Profile:
+    """Remove spikes of one or two points; they are interpolated later. Raises ScanError if there are too many."""
+    values = profile.values
+    around = range(-(SPIKE_WINDOW // 2), SPIKE_WINDOW // 2 + 1)
+    deviations = values - np.median([np.roll(values, shift) for shift in around], axis=0)
+    low, high = np.percentile(values, [1.0, 99.0])
+    scatter = 1.4826 * float(np.median(np.abs(deviations)))
+    spikes = np.abs(deviations) > max(MIN_SPIKE * scatter, MIN_SPIKE_HEIGHT * float(high - low))
+    count = int(np.count_nonzero(spikes))
+    if count == 0:
+        return profile
+    where, size = _places(profile.angles[spikes]), f"{_um(np.abs(deviations[spikes]).min())} and more"
+    if count > MAX_SPIKES * len(values):
+        raise ScanError(f"{count} spikes of {size} ({where})", "filter it first")
+    note = f"{count} spike{'s' * (count > 1)} of {size} taken out: {where}"
+    return profile._replace(angles=profile.angles[~spikes], values=values[~spikes], notes=(*profile.notes, note))
+
+
+def check_resolution(profile: Profile, orders: tuple[int, int]) -> None:
+    """Raise ScanError if a profile has too few points, or too wide a gap, for its highest order."""
+    low, high = orders
+    count = len(profile.angles)
+    if count < POINTS_PER_WAVE * high:
+        possible = count // POINTS_PER_WAVE
+        hint = f"`orders: [{low}, {possible}]`, or more points" if possible >= low else "measure more points"
+        message = f"{count} points are too few for order {high}, which takes {POINTS_PER_WAVE * high}"
+        raise ScanError(f"{message} ({POINTS_PER_WAVE} per wave)", hint)
+    gaps = np.diff(profile.angles, append=profile.angles[0] + 2.0 * pi)
+    k = int(np.argmax(gaps))
+    if gaps[k] > MAX_GAP * 2.0 * pi / high:
+        possible = int(MAX_GAP * 2.0 * pi / gaps[k])
+        message = f"a gap of {degrees(gaps[k]):.3g} deg from {degrees(profile.angles[k]):.4g} deg"
+        hint = f"`orders: [{low}, {possible}]`, or measure it" if possible >= low else "measure the whole turn"
+        raise ScanError(f"{message} is over half a wave of order {high}", hint)
+
+
+def harmonics(profile: Profile, highest: int, on_outer: bool) -> np.ndarray:
+    """Return the complex amplitudes C_n (highest + 1,), m, of heights Re sum C_n exp(i n angle).
+
+    Heights are positive where there is material. Orders 0 and 1 are those of the least-squares circle (ISO
+    12181-1) for even spacing; other spacings are interpolated by a periodic cubic spline first.
+    """
+    angles, values = profile.angles, profile.values
+    count, start = len(angles), float(angles[0])
+    spacing = 2.0 * pi / count
+    gaps = np.diff(angles, append=start + 2.0 * pi)
+    if np.max(np.abs(gaps - spacing)) > EVEN * spacing:
+        from scipy.interpolate import CubicSpline
+
+        ends = np.append(angles, start + 2.0 * pi), np.append(values, values[0])
+        count = 2 * count
+        values = CubicSpline(*ends, bc_type="periodic")(start + 2.0 * pi / count * np.arange(count))
+    C = 2.0 / count * np.fft.rfft(values)[: highest + 1] * np.exp(-1j * start * np.arange(highest + 1))
+    C[0] /= 2.0
+    return np.asarray(-C if profile.column == RADIUS and on_outer else C)
+
+
+def form_harmonics(profile: Profile, orders: tuple[int, int], on_outer: bool) -> np.ndarray:
+    """Return the amplitudes of ``harmonics`` of the orders from the lowest to the highest; zero for lower ones."""
+    low, high = orders
+    C = harmonics(profile, high, on_outer)
+    C[:low] = 0.0
+    return C
+
+
+def form_range(profile: Profile, orders: tuple[int, int]) -> float:
+    """Return the difference (m) of the highest and lowest point of the form in the given orders."""
+    C = form_harmonics(profile, orders, on_outer=False)
+    count = 2 * POINTS_PER_WAVE * orders[1]
+    return float(np.ptp(np.fft.irfft(0.5 * count * C, count)))
+
+
+def remarks(profile: Profile, orders: tuple[int, int]) -> tuple[str, ...]:
+    """Return the repairs of a profile, and what is taken from it, in words."""
+    eccentricity = float(abs(harmonics(profile, 1, on_outer=False)[1]))
+    kept = form_range(profile, orders)
+    text = f"orders {orders[0]} to {orders[1]}: {_um(kept)} from peak to valley"
+    removed = f"; an eccentricity of {_um(eccentricity)} is removed" if eccentricity > MIN_ECCENTRICITY else ""
+    return (*profile.notes, text + removed)
+
+
+def _places(angles: Iterable[float]) -> str:
+    """Format the first three angles."""
+    values = [float(angle) for angle in angles]
+    return ", ".join(f"{degrees(angle):.4g} deg" for angle in values[:3]) + ", ..." * (len(values) > 3)
+
+
+def _um(metres: float) -> str:
+    return f"{1e6 * float(metres):.3g} um"
