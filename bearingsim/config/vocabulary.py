@@ -46,7 +46,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("interference", "shaft_fit", "shrink_fit", "press_fit", "housing_fit"): (
         "fits are not modelled; `clearance` is the value after mounting"
     ),
-    ("waviness", "roundness", "out_of_roundness", "form_error", "form"): (
+    ("waviness", "out_of_roundness", "form_error", "form"): (
         "as in `surfaces: {outer: {spectrum: {amplitude: 0.2 um}}}`"
     ),
     ("roughness", "surface_roughness", "surface_finish"): (

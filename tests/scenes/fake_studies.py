@@ -46,7 +46,7 @@ class FakeCase:
     record: tuple[str, ...] = ("ring.velocity",)
     healthy: bool = False
 
-    defects = ()  # that have a scan
+    defects, surfaces = (), None  # that have a scan or a roundness profile
 
     def model_dump(self) -> dict[str, Any]:
         defects = () if self.healthy else ({"race": "outer", "width": self.width},)
