@@ -1,1 +1,1 @@
-"""Measured depth maps of defects: reading, checks and repairs."""
+"""Measured depth maps of defects and roundness profiles of races: reading, checks and repairs."""

@@ -127,7 +127,7 @@ def _fill_missing(profile: Profile) -> Profile:
     count = int(np.count_nonzero(missing))
     if count == 0:
         return profile
-    where = _places(profile.angles[missing])
+    where = _angle_list(profile.angles[missing])
     if count > MAX_MISSING * len(missing):
         raise ScanError(f"{count} of {len(missing)} values are missing ({where})", "measure it anew")
     note = f"{count} missing value{'s' * (count > 1)} filled from the neighbours: {where}"
@@ -188,7 +188,7 @@ def _remove_spikes(profile: Profile) -> Profile:
     count = int(np.count_nonzero(spikes))
     if count == 0:
         return profile
-    where, size = _places(profile.angles[spikes]), f"{_um(np.abs(deviations[spikes]).min())} and more"
+    where, size = _angle_list(profile.angles[spikes]), f"{_um(np.abs(deviations[spikes]).min())} and more"
     if count > MAX_SPIKES * len(values):
         raise ScanError(f"{count} spikes of {size} ({where})", "filter it first")
     note = f"{count} spike{'s' * (count > 1)} of {size} taken out: {where}"
@@ -258,7 +258,7 @@ def remarks(profile: Profile, orders: tuple[int, int]) -> tuple[str, ...]:
     return (*profile.notes, text + removed)
 
 
-def _places(angles: Iterable[float]) -> str:
+def _angle_list(angles: Iterable[float]) -> str:
     """Format the first three angles."""
     values = [float(angle) for angle in angles]
     return ", ".join(f"{degrees(angle):.4g} deg" for angle in values[:3]) + ", ..." * (len(values) > 3)
