@@ -264,14 +264,8 @@ def _comparison(
         if factor is None:
             part, name = part / own, f"{name}, 1 = {own:.3g} {unit} over time"
         time.plot(passes, part, color=colour, lw=width, label=name)
-        frequency, amplitude = spectrum(signal.series, signal.fs)
-        inside = (frequency > 0.0) & (frequency <= band[1])
-        group = max(1, int(inside.sum()) // MOST_POINTS)
-        reduced = inside.sum() // group * group
-        top = amplitude[inside][:reduced].reshape(-1, group).max(axis=1)
-        whole.semilogy(
-            1e-3 * frequency[inside][:reduced:group], np.maximum(top, 1e-6 * top.max()), color=colour, lw=width
-        )
+        places, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
+        whole.semilogy(1e-3 * places, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")
         orders, level = envelope_spectrum(signal.series, signal.fs, band)
         orders = orders / signal.lines.shaft
         shown = (orders > 0.2) & (orders <= (HARMONICS + 1.2) * signal.lines.of_race(race) / signal.lines.shaft)
@@ -279,18 +273,29 @@ def _comparison(
     for number in range(1, HARMONICS + 2):
         place = number * simulated.lines.of_race(race) / simulated.lines.shaft
         envelope.axvline(place, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
-    time.set_xlabel(f"Time in passes ({SHOWN_LINES[race]}), from the largest sample")
-    quantity, in_unit = QUANTITIES.get(unit, "Signal"), f" ({unit})" if unit else ""
-    scale = " of its largest sample" if factor is None else in_unit
-    time.set_ylabel(f"{quantity}{scale},\nto {band[1] / 1e3:.3g} kHz")
+    line, quantity, in_unit = SHOWN_LINES[race], QUANTITIES.get(unit, "Signal"), f" ({unit})" if unit else ""
+    time.set_xlabel(f"Time in passes ({line}), from the largest sample; band to {band[1] / 1e3:.3g} kHz")
+    time.set_ylabel(f"{quantity},\nof its largest sample" if factor is None else f"{quantity}{in_unit}")
     whole.set_xlabel("Frequency (kHz)")
-    whole.set_ylabel(f"Amplitude of {quantity.lower()}{in_unit}")
-    envelope.set_xlabel(f"Order of the shaft; dashed: {SHOWN_LINES[race]} and multiples")
-    envelope.set_ylabel("Squared envelope, of its largest line")
+    whole.set_ylabel(f"Largest amplitude\nper {line} interval{in_unit}")
+    envelope.set_xlabel(f"Order of the shaft; dashed: {line} and multiples")
+    envelope.set_ylabel("Squared envelope,\nof its largest line")
     for ax in (time, whole, envelope):
         ax.margins(x=0.0)
     canvas.legend(loc="outside upper left")
     return canvas
+
+
+def _largest(
+    frequency: np.ndarray, amplitude: np.ndarray, width: float, highest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return centres (m,) in Hz and largest amplitudes (m,) of intervals of a width (Hz), up to a frequency.
+
+    A periodic signal has one line in each interval of its rhythm, so that its curve is that of its lines.
+    """
+    edges = np.arange(0.5 * width, highest, width)
+    starts = np.searchsorted(frequency, edges)
+    return edges[:-1] + 0.5 * width, np.maximum.reduceat(amplitude, starts)[:-1]
 
 
 def _write(canvas: "Canvas", path: Path) -> Path:

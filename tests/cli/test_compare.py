@@ -169,10 +169,14 @@ def test_both_curves_are_seen_over_time(factor, heights):
     canvas = measured._comparison(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
     curves = canvas.axes[0].get_lines()
     assert [np.abs(curve.get_ydata()).max() for curve in curves] == pytest.approx(heights, rel=0.05)
+    places, heights = (np.asarray(values) for values in canvas.axes[1].get_lines()[0].get_data())
+    assert np.diff(1e3 * places) == pytest.approx(LINES.outer)
+    assert abs(1e3 * places[np.argmax(heights)] - 3000.0) <= 0.5 * LINES.outer
+    assert heights.max() == pytest.approx(0.2, rel=0.05)
     labels = [str(curve.get_label()) for curve in curves]
     if factor is None:
         assert labels[1].startswith("job, 1 = 2")
-        assert canvas.axes[0].get_ylabel().startswith("Acceleration of its largest sample")
+        assert canvas.axes[0].get_ylabel().startswith("Acceleration,\nof its largest sample")
     else:
         assert labels == ["file", "job, times 2"]
 
