@@ -48,7 +48,8 @@ def series(
     empty_jobs = [job for job, job_series in series_by_job.items() if not job_series.channels]
     if empty_jobs:
         raise UserError(f"job {empty_jobs[0]} has no series because the study has `record: []`")
-    _write(target, _csv(series_by_job) if suffix == "csv" else _mat(series_by_job, results.parameters()))
+    write = _csv if suffix == "csv" else _mat
+    _write(target, write(series_by_job, results.parameters()))
     return target
 
 
@@ -120,10 +121,10 @@ def _parquet(table: "pd.DataFrame") -> bytes:
     return content
 
 
-def _csv(series_by_job: "dict[str, Series]") -> bytes:
-    """Return csv with a time column and a column per channel (and job, if there are several); heads have units.
+def _csv(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
+    """Return csv with a time column, and per job a column per channel and one of its speed; heads have units.
 
-    Raises UserError for jobs with different time axes.
+    Heads have the job if there are several. Raises UserError for jobs with different time axes.
     """
     import numpy as np
     import pandas as pd
@@ -137,6 +138,8 @@ def _csv(series_by_job: "dict[str, Series]") -> bytes:
         columns |= {
             f"{prefix}{name} [{job_series.units[name]}]": values for name, values in job_series.channels.items()
         }
+        rpm = 30.0 / np.pi * float(parameters["speed"].loc[job])
+        columns[f"{prefix}speed [rpm]"] = float(f"{rpm:.12g}")
     return csv_text(pd.DataFrame(columns)).encode()
 
 

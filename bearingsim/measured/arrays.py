@@ -9,9 +9,11 @@ import numpy as np
 from bearingsim.measured.content import Content, MeasuredError, Stated, differ
 
 RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "fsamp", "fsampling")
-STEPS = ("dt", "ts", "timestep", "sampletime")
-TIMES = ("t", "time", "times", "timestamp")
+STEPS = ("dt", "ts", "timestep", "sampletime", "sampleinterval", "samplinginterval", "deltax", "deltat")
+TIMES = ("t", "time", "times", "timestamp", "zeit", "xvalue")
 SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
+OWN_SPEED = "parameters.speed"
+"""End of the name of a job's speed (rad/s) in an exported file."""
 LEAST_SAMPLES = 16
 """Shorter arrays are no signals."""
 MOST_CHANNELS = 256
@@ -26,19 +28,21 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     """
     channels: dict[str, np.ndarray] = {}
     rates: list[Stated[float]] = []
-    time = speed = None
+    speeds: dict[str, Stated[float]] = {}
+    time = None
     for name, values in arrays.items():
-        word = _word(name)
+        word = word_of(name)
         if values.size == 1:
             number = float(np.real(values.ravel()[0]))
             if word in RATES:
                 rates.append(Stated(number, f"the variable `{name}`"))
             elif word in STEPS and number > 0.0:
                 rates.append(Stated(1.0 / number, f"the variable `{name}`"))
-            elif (word in SPEEDS or word.endswith("rpm")) and speed is None:
-                speed = Stated(number * pi / 30.0, f"the variable `{name}`")
-            elif name.lower().endswith("parameters.speed") and speed is None:
-                speed = Stated(number, f"the variable `{name}`")
+            elif word in SPEEDS or word.endswith("rpm"):
+                speeds.setdefault(name.rpartition(".")[0], Stated(number * pi / 30.0, f"the variable `{name}`"))
+            elif name.lower().endswith(OWN_SPEED):
+                owner = name[: -len(OWN_SPEED)].rstrip(".")
+                speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
         elif word in TIMES and values.size >= LEAST_SAMPLES and time is None:
             time = Stated(values.astype(float).ravel(), f"the variable `{name}`")
         else:
@@ -49,7 +53,7 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
         raise MeasuredError(path, f"has no signal: {_listed(arrays)}{_advice(arrays)}")
     rate = rates[0] if rates else None
     other = next((stated for stated in rates if differ(stated.value, rates[0].value)), None)
-    return Content(channels, time, rate, speed, _units(channels, texts), other)
+    return Content(channels, time, rate, speeds, _units(channels, texts), other)
 
 
 def _advice(arrays: Mapping[str, np.ndarray]) -> str:
@@ -57,7 +61,8 @@ def _advice(arrays: Mapping[str, np.ndarray]) -> str:
     return f"; `{name}` is complex: save the real time signal" if name else ""
 
 
-def _word(name: str) -> str:
+def word_of(name: str) -> str:
+    """Return the letters and digits of the last part of a name with dots, in small letters."""
     return "".join(letter for letter in name.rpartition(".")[2].lower() if letter.isalnum())
 
 

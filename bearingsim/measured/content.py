@@ -77,18 +77,31 @@ class Request(NamedTuple):
 class Content:
     """Arrays of a file by name, and what the file states about them.
 
-    time: instants (s) of the samples, and the name of their array; rate in Hz, speed in rad/s; other_rate: a
-    second statement, which differs from the first.
+    time: instants (s) of the samples, and the name of their array; rate in Hz; speeds in rad/s, by the beginning
+    of the names of their channels, empty for all; other_rate: a second statement, which differs from the first.
     """
 
     channels: Mapping[str, np.ndarray]
     time: Stated[np.ndarray] | None = None
     rate: Stated[float] | None = None
-    speed: Stated[float] | None = None
+    speeds: Mapping[str, Stated[float]] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     other_rate: Stated[float] | None = None
     integer_range: float | None = None
     """Largest value of integer samples, which have no unit."""
+
+    def speed_of(self, channel: str) -> Stated[float] | None:
+        """Return the speed of a channel: that of its group, or of the file; None if there are several others."""
+        owners = [
+            owner
+            for owner in self.speeds
+            if owner in ("", channel) or channel.startswith((f"{owner}.", f"{owner}/"))
+        ]
+        if owners:
+            return self.speeds[max(owners, key=len)]
+        speeds = list(self.speeds.values())
+        is_single = bool(speeds) and not any(differ(speeds[0].value, other.value) for other in speeds)
+        return speeds[0] if is_single else None
 
 
 class Recording(NamedTuple):

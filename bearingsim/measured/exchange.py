@@ -43,7 +43,7 @@ def read_tdms(path: Path) -> Content:
         from nptdms import TdmsFile
     except ImportError:
         raise MeasuredError(path, f"TDMS needs nptdms: {EXTRA}") from None
-    channels, units, steps, speed = {}, {}, set(), None
+    channels, units, steps, speeds = {}, {}, set(), {}
     for group in TdmsFile.read(str(path)).groups():
         for channel in group.channels():
             values = np.asarray(channel[:])
@@ -56,10 +56,10 @@ def read_tdms(path: Path) -> Content:
             if channel.properties.get("unit_string"):
                 units[name] = str(channel.properties["unit_string"])
             if "rpm" in channel.properties:
-                speed = Stated(float(channel.properties["rpm"]) * pi / 30.0, "the property `rpm`")
+                speeds[name] = Stated(float(channel.properties["rpm"]) * pi / 30.0, "the property `rpm`")
     if not channels:
         raise MeasuredError(path, "has no channel with numbers")
     if len(steps) > 1:
         raise MeasuredError(path, "has channels of several sampling rates: export one of them")
     step = steps.pop() if steps else 0.0
-    return Content(channels, None, Stated(1.0 / step, "`wf_increment`") if step > 0.0 else None, speed, units)
+    return Content(channels, None, Stated(1.0 / step, "`wf_increment`") if step > 0.0 else None, speeds, units)

@@ -116,7 +116,7 @@ def _missing(content: Content, request: Request, needs_speed: bool) -> Iterator[
     """Yield the names of values that neither the file nor the request states."""
     if content.rate is None and content.time is None and request.rate is None:
         yield "sampling rate"
-    if needs_speed and content.speed is None and request.speed is None:
+    if needs_speed and not content.speeds and request.speed is None:
         yield "speed"
 
 
@@ -138,7 +138,7 @@ def _recording(path: Path, content: Content, request: Request) -> Recording:
         path,
         {name: np.asarray(values, float) * scale for name, values in channels.items()},
         _rate(path, content, request),
-        Stated(request.speed, "--speed") if request.speed is not None else content.speed,
+        _speed(path, content, request, list(channels)),
         {name: _unit(content.units.get(name), request, scale_unit) for name in channels},
         tuple(_contradictions(path, content, request)),
     )
@@ -150,7 +150,7 @@ def _contradictions(path: Path, content: Content, request: Request) -> Iterator[
     rates = content.rate, None if times is None else _rate_of_times(path, times)
     statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
         *(("--rate", request.rate, rate, 1.0, "Hz") for rate in rates),
-        ("--speed", request.speed, content.speed, 30.0 / pi, "rpm"),
+        *(("--speed", request.speed, speed, 30.0 / pi, "rpm") for speed in content.speeds.values()),
     ]
     for option, requested, stated, factor, unit in statements:
         if requested is not None and stated is not None and differ(requested, stated.value):
@@ -180,6 +180,21 @@ def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
         raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by `--rate`")
     return content.rate
+
+
+def _speed(path: Path, content: Content, request: Request, names: list[str]) -> Stated[float] | None:
+    """Return the speed (rad/s) of channels. Raises MeasuredError if they have several."""
+    if request.speed is not None:
+        return Stated(request.speed, "--speed")
+    speeds = [content.speed_of(name) for name in names]
+    stated = [speed for speed in speeds if speed is not None]
+    if any(differ(stated[0].value, speed.value) for speed in stated) or (stated and None in speeds):
+        listed = {f"{30.0 / pi * speed.value:.6g} rpm ({speed.source})": None for speed in stated}
+        raise MeasuredError(
+            path,
+            f"states several speeds, such as {' and '.join([*listed][:2])}: name a `--channel`, or a `--speed`",
+        )
+    return stated[0] if stated else None
 
 
 def _is_coarse(time: np.ndarray) -> bool:

@@ -1,92 +1,154 @@
 """Tables of signals: CSV and parquet, a column per channel and one of time."""
 
+import codecs
+import csv
 import re
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.measured.arrays import TIMES
+from bearingsim.measured.arrays import TIMES, word_of
 from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.measured.si import FACTORS
+from bearingsim.measured.statements import (
+    HEAD,
+    MARKS,
+    SECONDS,
+    Statements,
+    is_speed,
+    speed_factor,
+    statements,
+)
 
-HEAD = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
-"""Head of a column: name, and unit in brackets."""
-SEPARATORS = (";", "\t", ",")
+SEPARATORS = (";", "\t", ",", "|")
 FIRST_BYTES = 1 << 16
 """Bytes in which separator and heads are sought."""
-MOST_HEAD_LINES = 50
-"""Lines before the numbers, of which the last are the heads."""
+BYTE_ORDERS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+"""Encodings by the first two bytes of a file."""
+WESTERN = "cp1252"
+"""Encoding of other files: that of Windows in western Europe, in which nearly every byte is a letter."""
+MOST_ROWS = 50
+"""Lines at the end of the first ones in which a decimal comma is sought."""
 COMMA = re.compile(r"\d,\d")
 DECIMAL_COMMAS = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?(?:\s+[+-]?\d+,\d+(?:[eE][+-]?\d+)?)+\s*")
 """Row of several numbers with decimal commas, separated by blanks."""
-SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
+GROUPED = re.compile(r"[+-]?\d{1,3}(?:(?P<thousands>[.,])\d{3})(?:(?P=thousands)\d{3})*(?P<decimal>[.,])\d+")
+"""Number with a thousands separator and a decimal sign, which are two signs."""
+CLOCK = re.compile(r"\d:\d\d")
 UNITS = {unit for unit in SECONDS if unit} | {unit for units in FACTORS.values() for unit in units}
 """Units by which a second line of heads is recognised."""
+TIME_UNIT = re.compile(r"^(?P<name>t|time)[ _](?P<unit>s|ms|us)$", re.IGNORECASE)
+"""Head of a column of time with its unit, such as `time_ms`."""
+REMARK_HEADS = ("", "comment")
+"""Heads of columns behind the last one with numbers."""
+MOST_CHANGE = 0.01
+"""Largest relative change of a speed that counts as constant."""
 
 
 class Layout(NamedTuple):
-    """Layout of a CSV file: separator (None: blanks), decimal sign, first line of numbers, heads of columns."""
+    """Layout of a CSV file: separator (None: blanks), decimal sign and thousands separator, first line of numbers,
+    heads of columns, and lines above."""
 
     separator: str | None
     decimal: str
+    thousands: str | None
     begin: int
     heads: list[str]
+    above: list[str]
 
 
 def read_csv(path: Path) -> Content:
-    """Read a CSV file: separator `,`, `;`, tab or blanks, with heads such as `time [s]`, or without.
+    """Read a CSV file: separator `,`, `;`, tab, `|` or blanks, with heads such as `time [s]`, or without.
 
-    Heads may be two lines, names and units. A decimal comma is read if the separator is another.
+    Heads may be two lines, names and units, and a comment. A decimal comma is read if the separator is another,
+    thousands separators if a number has both signs. Rate, speed and unit may be stated above the heads, and the
+    speed by a column.
     """
     import pandas as pd
 
     with path.open("rb") as file:
         beginning = file.read(FIRST_BYTES)
-    if b"\0" in beginning:
-        raise MeasuredError(path, "is no text, so no CSV file")
-    lines = beginning.decode("utf-8-sig", "replace").splitlines()
+    encoding, text = _decoded(path, beginning)
+    lines = text.splitlines()
     is_whole = len(beginning) < FIRST_BYTES or len(lines) == 1
-    separator, decimal, begin, heads = _layout(path, lines if is_whole else lines[:-1])
+    separator, decimal, thousands, begin, heads, above = _layout(path, lines if is_whole else lines[:-1])
     try:
         table = pd.read_csv(
             path, sep=separator or r"\s+", skiprows=begin, header=None, names=list(range(len(heads))), dtype=float,
-            decimal=decimal, encoding="utf-8-sig", encoding_errors="replace", skip_blank_lines=True,
-            index_col=False,
+            decimal=decimal, thousands=thousands, encoding=encoding, encoding_errors="replace",
+            skip_blank_lines=True, index_col=False,
         )  # fmt: skip
     except (ValueError, pd.errors.ParserError) as error:
         reason = str(error).splitlines()[0][:120]
-        raise MeasuredError(path, f"is no table of numbers ({reason}); use a decimal point") from None
-    return _content(path, heads, [table[number].to_numpy() for number in range(len(heads))])
+        raise MeasuredError(
+            path, f"is no table of numbers ({reason}); remove text below the heads, and use a decimal point"
+        ) from None
+    columns = [table[number].to_numpy() for number in range(len(heads))]
+    return _content(path, heads, columns, statements(above))
+
+
+def _decoded(path: Path, beginning: bytes) -> tuple[str, str]:
+    """Return the encoding of a file, and its first bytes as text. Raises MeasuredError for other than text."""
+    encoding = BYTE_ORDERS.get(beginning[:2])
+    if encoding is not None:
+        return encoding, beginning.decode(encoding, "replace")
+    if b"\0" in beginning:
+        raise MeasuredError(path, "is no text, so no CSV file")
+    decoder = codecs.getincrementaldecoder("utf-8-sig")()
+    try:
+        return "utf-8-sig", decoder.decode(beginning, final=len(beginning) < FIRST_BYTES)
+    except UnicodeDecodeError:
+        return WESTERN, beginning.decode(WESTERN, "replace")
 
 
 def _layout(path: Path, lines: list[str]) -> Layout:
     """Find the layout in the first lines of a CSV file. Raises MeasuredError without numbers, or if a comma may be
     a separator as well as a decimal sign."""
     ends = lines[-2:]
-    separator = next((letter for letter in SEPARATORS if any(letter in line for line in ends)), None)
+    separator = next((letter for letter in SEPARATORS if any(letter in _unquoted(line) for line in ends)), None)
     if separator == "," and all(DECIMAL_COMMAS.fullmatch(line) for line in ends):
         separator = None
-    decimal = "," if separator != "," and any(COMMA.search(line) for line in lines[-MOST_HEAD_LINES:]) else "."
-    rows = [n for n, line in enumerate(lines[:MOST_HEAD_LINES]) if _is_numeric(line, separator, decimal)]
+    decimal, thousands = _signs(lines[-MOST_ROWS:], separator)
+    rows = [n for n, line in enumerate(lines) if _is_numeric(line, separator, decimal, thousands)]
     if not rows:
-        raise MeasuredError(path, f"has no row of numbers in its first {min(len(lines), MOST_HEAD_LINES)} lines")
+        has_clock = any(CLOCK.search(line) for line in ends)
+        advice = ": its times are of a clock, export them in seconds" if has_clock else ""
+        raise MeasuredError(path, f"has no row of numbers in its first {len(lines)} lines{advice}")
     width = len(_cells(lines[rows[0]], separator))
-    above = [_cells(line, separator) for line in lines[: rows[0]] if line.strip()]
+    above = [[line] if width == 1 else _cells(line, separator) for line in lines[: rows[0]] if line.strip()]
     heads = _heads(above, width)
     if separator == "," and heads is None:
         _refuse_ambiguous(path, lines[rows[0] :], above)
-    return Layout(separator, decimal, rows[0], heads or [f"column {number + 1}" for number in range(width)])
+    names = heads or [f"column {number + 1}" for number in range(width)]
+    return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]])
+
+
+def _signs(lines: list[str], separator: str | None) -> tuple[str, str | None]:
+    """Return the decimal sign of rows of numbers, and their thousands separator if a number has both signs."""
+    for match in (GROUPED.fullmatch(cell) for line in lines for cell in _cells(line, separator)):
+        if match and match["decimal"] != match["thousands"]:
+            return match["decimal"], match["thousands"]
+    return ("," if separator != "," and any(COMMA.search(line) for line in lines) else "."), None
 
 
 def _heads(above: list[list[str]], width: int) -> list[str] | None:
-    """Return the heads of columns from the cells above the numbers, `name [unit]`; None if there are none."""
-    if not above or len(above[-1]) != width:
+    """Return the heads of columns from the cells above the numbers, `name [unit]`; None if there are none.
+
+    A line of heads states no value, and may be a comment; columns of remarks behind the last are ignored.
+    """
+    rows = [[row[0].strip(MARKS), *row[1:]] for row in above]
+    for row in rows:
+        while len(row) > width and row[-1].lower() in REMARK_HEADS:
+            row.pop()
+    if not rows or len(rows[-1]) != width or any(_is_number(cell) and not cell.isdecimal() for cell in rows[-1]):
         return None
-    units = [cell.strip("[]()") for cell in above[-1]]
-    if len(above) > 1 and len(above[-2]) == width and any(unit in UNITS for unit in units):
-        return [f"{name} [{unit}]" if unit else name for name, unit in zip(above[-2], units, strict=True)]
-    return above[-1]
+    if width == 1 and any(statements(rows[-1])):
+        return None
+    units = [cell.strip("[]()") for cell in rows[-1]]
+    if len(rows) > 1 and len(rows[-2]) == width and any(unit in UNITS for unit in units):
+        return [f"{name} [{unit}]" if unit else name for name, unit in zip(rows[-2], units, strict=True)]
+    return rows[-1]
 
 
 def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]]) -> None:
@@ -111,40 +173,77 @@ def read_parquet(path: Path) -> Content:
     except ImportError:
         raise MeasuredError(path, "parquet needs pyarrow: `pip install 'bearingsim[parquet]'`") from None
     names = [str(name) for name in table if table[name].dtype.kind in "fiu"]
-    return _content(path, names, [table[name].to_numpy() for name in names])
+    return _content(path, names, [table[name].to_numpy() for name in names], Statements())
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
-    return [cell.strip().strip('"') for cell in (line.split(separator) if separator else line.split())]
+    """Return the cells of a line, without blanks and quotes; quotes may enclose a separator."""
+    if separator is not None and '"' in line:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+    return [cell.strip() for cell in (line.split(separator) if separator else line.split())]
 
 
-def _is_numeric(line: str, separator: str | None, decimal: str) -> bool:
+def _unquoted(line: str) -> str:
+    """Return a line without what quotes enclose."""
+    return re.sub(r'"[^"]*"', "", line)
+
+
+def _is_numeric(line: str, separator: str | None, decimal: str, thousands: str | None) -> bool:
     """Check if a line consists of numbers; missing ones are empty or `nan`."""
-    cells = [cell.replace(decimal, ".") for cell in _cells(line, separator)]
+    cells = _cells(line, separator)
+    if thousands:
+        cells = [cell.replace(thousands, "") for cell in cells]
+    return any(cells) and all(not cell or _is_number(cell.replace(decimal, ".")) for cell in cells)
+
+
+def _is_number(cell: str) -> bool:
     try:
-        return bool(cells) and any(cells) and all(cell == "" or float(cell) is not None for cell in cells)
+        float(cell)
     except ValueError:
         return False
+    return True
 
 
-def _content(path: Path, heads: list[str], columns: list[np.ndarray]) -> Content:
-    """Return the content of columns: one named `time`, or a first one without a name that is evenly spaced."""
+def _content(path: Path, heads: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
+    """Return the content of columns: one named `time`, or a first one without a name that is evenly spaced.
+
+    Columns without numbers are left out, and one without a name that counts the rows.
+    """
     channels, units, time = {}, {}, None
-    for head, column in zip(heads, columns, strict=True):
-        match = HEAD.match(head)
-        name, unit = (match["name"] or head, match["unit"] or "") if match else (head, "")
-        is_time = name.lower() in TIMES or (head == "column 1" and len(columns) > 1 and _is_even(column))
+    speeds = {"": stated.speed} if stated.speed else {}
+    filled = [
+        n for n, column in enumerate(columns) if len(column) == 0 or not np.all(np.isnan(column.astype(float)))
+    ]
+    for number in filled:
+        head, column = heads[number], columns[number].astype(float)
+        name, unit = _name_and_unit(head)
+        owner, _, last = name.rpartition("/")
+        is_first = number == filled[0] and len(filled) > 1
+        is_time = word_of(last) in TIMES or (head == f"column {number + 1}" and is_first and _is_even(column))
         if is_time and time is None:
-            if unit not in SECONDS:
+            if unit.lower() not in SECONDS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
-            time = Stated(SECONDS[unit] * column.astype(float), f"the column `{head}`")
-        else:
-            channels[name] = column
-            if unit:
-                units[name] = unit
+            time = Stated(SECONDS[unit.lower()] * column, f"the column `{head}`")
+        elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MOST_CHANGE * abs(column.mean()):
+            factor = speed_factor(word_of(last), unit.lower())
+            speeds[owner] = Stated(factor * float(column.mean()), f"the column `{head}`")
+        elif name or not _counts(column):
+            channels[name or f"column {number + 1}"] = column
+            units[name or f"column {number + 1}"] = unit or stated.unit or ""
     if not channels:
         raise MeasuredError(path, "has no column of a signal")
-    return Content(channels, time, units=units)
+    return Content(channels, time, stated.rate, speeds, {name: unit for name, unit in units.items() if unit})
+
+
+def _name_and_unit(head: str) -> tuple[str, str]:
+    """Split the head of a column into its name and unit."""
+    match = TIME_UNIT.match(head) or HEAD.match(head)
+    return (match["name"], match["unit"] or "") if match else (head, "")
+
+
+def _counts(column: np.ndarray) -> bool:
+    """Check if a column counts its rows."""
+    return len(column) > 1 and bool(np.all(np.diff(column) == 1.0))
 
 
 def _is_even(column: np.ndarray) -> bool:

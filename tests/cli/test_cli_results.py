@@ -116,8 +116,10 @@ def test_series_are_exported_to_csv(done, tmp_path):
     first, second = ids(done)[:2]
     type_("export", done, "--series", first, "--series", second, "--out", tmp_path / "both.csv")
     table = pd.read_csv(tmp_path / "both.csv")
-    heads = [f"{job}/ring.velocity.{c} [m/s]" for job in (first, second) for c in "xy"]
+    names = ("ring.velocity.x [m/s]", "ring.velocity.y [m/s]", "speed [rpm]")
+    heads = [f"{job}/{name}" for job in (first, second) for name in names]
     assert list(table) == ["time [s]", *heads]
+    assert set(table[heads[2]]) == {1800.0}
     assert len(table) == 307  # 30 ms at 10240 Hz
     assert np.diff(table["time [s]"]) == pytest.approx(1.0 / 10240.0)
     assert table[heads[0]].abs().max() > 1e-6

@@ -170,8 +170,37 @@ def test_own_units_and_exports_are_read(tmp_path, monkeypatch):
         assert np.allclose(recording.channels[channel], own, rtol=1e-6), path
         assert recording.rate.value == pytest.approx(10240.0)
         assert recording.units[channel].value == "m/s^2"
-    assert recording.speed is None
-    assert read(tmp_path / "series.mat").shaft == pytest.approx(30.0)
+        if path != unit_file:
+            assert recording.shaft == pytest.approx(30.0, rel=1e-9), path
+
+
+SPEEDS = """\
+study: small
+bearing: nf308
+load: 300 N
+model: rollers
+duration: 30 ms
+sampling: 10240 Hz
+record: [ring.acceleration]
+sweep: {speed: [1500 rpm, 1800 rpm]}
+"""
+
+
+@pytest.mark.parametrize("suffix", ["csv", "mat"])
+def test_exported_jobs_keep_their_speeds(tmp_path, suffix):
+    (tmp_path / "small.yaml").write_text(SPEEDS)
+    type_("run", tmp_path / "small.yaml", "--jobs", 1, "--out", tmp_path / "results")
+    jobs = {row["job"]: row["speed"] for row in json.loads(type_("show", tmp_path / "results", "--json")[0])}
+    path = tmp_path / f"series.{suffix}"
+    type_("export", tmp_path / "results", *(word for job in jobs for word in ("--series", job)), "--out", path)
+    for job, speed in jobs.items():
+        channel = f"{job}/ring.acceleration.x" if suffix == "csv" else f"job_{job}.ring_acceleration_x"
+        assert read(path, Request(channel=channel)).shaft == pytest.approx(speed / (2.0 * pi))
+    with pytest.raises(
+        MeasuredError, match=r"several speeds, such as 1500 rpm \(.*\) and 1800 rpm .*: name a `--ch"
+    ):
+        read(path)
+    assert read(path, Request(speed=1.0)).speed.value == 1.0
 
 
 def _has(path, job):

@@ -1,0 +1,71 @@
+"""Statements of sampling rate, speed and unit in the lines above a table of numbers, and in heads of columns."""
+
+import re
+from collections.abc import Sequence
+from math import pi
+from typing import NamedTuple
+
+from bearingsim.measured.arrays import RATES, SPEEDS, STEPS, word_of
+from bearingsim.measured.content import Stated
+from bearingsim.measured.si import FACTORS
+
+HEAD = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
+"""Head of a column: name, and unit in brackets."""
+MARKS = "#%/ \t'\""
+"""Characters that begin a line of comment, and quotes."""
+STATEMENT = re.compile(
+    r"^(?P<name>[^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?(?P<value>[+-]?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)[\"']?"
+    r"(?:[\s;,]+(?P<unit>[^\s;,\"']+))?"
+)
+"""Name, number and unit, such as `Sampling rate: 12800 Hz`."""
+UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<unit>[^\s;,\"']+)", re.IGNORECASE)
+SECONDS = dict.fromkeys(("", "s", "sec", "secs", "second", "seconds"), 1.0)
+SECONDS |= dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3)
+SECONDS |= dict.fromkeys(("us", "µs", "μs", "usec", "microseconds"), 1e-6)
+HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "1/s": 1.0, "khz": 1e3, "ks/s": 1e3, "mhz": 1e6}
+TURNS = dict.fromkeys(("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min"), pi / 30.0)
+TURNS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
+"""Factors to s, Hz and rad/s, by unit in small letters."""
+SPEED_WORDS = (*SPEEDS, "speed", "shaftspeed", "rotationalspeed", "rotationspeed", "rotatingspeed", "drehzahl")
+MOST_LENGTH = 40
+"""Letters of a line that are printed as a source."""
+
+
+class Statements(NamedTuple):
+    """Sampling rate (Hz), speed (rad/s) and unit, None each if no line states it."""
+
+    rate: Stated[float] | None = None
+    speed: Stated[float] | None = None
+    unit: str | None = None
+
+
+def statements(lines: Sequence[str]) -> Statements:
+    """Read the first statement of each value in lines of text; unknown units are no statements."""
+    rate = speed = unit = None
+    for line in (line.strip(MARKS) for line in lines):
+        unit_match = UNIT.match(line)
+        if unit_match and unit is None and any(unit_match["unit"] in units for units in FACTORS.values()):
+            unit = unit_match["unit"]
+        match = STATEMENT.match(line)
+        head = HEAD.match(match["name"]) if match else None
+        if match is None or head is None:
+            continue
+        word, value = word_of(head["name"]), float(match["value"])
+        own_unit, source = (head["unit"] or match["unit"] or "").lower(), f"the line `{line[:MOST_LENGTH]}`"
+        if word in RATES and own_unit in HERTZ:
+            rate = rate or Stated(HERTZ[own_unit] * value, source)
+        elif word in STEPS and own_unit in SECONDS and value > 0.0:
+            rate = rate or Stated(1.0 / (SECONDS[own_unit] * value), source)
+        elif is_speed(word, own_unit):
+            speed = speed or Stated(speed_factor(word, own_unit) * value, source)
+    return Statements(rate, speed, unit)
+
+
+def is_speed(word: str, unit: str) -> bool:
+    """Check if a word names a speed of the shaft, with a known unit in small letters, or none and `rpm` in it."""
+    return word in SPEED_WORDS and (unit in TURNS or (not unit and "rpm" in word))
+
+
+def speed_factor(word: str, unit: str) -> float:
+    """Return the factor to rad/s of a speed."""
+    return TURNS[unit or "rpm"]

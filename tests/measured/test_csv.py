@@ -1,0 +1,131 @@
+"""CSV files as instruments, loggers and spreadsheets write them."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from bearingsim.measured import MeasuredError, read
+
+RATE = 12800.0
+COUNT = 4096
+X = np.random.default_rng(1).normal(size=COUNT)
+LARGE = 1500.0 * X
+T = np.arange(COUNT) / RATE
+
+
+def rows(*columns, separator=",", form="%.10g", end="\n"):
+    return end.join(separator.join(form % value for value in row) for row in zip(*columns, strict=True)) + end
+
+
+def grouped(form, swapped=False):
+    """Return rows of time and large values with thousands separators."""
+    lines = [form.format(f"{t:.10f}", f"{value:,.3f}") for t, value in zip(T, LARGE, strict=True)]
+    text = "\n".join(lines) + "\n"
+    return text.translate(str.maketrans(",.", ".,")) if swapped else text
+
+
+LABVIEW = """\
+LabVIEW Measurement\t
+Separator\tTab
+Date\t2024/05/01
+Time\t10:11:12
+***End_of_Header***\t\t
+Samples\t4096\t
+Delta_X\t7.8125E-5\t
+***End_of_Header***\t\t
+X_Value\tAcceleration\tComment
+"""
+OSCILLOSCOPE = "Record Length,4096,,0.0,0.1\nSample Interval,7.8125E-05,,7.8125e-05,0.2\n"
+RPM = 1796.0
+READ = {
+    "LabVIEW": (LABVIEW + rows(T, X, separator="\t"), "Acceleration", "", None),
+    "oscilloscope": (OSCILLOSCOPE + "".join(f",,,{row}\n" for row in rows(T, X).split()), "column 5", "", None),
+    "comments": (
+        "# Device: 352C33\n# Sampling rate: 12800 Hz\n# Unit: g\n# Speed: 1796 rpm\ntime,acc\n" + rows(T, X),
+        "acc", "g", RPM,
+    ),
+    "heads as a comment": ("# time [s], acc [g]\n" + rows(T, X), "acc", "g", None),
+    "values without time": ("% fs = 12.8 kHz\n% rpm = 1796\n" + rows(X), "column 1", "", RPM),
+    "rate above one column": ("Sample Rate: 12800\nChannel 1 (g)\n" + rows(X), "Channel 1", "g", None),
+    "unit in a head of a statement": ("Sample Interval [us];78.125\nacc\n" + rows(X), "acc", "", None),
+    "statements in cells": (
+        "Sampling Frequency;12800;Hz\nShaft speed;29.9333333;Hz\n\nAcc [m/s²]\n" + rows(X), "Acc", "m/s²", RPM,
+    ),
+    "German": (
+        "Zeit [s];Beschleunigung [m/s²]\n" + rows(T, X, separator=";").replace(".", ","),
+        "Beschleunigung", "m/s²", None,
+    ),
+    "ms": ("Time (ms);Acc (g)\n" + rows(1e3 * T, X, separator=";"), "Acc", "g", None),
+    "msec": ("Time [msec],Acc [g]\n" + rows(1e3 * T, X), "Acc", "g", None),
+    "seconds": ("Time (seconds),Acc (g)\n" + rows(T, X), "Acc", "g", None),
+    "unit after an underscore": ("Time_ms,acc\n" + rows(1e3 * T, X), "acc", "", None),
+    "BOM and CRLF": ("\ufefftime,acc\r\n" + rows(T, X, end="\r\n"), "acc", "", None),
+    "CR": ("time,acc\r" + rows(T, X, end="\r"), "acc", "", None),
+    "thousands in quotes": ("time,acc\n" + grouped('{},"{}"'), "acc", "", None),
+    "thousands": ("time;acc\n" + grouped("{};{}"), "acc", "", None),
+    "thousands, German": ("Zeit;acc\n" + grouped("{};{}", swapped=True), "acc", "", None),
+    "quotes": ('"time","acc"\n' + rows(T, X, form='"%.10g"'), "acc", "", None),
+    "separator at the end": ("time;acc;\n" + rows(T, X, separator=";").replace("\n", ";\n"), "acc", "", None),
+    "line that names the separator": ("sep=;\ntime;acc\n" + rows(T, X, separator=";"), "acc", "", None),
+    "numbered rows": (",time,acc\n" + rows(np.arange(COUNT), T, X), "acc", "", None),
+    "bars": ("time|acc\n" + rows(T, X, separator="|"), "acc", "", None),
+    "channels with numbers as names": ("time;1\n" + rows(T, X, separator=";"), "1", "", None),
+    "column of the speed": ("time [s],acc [g],speed [rpm]\n" + rows(T, X, 0.0 * T + RPM), "acc", "g", RPM),
+    "long header": ("a line of text\n" * 80 + "time,acc\n" + rows(T, X), "acc", "", None),
+}  # fmt: skip
+"""Text, channel, unit and speed (rpm), by what is particular."""
+REFUSED = {
+    "dates": (
+        "time,acc\n" + "2024-05-01 10:11:12.5,1.5\n" * 40,
+        "its times are of a clock, export them in seconds",
+    ),
+    "clock": ("time,acc\n" + "10:11:12.5,1.5\n" * 40, "its times are of a clock, export them in seconds"),
+    "text below": ("time,acc\n" + rows(T, X) + "End of file\n", "'End of file'.*remove text below the heads"),
+    "hours": ("time [h],acc\n" + rows(T, X), "has times in `h`: expected s, ms or us"),
+    "no rate": (rows(X), "states no sampling rate: give it, such as `--rate"),
+    "two speeds": (
+        "fs: 12800\na/rpm,a/x,b/rpm,b/x\n" + rows(0 * T + 1e3, X, 0 * T + 2e3, X),
+        r"several speeds, such as 1000 rpm \(the column `a/rpm`\) and 2000 rpm .*: name a `--channel`",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", READ)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])
+def test_tables_of_instruments_are_read(tmp_path, name, encoding):
+    text, channel, unit, rpm = READ[name]
+    if encoding == "cp1252":
+        text = text.removeprefix("\ufeff")
+    (tmp_path / "a.csv").write_bytes(text.encode(encoding))
+    recording = read(tmp_path / "a.csv")
+    assert list(recording.channels) == [channel]
+    expected = LARGE if "thousands" in name else X
+    assert recording.channels[channel][: len(expected)] == pytest.approx(
+        expected, rel=1e-6, abs=1e-3 * ("thousands" in name)
+    )
+    assert recording.rate.value == pytest.approx(RATE, rel=1e-6)
+    assert recording.units[channel].value == unit
+    speed = None if recording.speed is None else recording.speed.value * 30.0 / pi
+    assert speed == (None if rpm is None else pytest.approx(rpm, rel=1e-6))
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_other_tables_are_refused_with_the_reason(tmp_path, name):
+    text, message = REFUSED[name]
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(MeasuredError, match=message):
+        read(tmp_path / "a.csv")
+
+
+def test_a_speed_that_changes_is_a_channel(tmp_path):
+    (tmp_path / "a.csv").write_text("time,acc,rpm\n" + rows(T, X, np.linspace(1000.0, 1100.0, COUNT)))
+    recording = read(tmp_path / "a.csv")
+    assert list(recording.channels) == ["acc", "rpm"]
+    assert recording.speed is None
+
+
+def test_statements_need_known_units(tmp_path):
+    (tmp_path / "a.csv").write_text("Sampling rate: 12800 bananas\nSpeed: 1796\nUnit: V\nacc\n" + rows(X))
+    with pytest.raises(MeasuredError, match="states no sampling rate and no speed: give both"):
+        read(tmp_path / "a.csv", needs_speed=True)
