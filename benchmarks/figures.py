@@ -231,6 +231,7 @@ SOURCES: dict[str, OfStudy | OfPage | OfTable | OfCommand] = {
     "arrow.png": script("arrow"),
     "edge_contact.png": script("edge_contact"),
     "film_damping.png": script("film_damping", "draw_figure"),
+    "kurtogram.png": script("kurtogram"),
     "touch_down.png": script("touch_down"),
     "slip.png": OfTable(
         Path("docs/data/slip.csv"), "make slip && python -m benchmarks.slip results/slip", slip.draw_tables
