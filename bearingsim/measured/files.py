@@ -41,6 +41,7 @@ def read_npz(path: Path, most: float) -> Content:
         raise MeasuredError(path, f"would take {size / 1e6:.3g} MB, which is not plausible for its size")
     with np.load(path, allow_pickle=False) as archive:
         arrays = {name: _array(path, archive, name) for name in archive.files}
+    arrays = {name: values for name, values in arrays.items() if isinstance(values, np.ndarray)}
     texts = {name: str(values) for name, values in arrays.items() if values.dtype.kind == "U" and values.size == 1}
     return content_of(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiub"}, texts)
 
@@ -102,7 +103,7 @@ def read(
     except Exception as error:
         if isinstance(error, OSError) and error.filename:
             raise
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        reason = " ".join(str(error).replace(str(path), path.name).split())[:120] or type(error).__name__
         raise MeasuredError(path, f"cannot be read as a {path.suffix} file, it is damaged ({reason})") from error
     missing = list(_missing(content, request, needs_speed))
     if missing and needs_unit:

@@ -15,5 +15,7 @@ def test_ten_seconds_at_51_2_kHz_take_under_two_seconds_of_cpu(tmp_path):
     begin = time.process_time()
     recording = read(tmp_path / "a.npz")
     kurtogram(recording.channels["x"], recording.rate.value)
-    diagnose(recording.channels["x"], recording.rate.value, PARTS, recording.shaft)
+    result = diagnose(recording.channels["x"], recording.rate.value, PARTS, recording.shaft)
     assert time.process_time() - begin < 2.0
+    assert result.turns == 250.0
+    assert result.verdict == "none"

@@ -196,5 +196,26 @@ def test_unsuitable_records_are_refused(count, fs, band, message):
         refuse_unsuitable(count, fs, LINES, band)
 
 
-def test_a_suitable_record_is_accepted():
-    refuse_unsuitable(60000, 12800.0, LINES, (1000.0, 5120.0))
+SHORTEST = 20 / min(LINES.outer, LINES.inner, LINES.roller)
+
+
+@pytest.mark.parametrize(
+    ("count", "fs", "band", "message"),
+    [
+        (50000, 5000.0, (0.0, 2000.0), "sampled at"),
+        (int(SHORTEST * 12800.0) + 1, 12800.0, (1000.0, 5120.0), "under 20 periods"),
+        (60000, 12800.0, (1000.0, 1000.0 + 3.001 * LINES.inner), "narrower"),
+        (60000, 12800.0, (0.0, 6400.0), "not within"),
+    ],
+)
+def test_records_are_accepted_up_to_the_limits(count, fs, band, message):
+    refuse_unsuitable(count, fs, LINES, band)
+    beyond = {
+        "sampled at": (count, fs - 1.0, band),
+        "under 20 periods": (count - 2, fs, band),
+        "narrower": (count, fs, (band[0] + 1.0, band[1])),
+        "not within": (count, fs, (band[0], band[1] + 1.0)),
+    }
+    samples, rate, edges = beyond[message]
+    with pytest.raises(Unsuitable, match=message):
+        refuse_unsuitable(samples, rate, LINES, edges)

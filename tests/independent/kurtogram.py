@@ -7,7 +7,7 @@ envelope c is <|c|^4>/<|c|^2>^2 - 2 (eq. 8).
 """
 
 import numpy as np
-from scipy.signal import firwin, lfilter
+from scipy.signal import firwin
 
 ORDER = 64
 """Of the filters; the author's program has 16 and a cut-off of 0.2, so that neighbouring bands overlap widely."""
@@ -31,7 +31,7 @@ def halves(signal):
 
     Decimation moves the upper half to 1/2 to 1; the factor (-1)^n moves it to 0 to 1/2.
     """
-    low, high = (lfilter(taps, 1.0, signal)[1::2] for taps in (LOW, HIGH))
+    low, high = (np.convolve(signal, taps)[1 : len(signal) : 2] for taps in (LOW, HIGH))
     return low, high * (-1.0) ** np.arange(len(high))
 
 
