@@ -12,7 +12,7 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.contact import WORD_TAG
-from bearingsim.study.paths import all_paths, label, path_hint
+from bearingsim.study.paths import all_paths, label, path_hint, written
 from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Mark, Node, Problem, plain, problem
 
@@ -163,7 +163,7 @@ def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
 
 
 def _located_problem(mark: Mark, path: Path, defects: int, message: str, hint: str | None) -> Problem:
-    location = label(path, defects)
+    location = written(path, defects)
     return problem(mark, f"{location}: {message}" if location else message, hint)
 
 

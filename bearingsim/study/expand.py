@@ -18,7 +18,7 @@ def expand_tree(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
 
     A name without a file is left unchanged, because the validation of the case reports it with its position.
     """
-    tree = _locate_files(_name_profiles(_list_defects(tree, problems)), folder)
+    tree = _locate_files(_name_deviations(_name_profiles(_list_defects(tree, problems))), folder)
     tree = _add_default(tree, "rig", "bvt5")
     for section, kind in _REFERENCES:
         if section in tree.mapping:
@@ -55,6 +55,18 @@ def _name_profiles(tree: Node) -> Node:
             section = Node({"file": Node(profile.value, profile.mark)}, profile.mark, profile.key)
             tree = put(tree, path, section)
     return tree
+
+
+_DIAMETER: Path = ("surfaces", "rollers", "diameter")
+
+
+def _name_deviations(tree: Node) -> Node:
+    """Replace `diameter: [...]` by the mapping `{deviations: [...]}`, whose items can be swept."""
+    diameter = node_at(tree, _DIAMETER)
+    if diameter is None or not isinstance(diameter.value, tuple):
+        return tree
+    deviations = Node({"deviations": replace(diameter, key=None)}, diameter.mark, diameter.key)
+    return put(tree, _DIAMETER, deviations)
 
 
 def _locate_files(tree: Node, folder: FilePath) -> Node:

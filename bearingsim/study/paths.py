@@ -1,4 +1,7 @@
-"""Paths into a case, as typed by users: `load`, `defect.length`, `defects.2.width`, `contact.damping.chi`."""
+"""Paths into a case, as typed by users: `load`, `defect.length`, `defects.2.width`, `contact.damping.chi`.
+
+Items of a list are counted from 1, as in `surfaces.outer.harmonics.2.amplitude`; a single item needs no number.
+"""
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
@@ -15,6 +18,11 @@ from bearingsim.text.yamlfile import Node
 
 SYNONYMS: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
 """Paths that are replaced by synonyms."""
+ITEM_LISTS = (
+    *(f"surfaces.{surface}.harmonics" for surface in ("outer", "inner", "rollers")),
+    "surfaces.rollers.diameter.deviations",
+)
+"""Lists other than `defects` whose items can be swept."""
 
 
 class Field(NamedTuple):
@@ -53,7 +61,7 @@ def fields_at() -> dict[str, list[Field]]:
 @lru_cache(maxsize=1 << 12)
 def dimension(path: str) -> Dimension | None:
     """Return the dimension of the values at a path. Raises KeyError for an unknown path."""
-    head, dot, rest = _without_number(path).partition(".")
+    head, dot, rest = without_number(path).partition(".")
     current = DEPRECATED_KEYS.get(head, head) + dot + rest  # older results contain deprecated keys
     if current.startswith("rig.load."):  # in results the items of a list are numbered
         current = ".".join(step for step in current.split(".") if not step.isdecimal())
@@ -67,28 +75,63 @@ def all_paths() -> dict[str, Dimension | None]:
     return known_paths() | springs
 
 
-def parse_path(text: str, defects: int) -> Path:
-    """Parse a path into a case with ``defects`` defects. Raises ValueError for an unknown path."""
-    plain = _without_number(text)
+def parse_path(text: str, tree: Node) -> Path:
+    """Parse a path into a case with the lists of a tree. Raises ValueError for an unknown path."""
+    plain = without_number(text)
     if plain not in known_paths():
-        hint = path_hint(plain, known_paths())
+        hint = _renumber(path_hint(plain, known_paths()), text, plain)
         raise ValueError(f"no such path `{text}`" + (f" ({hint})" if hint else ""))
     head, *rest = text.split(".")
+    defects = len(tree.mapping.get("defects", tree).items)
     if head == "defect":
         return ("defects", _only_defect(text, defects), *rest)
     if head == "defects" and rest:
         return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
+    items = _list_of(plain)
+    if items and (text != plain or plain != items):
+        return _path_into_list(text, items, tree)
     return SYNONYMS.get((head, *rest), (head, *rest))
+
+
+def _list_of(plain: str) -> str:
+    """Return the list of ``ITEM_LISTS`` that a path without numbers leads to or into; empty without one."""
+    return next((items for items in ITEM_LISTS if plain == items or plain.startswith(items + ".")), "")
+
+
+def _path_into_list(text: str, items: str, tree: Node) -> Path:
+    number, _, rest = text.removeprefix(items + ".").partition(".")
+    if not number.isdecimal():
+        number, rest = "", text.removeprefix(items + ".")
+    path = tuple(items.split("."))
+    node = node_at(tree, path)
+    count = len(node.items) if node is not None else 0
+    name = path[-1]
+    if count == 0:
+        raise ValueError(f"`{text}`: the study has no `{items}` (give the list; the sweep replaces its values)")
+    if not number and count > 1:
+        raise ValueError(f"which of the {count} {name}? (use `{items}.1.{rest}`)")
+    if not rest and dimension(items) is None:
+        raise ValueError(f"`{text}` has several values (name one, as in `{text}.amplitude`)")
+    if number and not 1 <= int(number) <= count:
+        raise ValueError(f"`{text}`: the list has {count} {name}, counted from 1")
+    return (*path, int(number or 1) - 1, *(rest.split(".") if rest else ()))
 
 
 def intended_paths(text: str) -> list[str]:
     """List the valid paths that an unknown path may misspell; empty for a valid path."""
-    plain = _without_number(text)
+    plain = without_number(text)
     if plain in known_paths():
         return []
-    number = text.removesuffix(plain.removeprefix("defect"))  # `defects.1` of `defects.1.widht`
-    paths = nearest_words(plain, known_paths())
-    return paths if plain == text else [number + path.removeprefix("defect") for path in paths]
+    return [_renumber(path, text, plain) for path in nearest_words(plain, known_paths())]
+
+
+def _renumber(hint: str, text: str, plain: str) -> str:
+    """Return a path or a hint, with the number of the list's item that ``text`` has and ``plain`` has not."""
+    if text == plain:
+        return hint
+    items = _list_of(plain) or "defect"
+    number = text.removesuffix(plain.removeprefix(items))  # `defects.1` of `defects.1.widht`
+    return hint.replace(items + ".", number + ".")
 
 
 MAX_SECTIONS = 4  # limit of the sections with the same key that a hint lists
@@ -120,15 +163,24 @@ def normal_form(text: str) -> Path:
         return ("defects", "1", *rest)
     if head == "defects" and rest:
         return ("defects", rest[0].lstrip("0"), *rest[1:])
+    if text == without_number(text) and (items := _list_of(text)) and text != items:
+        return (*items.split("."), "1", *text.removeprefix(items + ".").split("."))
     return SYNONYMS.get((head, *rest), (head, *rest))
 
 
 def label(path: Path, defects: int) -> str:
-    """Format a path as users type it."""
+    """Format a path without the numbers of items, except for that of one of several ``defects``."""
     if len(path) > 1 and path[0] == "defects":
         head = "defect" if defects <= 1 else f"defects.{int(path[1]) + 1}"
         return ".".join([head, *map(str, path[2:])])
     return ".".join(str(step) for step in path if isinstance(step, str))
+
+
+def written(path: Path, defects: int) -> str:
+    """Format a path as users type it."""
+    plain = label(path, defects)
+    steps = (str(step + 1) if isinstance(step, int) else step for step in path)
+    return ".".join(steps) if _list_of(plain) else plain
 
 
 def put(tree: Node, path: Path, value: Node) -> Node:
@@ -186,10 +238,20 @@ def _leaves(annotation: Any) -> Iterator[Any]:
         yield from _leaves(inner)
 
 
-def _without_number(path: str) -> str:
+def without_number(path: str) -> str:
+    """Return a path without the number of a list's item: `defect.width` for `defects.2.width`."""
     head, *rest = path.split(".")
-    numbered = head == "defects" and rest and rest[0].isdecimal() and len(rest[0]) < 5
-    return ".".join(["defect", *rest[1:]]) if numbered else path
+    if head == "defects" and rest and _is_number(rest[0]):
+        return ".".join(["defect", *rest[1:]])
+    for items in ITEM_LISTS:
+        number, dot, rest_text = path.removeprefix(items + ".").partition(".")
+        if path.startswith(items + ".") and _is_number(number):
+            return items + dot + rest_text
+    return path
+
+
+def _is_number(step: str) -> bool:
+    return step.isdecimal() and len(step) < 5
 
 
 def _only_defect(text: str, defects: int) -> int:

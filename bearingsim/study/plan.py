@@ -17,7 +17,7 @@ from bearingsim.study.expand import expand_tree
 from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
-from bearingsim.study.paths import dimension, normal_form, parse_path, put, value_at
+from bearingsim.study.paths import ITEM_LISTS, dimension, normal_form, parse_path, put, value_at
 from bearingsim.study.relations import Relations, Row, UndefinedValue, parse_relations
 from bearingsim.study.sweep import (
     Axis,
@@ -50,7 +50,7 @@ MAX_INVALID_CASES = 500
 """Limit of the invalid cases that are reported: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
 """Limit of the paths that a study sweeps: with more, the search for suggestions takes too long."""
-_LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at")
+_LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at", *ITEM_LISTS)
 
 SweptValues = dict[str, float | str]
 
@@ -222,7 +222,7 @@ class Plan:
 
     def locate(self, path: str) -> Path:
         """Locate a path in a case. Raises ValueError for an invalid path."""
-        return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
+        return parse_path(path, self.base)
 
     def check_axis(self, axis: Axis) -> bool:
         """Return True if the paths of an axis are valid and not swept twice; add valid ones to ``key_paths``."""

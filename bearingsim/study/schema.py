@@ -21,7 +21,7 @@ from bearingsim.study.distributions import DISTRIBUTIONS
 from bearingsim.study.figures import PLOT_COLUMNS
 from bearingsim.study.goal import EXCLUDED_KEYS, GOAL_FEATURES, STEP_REASON
 from bearingsim.study.load import NAME
-from bearingsim.study.paths import fields_at, known_paths
+from bearingsim.study.paths import ITEM_LISTS, fields_at, known_paths, without_number
 from bearingsim.study.section_schemas import describe, one_of, section_schemas
 from bearingsim.study.sweep import GENERATORS, MAX_VALUES
 from bearingsim.study.uncertainty import NONE, PARAMETER_KINDS, UNKNOWN, ParameterKind
@@ -29,7 +29,11 @@ from bearingsim.text.units import UNITS
 
 _TEXT = {"type": ["string", "number", "boolean"]}
 BAND_NAME: Schema = {"type": "string", "pattern": bands.PATTERN}
-_NUMBERED_PATH = r"^defects\.[0-9]{1,4}"
+_NUMBER = r"\.[0-9]{1,4}"
+_NUMBERED_PATH = "^defects" + _NUMBER
+_FIRST_QUANTITIES = tuple(f"{items}.1" for items in ITEM_LISTS if known_paths()[items])
+"""Paths to the first items of lists of quantities."""
+_ITEMS = "|".join(f"^{re.escape(items)}{_NUMBER}" for items in ITEM_LISTS)
 
 
 def schema_text() -> str:
@@ -47,6 +51,8 @@ def json_schema() -> Schema:
         """Return the schema of one value of a path."""
         if path == "defect":
             return defect
+        if path in _FIRST_QUANTITIES:
+            return _definition(f"Any {known_paths()[without_number(path)]}")
         return one_of(_ref(names, *field) for field in fields_at()[DEPRECATED_KEYS.get(path, path)])
 
     schema: Schema = {
@@ -90,10 +96,10 @@ def _definitions(value_at: Callable[[str], Schema]) -> dict[str, Schema]:
     """Return the schemas of features, paths and swept values, by the name in a reference."""
     definitions: dict[str, Schema] = {
         "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
-        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED_PATH}]},
+        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": f"{_NUMBERED_PATH}|{_ITEMS}"}]},
         "Values": _path_mapping(_paths(), lambda path: _values(path, value_at(path))),
         "Ranges": _path_mapping(
-            filter(known_paths().get, known_paths()), lambda path: _definition(f"Range {_kind(path)}")
+            filter(_kind_of_quantity, _paths()), lambda path: _definition(f"Range {_kind(path)}")
         ),
         "Generated whole": _generator({"type": "number"}),
     }
@@ -118,7 +124,7 @@ def _closed_mapping(properties: Mapping[str, Schema], required: Iterable[str] = 
 
 def _paths() -> list[str]:
     """List every path that a study may sweep, including deprecated keys."""
-    return [*known_paths(), *DEPRECATED_KEYS]
+    return [*known_paths(), *_FIRST_QUANTITIES, *DEPRECATED_KEYS]
 
 
 def _ref(names: Mapping[type[Section], str], section: type[Section], name: str) -> Schema:
@@ -133,19 +139,29 @@ def _definition(name: str) -> Schema:
 def _path_mapping(
     paths: Iterable[str], schema: Callable[[str], Schema], more: Mapping[str, Schema] = {}
 ) -> Schema:
-    """Return the schema of a mapping with paths, numbered paths of defects, and ``more`` keys."""
+    """Return the schema of a mapping with paths, numbered paths into lists, and ``more`` keys."""
     schemas = {path: schema(path) for path in paths}
     defect_paths = [path for path in schemas if path.split(".")[0] == "defect"]
     numbered = {
         _NUMBERED_PATH + re.escape(path.removeprefix("defect")) + "$": schemas[path] for path in defect_paths
     }
+    for items in ITEM_LISTS:
+        rests = [path.removeprefix(items).removeprefix(".1") for path in schemas if path.startswith(items + ".")]
+        numbered |= {
+            f"^{re.escape(items)}{_NUMBER}{re.escape(rest)}$": schemas[f"{items}{rest or '.1'}"] for rest in rests
+        }
     return _closed_mapping(schemas | dict(more)) | {"patternProperties": numbered}
+
+
+def _kind_of_quantity(path: str) -> str | None:
+    return known_paths().get(without_number(path))
 
 
 def _kind(path: str) -> str:
     """Return the kind of generated values of a path: a dimension, `whole`, or empty if none are possible."""
-    dimension = known_paths().get(path)
-    return dimension or ("whole" if any(int in field.marks for field in fields_at().get(path, ())) else "")
+    plain = without_number(path)
+    dimension = known_paths().get(plain)
+    return dimension or ("whole" if any(int in field.marks for field in fields_at().get(plain, ())) else "")
 
 
 def _values(path: str, value: Schema) -> Schema:

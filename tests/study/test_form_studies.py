@@ -1,0 +1,138 @@
+"""Studies with form of the surfaces: sweeps into lists, and refusals at their place in the file."""
+
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from bearingsim.cli import app
+from bearingsim.study import StudyError, load_study
+from bearingsim.study.schema import json_schema
+
+STUDY = """\
+study: small
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+surfaces:
+  outer:
+    harmonics:
+      - {order: 12, amplitude: 20 nm}
+      - {order: 13, amplitude: 20 nm}
+  inner: {spectrum: {amplitude: 0.1 um}, harmonics: [{order: 3, amplitude: 5 nm}]}
+  rollers: {diameter: [0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um, 0 um]}
+model: static
+duration: 50 ms
+uncertainty: none
+"""
+
+
+def study(tmp_path: Path, sweep: str = "", **options: Any) -> Any:
+    (tmp_path / "study.yaml").write_text(STUDY + sweep)
+    return load_study(tmp_path / "study.yaml", **options)
+
+
+def outer(case: Any) -> list[tuple[int, float]]:
+    return [(harmonic.order, round(harmonic.amplitude, 15)) for harmonic in case.surfaces.outer.harmonics]
+
+
+def test_one_harmonic_of_several_is_swept(tmp_path: Path) -> None:
+    path = "surfaces.outer.harmonics.2"
+    swept = study(tmp_path, f"sweep: {{{path}.amplitude: [10 nm, 30 nm], {path}.order: {{range: [14, 15, 1]}}}}\n")
+    assert [outer(case)[1] for case in swept.cases()] == [(14, 1e-8), (15, 1e-8), (14, 3e-8), (15, 3e-8)]
+    assert {outer(case)[0][0] for case in swept.cases()} == {12}
+    assert swept.units == {f"{path}.amplitude": "nm", f"{path}.order": ""}
+    assert swept.planned()[2].swept == {f"{path}.amplitude": pytest.approx(3e-8), f"{path}.order": 14.0}
+
+
+def test_one_roller_is_swept_through_zero(tmp_path: Path) -> None:
+    path = "surfaces.rollers.diameter.deviations.3"
+    swept = study(tmp_path, f"sweep: {{{path}: {{linspace: [-1 um, 1 um, 3]}}}}\n")
+    assert [job.swept[path] for job in swept.planned()] == pytest.approx([-1e-6, 0.0, 1e-6])
+    deviations = [case.surfaces.rollers and case.surfaces.rollers.diameter.deviations for case in swept.cases()]
+    assert deviations[1] is None  # equal rollers
+    assert deviations[2] == pytest.approx([0.0, 0.0, 1e-6, *[0.0] * 10])
+
+
+def test_a_single_item_needs_no_number(tmp_path: Path) -> None:
+    swept = study(tmp_path, "sweep: {surfaces.inner.harmonics.amplitude: [5 nm, 10 nm]}\n")
+    assert [case.surfaces.inner.harmonics[0].amplitude for case in swept.cases()] == pytest.approx([5e-9, 1e-8])
+    with pytest.raises(StudyError, match="is swept twice"):
+        study(
+            tmp_path,
+            "sweep:\n  surfaces.inner.harmonics.amplitude: [5 nm]\n"
+            "  surfaces.inner.harmonics.1.amplitude: [5 nm]\n",
+        )
+
+
+def test_values_and_whole_lists_are_set_from_the_command_line(tmp_path: Path) -> None:
+    (case,) = study(tmp_path, overrides={"surfaces.outer.harmonics.1.amplitude": "40 nm"}).cases()
+    assert outer(case)[0] == (12, 4e-8)
+    (case,) = study(tmp_path, overrides={"surfaces.outer.harmonics": "[{order: 7, amplitude: 1 nm}]"}).cases()
+    assert outer(case) == [(7, 1e-9)]
+    swept = study(tmp_path, overrides={"surfaces.outer.harmonics.1.order": "[20, 30]"})
+    assert [outer(case)[0][0] for case in swept.cases()] == [20, 30]
+
+
+def test_items_stand_in_designs_formulas_and_quick(tmp_path: Path) -> None:
+    path = "surfaces.outer.harmonics.2.amplitude"
+    sampled = study(tmp_path, f"sweep: {{lhs: {{n: 4, seed: 1, over: {{{path}: [10 nm, 20 nm]}}}}}}\n")
+    assert len({outer(case)[1][1] for case in sampled.cases()}) == 4
+    derived = study(
+        tmp_path,
+        f"sweep: {{load: [150 N, 300 N], derived: {{{path}: surfaces.outer.harmonics.1.amplitude / 2}}}}\n",
+    )
+    assert {outer(case)[1][1] for case in derived.cases()} == {1e-8}
+    (case,) = study(tmp_path, f"quick: {{{path}: 7 nm}}\n", quick=True).cases()
+    assert outer(case)[1] == (13, 7e-9)
+
+
+@pytest.mark.parametrize(
+    ("entry", "is_valid"),
+    [
+        ("surfaces.outer.harmonics.2.amplitude: [1 nm]", True),
+        ("surfaces.outer.harmonics.2.order: [12, 13]", True),
+        ("surfaces.rollers.diameter.deviations.3: {linspace: [0 um, 1 um, 3]}", True),
+        ("surfaces.inner.roundness.orders: [[2, 50], [2, 15]]", True),
+        ("surfaces.inner.roundness: [a.csv, b.csv]", True),
+        ("surfaces.outer.harmonics.2.amplitud: [1 nm]", False),
+        ("surfaces.outer.harmonics.2.amplitude: [1 N]", False),
+        ("surfaces.rollers.diameter.deviations.3: [1 N]", False),
+        ("surfaces.outer.spectrum.2.amplitude: [1 nm]", False),
+    ],
+)
+def test_editors_know_the_paths_into_lists(entry: str, is_valid: bool) -> None:
+    document = yaml.load(STUDY + f"sweep: {{{entry}}}\n", yaml.CSafeLoader)
+    assert jsonschema.Draft7Validator(json_schema()).is_valid(document) is is_valid
+
+
+WRONG_PATHS = {
+    "surfaces.outer.harmonics.0.amplitude": "the list has 2 harmonics, counted from 1",
+    "surfaces.outer.harmonics.3.amplitude": "the list has 2 harmonics, counted from 1",
+    "surfaces.outer.harmonics.amplitude": "which of the 2 harmonics? (use `surfaces.outer.harmonics.1.amplitude`)",
+    "surfaces.rollers.harmonics.1.amplitude": "the study has no `surfaces.rollers.harmonics` (give the list;",
+    "surfaces.rollers.diameter.deviations.14": "the list has 13 deviations, counted from 1",
+    "surfaces.outer.harmonics.1.amplitud": "did you mean `surfaces.outer.harmonics.1.amplitude`?",
+    "surfaces.outer.harmonics.1": "has several values (name one, as in `surfaces.outer.harmonics.1.amplitude`)",
+    "surfaces.outer.spectrum.1.amplitude": "no such path `surfaces.outer.spectrum.1.amplitude`",
+}
+
+
+@pytest.mark.parametrize("path", WRONG_PATHS)
+def test_wrong_paths_are_refused_at_the_path(tmp_path: Path, path: str) -> None:
+    message, source, mark = refusal(tmp_path, STUDY + f"sweep: {{{path}: [1 nm, 2 nm]}}\n")
+    assert WRONG_PATHS[path] in message
+    assert source[mark.index("^") :].startswith(path)
+
+
+def refusal(tmp_path: Path, text: str) -> tuple[str, str, str]:
+    """Check a study with the command; return the first message, the line, and the caret below."""
+    (tmp_path / "study.yaml").write_text(text)
+    result = CliRunner().invoke(app, ["check", str(tmp_path / "study.yaml")])
+    assert result.exit_code == 2
+    lines = result.stderr.splitlines()
+    start = next(number for number, line in enumerate(lines) if "study.yaml:" in line)
+    return lines[start], lines[start + 1], lines[start + 2]
