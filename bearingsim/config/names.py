@@ -53,6 +53,10 @@ LINES: dict[str, Line] = {
     "3BPFI": Line(inner=3),
     "BPFI-fr": Line(inner=1, shaft=-1),
     "BPFI+fr": Line(inner=1, shaft=1),
+    "2BPFI-fr": Line(inner=2, shaft=-1),
+    "2BPFI+fr": Line(inner=2, shaft=1),
+    "3BPFI-fr": Line(inner=3, shaft=-1),
+    "3BPFI+fr": Line(inner=3, shaft=1),
     "2BSF": Line(spin=2),
     "4BSF": Line(spin=4),
     "2BSF-FTF": Line(spin=2, cage=-1),
@@ -61,7 +65,8 @@ LINES: dict[str, Line] = {
     "fr": Line(shaft=1),
 }
 """Spectral lines that are evaluated. A defect of the inner race appears at BPFI with sidebands at the shaft
-frequency, one of a roller at 2 BSF with sidebands at FTF, an unbalance at fr."""
+frequency, one of a roller at 2 BSF with sidebands at FTF, an unbalance at fr. Waviness of the inner race of order
+k Z +- 1 appears at k BPFI -+ fr, a thicker roller at FTF, a roller's order 2 at 2 BSF +- FTF."""
 FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
 """Spectral line of a defect, by the element with the defect."""
 

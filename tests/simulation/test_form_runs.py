@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bearingsim.config.names import LINES
 from bearingsim.errors import Refused
 from bearingsim.simulation.repetition import may_be_periodic
 from bearingsim.simulation.simulate import simulate
@@ -63,3 +64,53 @@ def test_lanes_without_a_roller_carry_nothing(model):
         for name in (model, "static")
     ]
     assert forces[0] == pytest.approx(forces[1], rel=0.1)
+
+
+def wave(order, **more):
+    """Fields of a surface with one wave of 20 nm."""
+    return {"harmonics": [{"order": order, "amplitude": "20 nm"} | more]}
+
+
+PRELOADED = {
+    "rig": {"ring_mass": "1 kg", "bracket_stiffness": "1e6 N/m", "bracket_damping": "100 N s/m"},
+    "clearance": "-4 um",
+    "speed": "600 rpm",
+    "duration": "2 s",
+    "settle": "0 s",
+    "record": [],
+    "model": "static",
+}
+"""Every roller carries nearly the same load."""
+THICKER = {"diameter": [f"{0.1 * (j == 4)} um" for j in range(13)]}
+LINES_OF_FORM = {
+    "outer order Z - 1": ({"outer": wave(12)}, {"BPFO": 20e-9}),
+    "outer order 2 Z + 1": ({"outer": wave(27)}, {"2BPFO": 20e-9}),
+    "inner order Z - 1": ({"inner": wave(12)}, {"BPFI-fr": 20e-9}),
+    "inner order Z + 1": ({"inner": wave(14)}, {"BPFI+fr": 20e-9}),
+    "inner order 2 Z - 1": ({"inner": wave(25)}, {"2BPFI-fr": 20e-9}),
+    "inner order 2 Z + 1": ({"inner": wave(27)}, {"2BPFI+fr": 20e-9}),
+    "inner order 3 Z - 1": ({"inner": wave(38)}, {"3BPFI-fr": 20e-9}),
+    "inner order 3 Z + 1": ({"inner": wave(40)}, {"3BPFI+fr": 20e-9}),
+    "inner order 2 Z": ({"inner": wave(26)}, {}),
+    "one roller thicker": ({"rollers": THICKER}, {"FTF": 2.0 / 13.0 * 100e-9}),
+    "order 2 of a roller": (
+        {"rollers": wave(2, roller=3)},
+        {"2BSF-FTF": 2.0 / 13.0 * 20e-9, "2BSF+FTF": 2.0 / 13.0 * 20e-9},
+    ),
+    "order 3 of a roller": ({"rollers": wave(3, roller=3)}, {}),
+}
+
+
+@pytest.mark.parametrize("what", LINES_OF_FORM)
+def test_form_appears_at_its_lines_by_its_own_amplitude(what):
+    """Equations of docs/form.md, as features of a run; all other lines have under 1 % of a wave."""
+    surfaces, expected = LINES_OF_FORM[what]
+    features = simulate(case(surfaces=surfaces, **PRELOADED)).features
+    smooth = simulate(case(**PRELOADED)).features
+    for line in LINES:
+        name = f"displacement@{line}"
+        amplitude = abs(
+            features[name] * np.exp(1j * features[f"{name}.phase"])
+            - smooth[name] * np.exp(1j * smooth[f"{name}.phase"])
+        )
+        assert amplitude == pytest.approx(expected.get(line, 0.0), rel=0.01, abs=2e-10), line
