@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Path
 from bearingsim.config.library import Kind, find, read, similar_file
-from bearingsim.study.paths import node_at, put
+from bearingsim.study.paths import node_at, normal_form, put
 from bearingsim.text.files_read import record
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
@@ -57,7 +57,7 @@ def _name_profiles(tree: Node) -> Node:
     return tree
 
 
-_DIAMETER: Path = ("surfaces", "rollers", "diameter")
+_DIAMETER: Path = normal_form("surfaces.rollers.diameter")
 
 
 def _name_deviations(tree: Node) -> Node:

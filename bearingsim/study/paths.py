@@ -19,7 +19,9 @@ from bearingsim.text.yamlfile import Node
 SYNONYMS: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
 """Paths that are replaced by synonyms."""
 ITEM_LISTS = (
-    *(f"surfaces.{surface}.harmonics" for surface in ("outer", "inner", "rollers")),
+    "surfaces.outer.harmonics",
+    "surfaces.inner.harmonics",
+    "surfaces.rollers.harmonics",
     "surfaces.rollers.diameter.deviations",
 )
 """Lists other than `defects` whose items can be swept."""

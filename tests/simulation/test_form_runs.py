@@ -74,8 +74,7 @@ def wave(order, **more):
 PRELOADED = {
     "rig": {"ring_mass": "1 kg", "bracket_stiffness": "1e6 N/m", "bracket_damping": "100 N s/m"},
     "clearance": "-4 um",
-    "speed": "600 rpm",
-    "duration": "2 s",
+    "duration": "5 s",
     "settle": "0 s",
     "record": [],
     "model": "static",
