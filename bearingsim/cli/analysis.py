@@ -236,6 +236,8 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
         )
     elif diagnosis.verdict == NONE and diagnosis.threshold < rival.score < clear(diagnosis.threshold):
         say("noise may cause it: the highest of many rhythms exceeds the threshold, which is for three lines")
+    if diagnosis.is_sideband:
+        say("this rhythm is a sideband of BPFI: if bearing and speed are right, the inner race may be damaged")
     if diagnosis.is_extrapolated:
         low, high = measured_turns()
         say(
@@ -331,6 +333,7 @@ def _channel_dict(
             "hz": diagnosis.rival.frequency,
             "score_db": decibels(diagnosis.rival.score),
             "crowded": diagnosis.crowded,
+            "is_sideband": diagnosis.is_sideband,
         },
         "width_mm": [1e3 * size.low, 1e3 * size.high] if size else None,
         "spacing_ms": 1e3 * size.spacing if size else None,

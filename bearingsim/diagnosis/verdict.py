@@ -8,6 +8,8 @@ import numpy as np
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis.claims import NONE, RHYTHM, Claim, claim
 from bearingsim.diagnosis.combs import (
+    RELATIVE_BINS,
+    RELATIVE_SHARE,
     SHAFT_SHARE,
     Comb,
     best_comb,
@@ -93,6 +95,19 @@ class Diagnosis(NamedTuple):
         is_full = self.claim.is_over and self.claim.is_crowded
         is_clear = self.verdict == NONE and self.rival.score >= clear(self.threshold) and not is_full
         return self.verdict == RHYTHM or is_clear
+
+    @property
+    def is_sideband(self) -> bool:
+        """True if the verdict is a rhythm at one or two frequencies of the shaft from the inner race's line.
+
+        Then the inner race may be damaged all the same: 1.5 to 3 % of the damaged signals of the operating table,
+        at 0 to 10 dB and diagnosed as the right bearing, have a sideband that scores higher than the line.
+        """
+        claimed = self.findings[INNER].comb.frequency
+        step = abs(self.rival.frequency - claimed)
+        width = max(RELATIVE_SHARE * self.rival.frequency, RELATIVE_BINS * self.fronts[0].step)
+        is_beside = any(abs(step - number * self.lines.shaft) <= width for number in (1, 2))
+        return self.verdict == RHYTHM and self.best == INNER and is_beside
 
     @property
     def is_extrapolated(self) -> bool:

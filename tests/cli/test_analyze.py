@@ -178,6 +178,16 @@ def test_a_strong_rhythm_that_is_no_line_is_marked_and_explained(file, rhythm, v
     )
 
 
+@pytest.mark.parametrize(("rhythm", "is_sideband"), [(LINES.inner - SHAFT, True), (0.977 * LINES.inner, False)])
+def test_a_sideband_of_the_inner_race_is_stated(file, rhythm, is_sideband):
+    np.savez(file, acc=impacts(rhythm, SHAFT, slip=0.005), fs=RATE, rpm=1500.0)
+    values = json.loads(type_("analyze", file, "--bearing", "6205", "--json")[0])
+    assert values["verdict"] == "other rhythm"
+    assert values["rival"]["hz"] == pytest.approx(rhythm, rel=2e-3)
+    assert values["rival"]["is_sideband"] is is_sideband
+    assert ("is a sideband of BPFI: if bearing" in type_("analyze", file, "--bearing", "6205")[0]) is is_sideband
+
+
 def test_noise_blames_neither_bearing_nor_speed(tmp_path):
     """The seed is of a record whose strongest rhythm exceeds the threshold."""
     np.savez(tmp_path / "a.npz", x=np.random.default_rng(1).normal(size=51200), fs=RATE, rpm=1500.0)
