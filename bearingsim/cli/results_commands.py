@@ -130,6 +130,9 @@ def show(
     assumptions: Annotated[
         bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
     ] = False,
+    measured: Annotated[
+        bool, typer.Option("--measured", help="print measured beside simulated features only")
+    ] = False,
     columns: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="column to print; repeatable", autocompletion=completion.feature),
@@ -137,12 +140,14 @@ def show(
     every: Annotated[bool, typer.Option("--all", help="print all usual columns, also beyond 80 letters")] = False,
     as_json: Json = False,
 ) -> None:
-    """Print a table of the jobs with swept parameters, status and features."""
+    """Print a table of the jobs with swept parameters, status and features, and measured beside simulated ones."""
     from bearingsim.cli import tables
 
     study_results = find_results(results)
     if assumptions:
         tables.show_assumptions(study_results)
+    elif measured:
+        tables.show_measured(study_results, as_json)
     elif failed and not as_json:
         tables.show_failures(study_results.path)
     else:

@@ -68,6 +68,7 @@ def show_jobs(
     _say(_status_counts(table) + _variation_text(results))
     for text in withdrawals(results.plan, job_frame(results.path)):
         _say(text)
+    _print_measured(results)
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
@@ -79,6 +80,43 @@ def show_jobs(
         count = len(all_columns) - len(printed_columns)
         remedy = "`--columns NAME` or `--json`" if every else "`--all`, `--columns NAME` or `--json`"
         _say(f"{count} columns do not fit {width} letters: {hidden} ({remedy})")
+
+
+def show_measured(results: "Results", as_json: bool) -> None:
+    """Print measured beside simulated features; as JSON in SI. Raises UserError for a study without `measured`."""
+    if not results.plan.get("measured"):
+        raise UserError("the study has no `measured` section, so there is nothing to compare")
+    if not as_json:
+        _print_measured(results)
+        return
+    rows = [
+        {
+            "source": entry.label,
+            "factor": entry.factor,
+            "place": item.place,
+            "feature": item.feature,
+            "at": {**item.at, **item.others},
+            "measured": entry.scaled(item.feature, item.measured),
+            "simulated": item.simulated,
+            "job": item.job or None,
+        }
+        for entry in results.measured
+        for item in entry.comparisons
+    ]
+    say(json.dumps(rows, indent=1))
+
+
+def _print_measured(results: "Results") -> None:
+    """Print a table of measured beside simulated features for each measured source of the study."""
+    from bearingsim.report.measured import HEADS, TEXT_COLUMNS, measured_tables
+
+    for table in measured_tables(results):
+        say("")
+        _say(table.title)
+        if table.rows:
+            print_table(HEADS, table.rows, text_columns=TEXT_COLUMNS)
+        for text in table.remarks:
+            _say(text)
 
 
 def _say(text: str) -> None:

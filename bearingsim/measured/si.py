@@ -1,10 +1,16 @@
-"""Units of measured signals, as factors to SI."""
+"""Units of measured signals and features, as factors to SI."""
+
+from math import pi
 
 FACTORS = {
     "m/s^2": {"m/s^2": 1.0, "m/s2": 1.0, "m/s²": 1.0, "m/s**2": 1.0, "mm/s^2": 1e-3, "g": 9.80665, "gn": 9.80665},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "µm/s": 1e-6},
     "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
     "N": {"N": 1.0, "kN": 1e3},
+    "m^2/s^4": {"m^2/s^4": 1.0, "g^2": 9.80665**2},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3},
+    "rad": {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": pi / 180.0},
+    "": {"": 1.0, "%": 0.01},
 }
 """Factor to the SI unit, by SI unit and unit."""
 

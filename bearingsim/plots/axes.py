@@ -54,13 +54,15 @@ def draw_panels(
     units: Mapping[str, str],
     caption: Sequence[str],
     panel: "Callable[[Axes, str, pd.DataFrame], None]",
+    marks: Sequence[Line2D] = (),
 ) -> Canvas:
     """Draw a completed figure: a column of axes per y, a row per panel, by ``panel`` (axes, feature, rows).
 
-    rows: the cases of the figure, SI; caption: their common parameters, wrapped below.
+    rows: the cases of the figure, SI; caption: their common parameters, wrapped below; marks: further entries of
+    the legend.
     """
     parts = list(select.splits(rows, figure.panels, units))
-    entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
+    entries = [*legend_entries(figure, styles_of_curves(figure, rows, units), rows), *marks]
     width = min(COLUMN_IN, PAGE_IN / len(figure.y)) * len(figure.y) + 0.55
     layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06)
     canvas = Canvas(figsize=(width, len(parts) * ROW_IN + 0.55), layout=layout)

@@ -100,8 +100,9 @@ def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
     units, words = results.plan["units"], [figure.y[0], "vs", figure.x]
     if scattered:
         return Sheet(words, design.draw(figure, part, units, caption))
-    draw = sweep.draw_names if sweep.are_many(figure, part, units) else sweep.draw
-    return Sheet(words, draw(figure, part, units, caption))
+    if sweep.are_many(figure, part, units):
+        return Sheet(words, sweep.draw_names(figure, part, units, caption))
+    return Sheet(words, sweep.draw(figure, part, units, caption, results.measured))
 
 
 def _design_texts(results: "Results") -> list[str]:

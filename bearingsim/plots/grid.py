@@ -12,6 +12,7 @@ from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish, share_scales
+from bearingsim.plots.beside import signals_beside
 from bearingsim.plots.caption import fixed_values, sampling_of
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shaded
@@ -30,6 +31,7 @@ PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
 LETTER_IN, GAP_IN = 0.07, 0.35  # width of a letter of a label, and distance of two rows
 CAPTION_IN = 1.0  # height (inches) of caption and legend
 WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
+MEASURED_COLOURS = ("#B00000", "#7A5C00", "#5B2A86")
 SHADES_FROM = 6  # number of ordered curves in one axes from which their colours are shades
 
 Curve = tuple[np.ndarray, np.ndarray]
@@ -111,7 +113,13 @@ def content(
     records = jobs | recorded.load_jobs(results, baselines)
     columns = []
     for together in _columns(channels):
-        drawn = [_curves_of_row(row, records, together, display) for row in rows]
+        drawn = [
+            [
+                *_curves_of_row(row, records, together, display),
+                *_measured_curves(results, row, records, together, display),
+            ]
+            for row in rows
+        ]
         scale = _scale(together[0], figure, display, drawn)
         label = axis_label(display.y_label(recorded.text_of(*together)), scale.unit_text(display.amplitude))
         columns.append(Column(label, scale, drawn))
@@ -203,13 +211,17 @@ def _columns(channels: Sequence[str]) -> Iterator[list[str]]:
 
 
 class Drawn(NamedTuple):
-    """Curve to draw: its name, colour and line style, whether it is of a healthy baseline, and its points (SI)."""
+    """Curve to draw: its name, colour and line style, whether it is of a healthy baseline, and its points (SI).
+
+    is_measured: of a measured signal, which is drawn behind the simulated ones.
+    """
 
     name: str
     colour: object
     line: object
     is_healthy: bool
     points: Curve
+    is_measured: bool = False
 
 
 def _curves_of_row(row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display) -> list[Drawn]:
@@ -232,6 +244,20 @@ def _curves_of_row(row: Row, records: Mapping[str, Job], channels: Sequence[str]
                 text = ", ".join(filter(None, [HEALTHY, label, component]))
                 drawn.append(Drawn(text, HEALTHY_COLOUR, "-", True, points))
     return drawn
+
+
+def _measured_curves(
+    results: "Results", row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display
+) -> Iterator[Drawn]:
+    """Yield the curves of measured signals at the parameters of the jobs in a row."""
+    names = set[str]()
+    for name in row.jobs.values():
+        for legend, signal in signals_beside(results, name, channels[0]):
+            if legend not in names:
+                colour = MEASURED_COLOURS[len(names) % len(MEASURED_COLOURS)]
+                names.add(legend)
+                points = display.curve(name, records[name], channels[0], signal)
+                yield Drawn(legend, colour, "-", False, points, is_measured=True)
 
 
 def _colours(count: int) -> list[object]:
@@ -270,7 +296,7 @@ def _scale(channel: str, figure: "Figure", display: Display, rows: Sequence[Sequ
 
 def legend_names(curves: Sequence[Drawn]) -> list[str]:
     """Return the names of curves in one axes; empty for the only one."""
-    has_both = len({curve.is_healthy for curve in curves}) == 2
+    has_both = len({curve.is_healthy for curve in curves}) == 2 or any(curve.is_measured for curve in curves)
     named_by_title = "" if has_both else HEALTHY  # of a row of healthy bearings
     return [
         curve.name.removeprefix(named_by_title).removeprefix(", ")
@@ -283,7 +309,7 @@ def legend_names(curves: Sequence[Drawn]) -> list[str]:
 def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
     for curve, name in zip(curves, legend_names(curves), strict=True):
         x, y = curve.points
-        width, order = (HEALTHY_WIDTH, 2.5) if curve.is_healthy else (WIDTH, 2.0)
+        width, order = (HEALTHY_WIDTH, 2.5) if curve.is_healthy else (WIDTH, 1.8 if curve.is_measured else 2.0)
         ax.plot(x, scale.shown(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name or None)
     ax.margins(x=0.0)
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))

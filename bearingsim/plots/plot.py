@@ -160,18 +160,20 @@ def _changed(figure: Figure, options: Mapping[str, Any]) -> Figure:
 
 
 def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> list[str]:
-    """List the jobs of a figure of signals: the named ones, else those selected, else some.
+    """List the jobs of a figure of signals: the named ones, else those selected, else some with measured signals.
 
     Raises PlotError if none of them is done.
     """
     from bearingsim.plots import select
+    from bearingsim.plots.beside import signal_points
 
     named = [] if list(jobs) == [ALL] else list(jobs)
     if named and figure.where:
         raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
     rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
     every = bool(jobs or figure.by or figure.kind == "waterfall")
-    chosen = named or (select.done_jobs(rows) if every else select.some_jobs(rows))
+    with_signal = [job for job in select.done_jobs(rows) if any(signal_points(results, job))][: select.SOME]
+    chosen = named or (select.done_jobs(rows) if every else with_signal or select.some_jobs(rows))
     if not chosen:
         raise PlotError("none of these jobs is done")
     return chosen

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bearingsim.plots import recorded
+from bearingsim.plots.beside import signal_points
 from bearingsim.plots.grid import Content, Curve, Display, content, grid
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
@@ -51,7 +52,10 @@ def series_of(
         return (part.time - window.origin) / scale, part.values
 
     since = " from the middle of the defect" if view.around else ""
-    display = Display(curve, f"Time{since} ({unit})", _texts(figure, records, channels))
+    texts = _texts(figure, records, channels)
+    if any(True for job in jobs for _ in signal_points(results, job)):
+        texts.append("measured signals from their own start")
+    display = Display(curve, f"Time{since} ({unit})", texts)
     return content(results, records, channels, figure, display), records, channels
 
 

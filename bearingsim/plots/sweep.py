@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from bearingsim.plots import labels, select
+from bearingsim.plots import beside, labels, select
 from bearingsim.plots.axes import (
     BAND_ALPHA,
     BASELINE,
@@ -39,13 +39,25 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from bearingsim.store import MeasuredSet
+
 
 BASELINE_COLOUR = "0.35"
 BAR_POINTS = 4.0  # width of an uncertainty bar
 
 
-def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
-    """Draw a completed figure, a line per combination of `by`; arguments as of ``axes.draw_panels``."""
+def draw(
+    figure: Figure,
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+    caption: Sequence[str],
+    measured: Sequence["MeasuredSet"] = (),
+) -> Canvas:
+    """Draw a completed figure, a line per combination of `by`, with measured points as open marks.
+
+    Other arguments as of ``axes.draw_panels``.
+    """
+    place = beside.Place(figure, rows, units)
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
@@ -61,12 +73,13 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
             mark_lost(ax, points)
         if f"baseline {name}" in rows:
             mark_baselines(ax, curves)
+        beside.mark_measured(ax, place, name, part, curves, measured, scale.factor)
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
         if scale.is_rounding:
             note_rounding(ax)
 
-    return draw_panels(figure, rows, units, caption, panel)
+    return draw_panels(figure, rows, units, caption, panel, beside.entries(place, measured))
 
 
 def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:

@@ -11,6 +11,9 @@ DIGITS = 6
 """Significant digits of the numbers in a page."""
 COLOURS = 7
 """Number of colours of curves in the style sheet, `curve0` and so on."""
+SYMBOLS = ("circle", "rect", "triangle", "diamond", "pin", "arrow", "roundRect")
+OPEN_SYMBOLS = ("emptyDiamond", "emptyRect", "emptyTriangle")
+"""Symbols of simulated and of measured points, in ECharts."""
 DASHES = ((), (6, 3), (2, 2), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
 """Lengths (px) of strokes and gaps of the lines of curves."""
 
@@ -27,12 +30,16 @@ class Axis:
 
 @dataclass(frozen=True)
 class Curve:
-    """Curve: its name, a colour of the style sheet or of CSS, and the lengths of its dashes."""
+    """Curve: its name, a colour of the style sheet or of CSS, the lengths of its dashes, and its symbol.
+
+    measured: points without a line, with open symbols.
+    """
 
     name: str
     colour: str
     dash: tuple[int, ...]
-    symbol: int
+    symbol: str
+    measured: bool = False
 
 
 @dataclass(frozen=True)
@@ -106,7 +113,7 @@ def styled(ranks: dict[str, tuple[int, int]], ordered: bool) -> list[Curve]:
             name,
             shade(rank / (count - 1)) if shades else f"curve{rank % COLOURS}",
             DASHES[(dash if dashed else 0 if shades else rank) % len(DASHES)],
-            rank,
+            SYMBOLS[rank % len(SYMBOLS)],
         )
         for name, (rank, dash) in ranks.items()
     ]

@@ -8,7 +8,7 @@ from bearingsim.plots.design import is_logarithmic, trend
 from bearingsim.plots.features import design_content
 from bearingsim.plots.points import points_of
 from bearingsim.plots.units import feature_scale
-from bearingsim.report.charts import Axis, Chart, Control, Curve, Panel, rounded, settings
+from bearingsim.report.charts import SYMBOLS, Axis, Chart, Control, Curve, Panel, rounded, settings
 from bearingsim.report.sweeps import MARKS, NAMES, panel_of, x_axis
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def design_chart(results: "Results", figure: "Figure") -> Chart:
         kind="design",
         axes=axes,
         panels=panels,
-        curves=[Curve("", "curve0", (), 0)],
+        curves=[Curve("", "curve0", (), SYMBOLS[0])],
         controls=controls,
         combinations=settings([len(control.options) for control in controls]),
         x=[rounded(column) for column in x],

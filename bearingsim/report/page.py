@@ -14,6 +14,7 @@ from bearingsim.report.columns import Column, column_of, main_features
 from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
 from bearingsim.report.influence import Influence
+from bearingsim.report.measured import MeasuredTable, measured_tables
 from bearingsim.report.statements import FailedJob, assumption_texts, failures_of, plain
 from bearingsim.report.studied import Fact, studied, subject
 from bearingsim.text.numbers import significant
@@ -59,7 +60,8 @@ class Page:
 
     subject: bearing, defect and figures in words; varied: some parameters are varied as uncertain;
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
-    omissions: what was left out, and why; text: the study file; changes: overrides of the command line.
+    measured: measured beside simulated features; omissions: what was left out, and why; text: the study file;
+    changes: overrides of the command line.
     """
 
     study: str
@@ -80,6 +82,7 @@ class Page:
     table: Table
     assumptions: list[str]
     failures: list[FailedJob]
+    measured: list[MeasuredTable]
     computed: list[Fact]
     text: str
     changes: str
@@ -123,6 +126,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         table=job_table,
         assumptions=[plain(text) for text in assumptions if text not in end_of_run.warnings],
         failures=failures_of(results),
+        measured=measured_tables(results),
         computed=list(_computed(results)),
         text=_study_text(results),
         changes=" ".join(f"{path}={value}" for path, value in results.plan["overrides"].items()),

@@ -56,7 +56,7 @@ def _chart(
     )
     marked = figure.kind != "series" and share_lines(records)
     highest = max(float(curve.points[0][-1]) for curve in drawn)
-    healthy = Curve("healthy", "faint", (), 0)
+    healthy = Curve("healthy", "faint", (), "none")
     curves = styled({name: (number, 0) for number, name in enumerate(names)}, ordered=False)
     return Chart(
         title=figure.title or ": ".join(filter(None, [KINDS[figure.kind], title])),

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import PlotError, labels, select
 from bearingsim.plots.axes import axis_label
+from bearingsim.plots.beside import Place, position_in
 from bearingsim.plots.features import Prepared, prepared
 from bearingsim.plots.points import curve_rows, order_of, points_of
 from bearingsim.plots.style import SEQUENCE_FROM
 from bearingsim.plots.units import FeatureScale, feature_scale
-from bearingsim.report.charts import Axis, Chart, Control, Panel, rounded, styled
+from bearingsim.report.charts import OPEN_SYMBOLS, Axis, Chart, Control, Curve, Panel, rounded, styled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,6 +69,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
     ranks = _ranks(figure, by, rows, units)
     points = _Points(by, list(ranks), combinations, dict(zip(rows.index, keys, strict=True)))
     panels = [_panel(figure, name, complete, units, points) for name in figure.y]
+    measured = _add_measured(results, complete, points, panels)
     present = {key for panel in panels for key in panel.columns} | points.states()
     names = {key: text for key, text in NAMES.items() if key in present}
     bands = select.spread_texts(results, rows)
@@ -77,7 +79,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
         kind="line" if numeric and figure.kind != "phase" else "points",  # a phase wraps
         axes=[x_axis(figure, figure.x, rows, units)],
         panels=panels,
-        curves=styled(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))),
+        curves=[*styled(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))), *measured],
         controls=[replace(control, start=start[i]) for i, control in enumerate(controls)],
         combinations=[list(key) for key in combinations],
         x=[points.x],
@@ -230,6 +232,41 @@ def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, 
                 shared.job += [job[:8] for job in points.jobs]
                 shared.mark += [MARKS[state] for state in points.status]
     return panel_of(figure, name, scale, columns)
+
+
+def _add_measured(results: "Results", complete: Prepared, shared: _Points, panels: Sequence[Panel]) -> list[Curve]:
+    """Add the measured points to the columns, in each setting at their parameters; return a curve per source."""
+    figure, rows, units = complete.figure, complete.rows, results.plan["units"]
+    place = Place(figure, rows, units)
+    curves: list[Curve] = []
+    factors = {
+        panel.name: feature_scale(panel.name, float(rows[panel.name].abs().max()), figure.view).factor
+        for panel in panels
+    }
+    for number, entry in enumerate(results.measured):
+        count = len(shared.x)
+        for combination, key in enumerate(shared.combinations):
+            part = rows[[shared.keys[index] == key for index in rows.index]]
+            for point in entry.points:
+                x = position_in(place, part, point)
+                values = {name: value for name, value in point["features"].items() if name in factors}
+                if x is None or not values:
+                    continue
+                shared.x += rounded([x])
+                shared.curve.append(len(shared.curves) + len(curves))
+                shared.combination.append(combination)
+                shared.job.append("")
+                shared.mark.append("")
+                for panel in panels:
+                    value = values.get(panel.name)
+                    scaled = None if value is None else entry.scaled(panel.name, value) * factors[panel.name]
+                    for column, cells in panel.columns.items():
+                        cells.append(0 if column == "chaotic" else None)
+                    if scaled is not None:
+                        panel.columns["y"][-1] = rounded([scaled])[0]
+        if len(shared.x) > count:
+            curves.append(Curve(entry.legend, "ink", (), OPEN_SYMBOLS[number % len(OPEN_SYMBOLS)], True))
+    return curves
 
 
 def panel_of(

@@ -36,6 +36,7 @@ from bearingsim.store.folder import (
 )
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.marker import ForeignFolder, OtherStudy, claim
+from bearingsim.store.measured import MeasuredSet
 from bearingsim.store.merge import MergeSummary, Unmergeable, merge
 from bearingsim.store.names import case_of, flat_parameters
 from bearingsim.store.nearness import ERROR_PARTS, AuditResult, audit_results, error_bounds, withdrawn_errors
@@ -95,6 +96,7 @@ __all__ = [
     "ForeignFolder",
     "Holdings",
     "LinkInFolder",
+    "MeasuredSet",
     "MergeSummary",
     "OtherStudy",
     "RemovableFiles",

@@ -118,6 +118,26 @@ class Variation(Layout):
     job: Id
 
 
+class SignalFile(Layout):
+    path: str
+    channel: str
+    unit: str
+    request: dict[str, float | str | None] = {}
+
+
+class MeasuredPoint(Layout):
+    at: dict[Name, float | str]
+    features: dict[Name, float]
+    place: str
+    signal: SignalFile | None = None
+
+
+class MeasuredSet(Layout):
+    label: str
+    scale: bool
+    points: list[MeasuredPoint]
+
+
 class Plan(Layout):
     study: Annotated[str, StringConstraints(pattern=f"^{NAME.pattern}$")]
     quick: bool
@@ -134,6 +154,7 @@ class Plan(Layout):
     accuracy: Accuracy | None = None
     nothing_uncertain: bool = False
     variations: list[Variation] = []
+    measured: list[MeasuredSet] = []
 
 
 class Failure(Layout):

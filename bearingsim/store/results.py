@@ -10,6 +10,7 @@ from bearingsim.errors import ResultsError
 from bearingsim.store.arrays import dataset, swept_paths
 from bearingsim.store.files import refuse_links
 from bearingsim.store.journal import Failure, read_failures
+from bearingsim.store.measured import MeasuredSet, measured_sets
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import spread
@@ -100,6 +101,11 @@ class Results:
         Columns: ``job``, swept paths, features, status, reason, seconds, healthy, unit.
         """
         return self._table.copy()
+
+    @cached_property
+    def measured(self) -> list[MeasuredSet]:
+        """Measured features of the study, each beside the simulated one."""
+        return measured_sets(self.plan, self._table)
 
     def parameters(self) -> "pd.DataFrame":
         """Return all resolved parameters of the finished jobs in SI, indexed by job."""

@@ -68,6 +68,7 @@ def make_plan(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) 
         "notes": list(notes),
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
+        "measured": [asdict(entry) for entry in study.measured],
         "jobs": [
             {
                 "job": job.id,

@@ -23,6 +23,7 @@ STUDY_KEYS = {
     "sweep": "Values of keys that vary: all combinations, values varied together (`zip`), or points of a design.",
     "figures": "Figures that `bearingsim plot` draws. Default: one for each swept parameter.",
     "uncertainty": "Other values of uncertain parameters, for which cases are repeated; they give error bands.",
+    "measured": "Measured features, or signals, to be laid beside the simulated ones; they change no job.",
     "quick": "Keys that `--quick` changes, for a short first run.",
 }
 """Descriptions of the keys of a study apart from those of a case."""
@@ -44,6 +45,21 @@ DESIGN_KEYS = {
 ACCURACY_KEYS = {
     "within": "Largest relative difference from the reference model.",
     "of": "Features for which it is required. Default: those that the figures show.",
+}
+MEASURED_KEYS = {
+    "points": "Table of parameters and features, with units in its head; or a list of rows.",
+    "signals": "Files of signals, with the parameters at which they were measured.",
+    "label": "Name in legends and tables. Default: the name of the table.",
+    "scale": "`true`: measured values times one factor, the median ratio of simulated to measured features.",
+}
+SIGNAL_KEYS = {
+    "file": "File of a signal: csv, wav, mat, npz, parquet, h5, uff or tdms.",
+    "at": "Parameters at which it was measured, by path.",
+    "rate": "Sampling rate. Default: from the file.",
+    "speed": "Speed of the shaft. Default: from the file, else that of the study.",
+    "unit": "Unit of the samples. Default: from the file.",
+    "channel": "Channel, if the file has several.",
+    "full_scale": "Largest value of integer samples (wav), in `unit`.",
 }
 UNCERTAINTY_KEYS = {
     "damping": "Values of the damping time c/k of the contacts.",

@@ -16,7 +16,7 @@ from bearingsim.study.paths import all_paths, label, path_hint, written
 from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Mark, Node, Problem, plain, problem
 
-STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
+STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy", "measured")
 
 _NAMED_SECTIONS: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
 """Sections with the keys `name` and `source`."""

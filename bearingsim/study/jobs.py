@@ -14,6 +14,7 @@ from bearingsim.config.rules.hierarchy import has_default_friction, specifies_sl
 from bearingsim.study.design import Design, SampledDesign
 from bearingsim.study.figures import Figure
 from bearingsim.study.goal import Goal
+from bearingsim.study.measured import MeasuredSet
 from bearingsim.study.paths import dimension
 from bearingsim.study.uncertainty import (
     DEFAULT_DAMPING,
@@ -136,6 +137,7 @@ class Study:
     selection: Selection | None = None
     otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)
     sampled_design: SampledDesign | None = None
+    measured: tuple[MeasuredSet, ...] = ()
 
     def cases(self) -> list[Case]:
         """List the swept cases; the last entry of `sweep` varies fastest."""

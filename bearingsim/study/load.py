@@ -16,6 +16,7 @@ from bearingsim.shipped import matching_studies
 from bearingsim.study.figures import Figure, band_features, check_computed, check_recorded, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
+from bearingsim.study.measured import Cases, parse_measured, record_files
 from bearingsim.study.paths import intended_paths
 from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
@@ -60,6 +61,9 @@ def load_study(
         models = {case.model for case in (*cases, *(case for sample in samples for case in sample))}
         check_computed(file.root.mapping.get("figures"), models, settings.problems)
     check_recorded(file.root.mapping.get("figures"), cases, settings.problems)
+    named = Cases(swept_cases, plan.locate, plan.swept_spelling, tuple(band_features(file.root)))
+    folder = FilePath(path).parent
+    measured, remarks = parse_measured(file.root.mapping.get("measured"), folder, named, settings.problems)
     _raise_problems(file, settings)
     study = Study(
         name=settings.name,
@@ -70,13 +74,14 @@ def load_study(
         figures=settings.figures,
         units=plan.units(),
         swept_cases=swept_cases,
-        notes=(*file.notes, *(plan.sampled_design.notes() if plan.sampled_design is not None else ())),
+        notes=(*file.notes, *(plan.sampled_design.notes() if plan.sampled_design is not None else ()), *remarks),
         uncertainty=()
         if reduced and settings.uncertain
         else settings.uncertain,  # no variations of a reduced grid
         left_out=(settings.uncertain or ()) if reduced else (),
         files=file.files,
         sampled_design=plan.sampled_design,
+        measured=measured,
     )
     return study if settings.goal is None else _with_goal(study, settings.goal, plan)
 
@@ -211,6 +216,7 @@ def _open(path: FilePath, overrides: Mapping[str, str]) -> _StudyFile:
         plans = [Plan.build(root, path.parent, new_overrides, reduced, bands) for reduced in modes]
         for plan in plans:
             plan.open_files()
+        record_files(root, path.parent)
     return _StudyFile(str(path), text, source, root, syntax_problems, notes, new_overrides, plans, files)
 
 

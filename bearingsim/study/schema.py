@@ -78,6 +78,7 @@ def json_schema() -> Schema:
                     ),
                 ]
             },
+            "measured": {"type": "array", "items": _measured(), "minItems": 1},
             "quick": _path_mapping(_paths(), value_at, {"sweep": _sweep(required=[])}),
         },
         "required": ["study"],
@@ -263,6 +264,27 @@ def _uncertain_values(unknown: ParameterKind) -> Schema:
     if unknown.samples:
         return value
     return {"type": "array", "items": value, "minItems": 2}
+
+
+def _measured() -> Schema:
+    """Return the schema of measured points or signals."""
+    path, feature = _definition("Path"), _definition("Feature")
+    row = {"type": "object", "propertyNames": {"anyOf": [path, feature]}, "additionalProperties": _TEXT}
+    signal = {
+        "file": _TEXT,
+        "at": {"type": "object", "propertyNames": path, "additionalProperties": _TEXT},
+        "rate": _definition("Any frequency"),
+        "speed": _definition("Any rotation"),
+        "unit": _TEXT,
+        "channel": _TEXT,
+        "full_scale": _definition("Any number"),
+    }
+    describe(signal, descriptions.SIGNAL_KEYS)
+    signals = {"type": "array", "items": _closed_mapping(signal, ["file"]), "minItems": 1}
+    points = one_of([_TEXT, {"type": "array", "items": row, "minItems": 1}])
+    keys = {"points": points, "signals": signals, "label": _TEXT, "scale": {"type": "boolean"}}
+    describe(keys, descriptions.MEASURED_KEYS)
+    return _closed_mapping(keys) | {"anyOf": [{"required": ["points"]}, {"required": ["signals"]}]}
 
 
 def _accuracy() -> Schema:

@@ -1,7 +1,6 @@
 // Charts with their controls and legends, and the table of a page of results. ECharts draws.
 const data = JSON.parse(document.getElementById('data').textContent);
 const root = document.documentElement;
-const SYMBOLS = ['circle', 'rect', 'triangle', 'diamond', 'pin', 'arrow', 'roundRect'];
 const FONT = { fontSize: 12, fontFamily: 'system-ui, sans-serif' };
 const drawings = []; // functions that draw a chart anew
 const finite = (value) => value !== null && value !== undefined;
@@ -82,8 +81,8 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
       data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i,
         ...(shares && { itemStyle: { color: shade(shares[i]) } }) })),
       color: stroke, z: 2, emphasis: { disabled: true }, showAllSymbol: true, symbolSize: 7,
-      symbol: chart.kind === 'signal' ? 'none' : SYMBOLS[curve.symbol % 7],
-      lineStyle: { color: stroke, width: chart.kind === 'signal' ? 1 : 2,
+      symbol: chart.kind === 'signal' ? 'none' : curve.symbol,
+      lineStyle: { color: stroke, width: curve.measured ? 0 : chart.kind === 'signal' ? 1 : 2,
         type: curve.dash.length ? curve.dash : 'solid' } },
   ];
 }

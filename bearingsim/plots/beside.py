@@ -1,0 +1,146 @@
+"""Measured points and signals in the figures of a study, beside the simulated ones."""
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from bearingsim.errors import UserError
+from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.labels import PlotWarning
+from bearingsim.plots.recorded import Signal
+from bearingsim.store.measured import same
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+    from bearingsim.plots.axes import Curve
+    from bearingsim.store import MeasuredSet, Results
+    from bearingsim.study import Figure
+
+SHAPES = "Ds^vP*"
+"""Open marks of measured points, by their source."""
+COLOUR = "0.15"
+"""Colour of points that belong to several curves."""
+MARK: dict[str, Any] = {"ls": "", "ms": 5.5, "mfc": "white", "mew": 1.2, "zorder": 6.0, "gid": "measured"}
+
+
+class Place(NamedTuple):
+    """Place of measured points in a figure: completed figure, all its rows, and the units of the study."""
+
+    figure: "Figure"
+    rows: "pd.DataFrame"
+    units: Mapping[str, str]
+
+
+def mark_measured(
+    ax: "Axes",
+    place: Place,
+    name: str,
+    part: "pd.DataFrame",
+    curves: Sequence["Curve"],
+    sets: Sequence["MeasuredSet"],
+    factor: float,
+) -> None:
+    """Draw the measured values of feature ``name`` as open marks.
+
+    A mark has the colour of its curve, and is black if it may belong to several. Points at other parameters than
+    those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis.
+    """
+    for entry, shape in zip(sets, _shapes(sets), strict=True):
+        for x, y, colour in _marks(place, name, part, curves, entry):
+            ax.plot([x], [y * factor], marker=shape, mec=colour, **MARK)
+
+
+def entries(place: Place, sets: Sequence["MeasuredSet"]) -> list[Line2D]:
+    """Make a legend entry for each measured source with a mark in the figure."""
+    return [
+        Line2D([], [], marker=shape, mec=COLOUR, label=entry.legend, **MARK)
+        for entry, shape in zip(sets, _shapes(sets), strict=True)
+        if any(True for name in place.figure.y for _ in _marks(place, name, place.rows, (), entry))
+    ]
+
+
+def _shapes(sets: Sequence["MeasuredSet"]) -> list[str]:
+    return [SHAPES[number % len(SHAPES)] for number in range(len(sets))]
+
+
+def _marks(
+    place: Place, name: str, part: "pd.DataFrame", curves: Sequence["Curve"], entry: "MeasuredSet"
+) -> Iterator[tuple[float, float, str]]:
+    """Yield position on x, value (SI) and colour of each point of a source with feature ``name``."""
+    for point in entry.points:
+        value, x = point["features"].get(name), position_in(place, part, point)
+        if value is not None and x is not None:
+            yield x, entry.scaled(name, value), _colour(curves, part, point["at"], place.figure.x)
+
+
+def position_in(place: Place, part: "pd.DataFrame", point: Mapping[str, Any]) -> float | None:
+    """Return the position of a point on the x axis of a panel with the rows ``part``.
+
+    None if it does not state x, or is at other parameters than all rows.
+    """
+    at, x = point["at"], place.figure.x
+    others = {path: given for path, given in at.items() if path != x and path in part}
+    if x not in at or not all(any(same(own, given) for own in part[path]) for path, given in others.items()):
+        return None
+    return _position(x, at[x], place.rows, place.units)
+
+
+def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mapping[str, str]) -> float | None:
+    """Return the position of a value on the x axis; None for a word that is none of the categories."""
+    distinct = select.values(rows, path)
+    if select.is_numeric(distinct) and not isinstance(value, str):
+        return labels.shown(path, value, select.x_unit(path, rows, units))
+    return float(distinct.index(value)) if value in distinct else None
+
+
+def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", at: Mapping[str, float | str], x: str) -> str:
+    """Return the colour of the curve at some parameters apart from x; ``COLOUR`` if there are several, or none."""
+    by_job = part.set_index("job")
+    others = {path: given for path, given in at.items() if path != x and path in part}
+    colours = {
+        str(curve.look.colour)
+        for curve in curves
+        if all(same(by_job.loc[curve.points.jobs[0], path], given) for path, given in others.items())
+    }
+    return colours.pop() if len(colours) == 1 else COLOUR
+
+
+def signal_points(results: "Results", job: str) -> Iterator[tuple["MeasuredSet", Mapping[str, Any]]]:
+    """Yield the measured signals at the parameters of a job: their sources, and their points in the plan."""
+    swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == job)
+    for entry in results.measured:
+        for point in entry.points:
+            if point.get("signal") and all(same(swept.get(path), value) for path, value in point["at"].items()):
+                yield entry, point
+
+
+def signals_beside(results: "Results", job: str, channel: str) -> Iterator[tuple[str, Signal]]:
+    """Yield legend and signal (SI) of each measurement at a job's parameters, in the unit of a channel of motion.
+
+    Warns of files that cannot be read any more.
+    """
+    if not channel.startswith(("ring.", "sensor.")):
+        return
+    unit = recorded.unit_of(channel)
+    for entry, point in signal_points(results, job):
+        signal = _read(point["signal"], entry.factor) if point["signal"]["unit"] == unit else None
+        if signal is not None:
+            yield f"{entry.legend}, {point['place']}", signal
+
+
+def _read(file: Mapping[str, Any], factor: float) -> Signal | None:
+    from bearingsim.study.measured import SignalFile
+    from bearingsim.study.measured_signals import read_series
+
+    try:
+        series, fs = read_series(SignalFile(**file))
+    except (UserError, OSError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        warnings.warn(f"measured signal left out: {file['path']}: {reason}", PlotWarning, stacklevel=2)
+        return None
+    return Signal(np.arange(len(series)) / fs, factor * series)

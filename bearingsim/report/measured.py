@@ -1,0 +1,67 @@
+"""Table of measured beside simulated features."""
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearingsim.plots import labels
+from bearingsim.text.numbers import significant
+
+if TYPE_CHECKING:
+    from bearingsim.store import MeasuredSet, Results
+
+HEADS = ("feature", "parameters", "unit", "measured", "simulated", "difference", "ratio", "job")
+TEXT_COLUMNS = 3
+MAX_ROWS = 1000
+"""Largest number of rows of a table."""
+BETWEEN = "between"
+"""Cell of a simulated value that is interpolated between two cases."""
+
+
+class MeasuredTable(NamedTuple):
+    """Comparison of one source: its title, rows of cells, and remarks."""
+
+    title: str
+    rows: list[list[str]]
+    remarks: list[str]
+    heads: tuple[str, ...] = HEADS
+    numeric: tuple[int, ...] = (3, 4, 5, 6)
+
+
+def measured_tables(results: "Results") -> list[MeasuredTable]:
+    """Return a table for each measured source of a study.
+
+    The difference is simulated less measured, the ratio simulated over measured.
+    """
+    return [_table(results, entry) for entry in results.measured]
+
+
+def _table(results: "Results", entry: "MeasuredSet") -> MeasuredTable:
+    units = results.plan["units"]
+    rows = []
+    for item in entry.comparisons[:MAX_ROWS]:
+        measured = entry.scaled(item.feature, item.measured)
+        unit, factor = labels.feature_axis(item.feature, max(abs(measured), abs(item.simulated)))
+        values = measured * factor, item.simulated * factor, (item.simulated - measured) * factor
+        ratio = item.simulated / measured if measured else math.nan
+        parameters = labels.described({**item.at, **item.others}, units)
+        numbers = [significant(value, 4) if math.isfinite(value) else "-" for value in (*values, ratio)]
+        rows.append([item.feature, parameters, unit, *numbers, item.job[:8] or BETWEEN])
+    return MeasuredTable(_title(entry), rows, _remarks(entry))
+
+
+def _title(entry: "MeasuredSet") -> str:
+    scaled = "" if entry.factor == 1.0 else f", measured signal times {entry.factor:.4g}, the median of the ratios"
+    return f"measured: {entry.label}{scaled}"
+
+
+def _remarks(entry: "MeasuredSet") -> list[str]:
+    compared = {(item.place, item.feature) for item in entry.comparisons}
+    values = [(point["place"], feature) for point in entry.points for feature in point["features"]]
+    lost = sum(value not in compared for value in values)
+    between = any(not item.job for item in entry.comparisons)
+    more = len(entry.comparisons) - MAX_ROWS
+    return [
+        *([f"and {more} more"] if more > 0 else []),
+        *([f"{BETWEEN}: interpolated linearly between two cases"] if between else []),
+        *([f"{lost} of {len(values)} measured values have no simulated value beside them"] if lost else []),
+    ]

@@ -1,0 +1,147 @@
+"""Measured features of a study beside the simulated ones: at the same parameters, or between two cases."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from math import isclose, isfinite
+from statistics import median
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from bearingsim.config import FEATURES
+from bearingsim.store.table import rows_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SAME = 1e-6
+"""Relative difference up to which parameters are equal: tables are rounded."""
+POWERS = {"m": 1, "m/s": 1, "m/s^2": 1, "m^2/s^4": 2}
+"""Powers with which a factor on a signal acts on its features, by SI unit; others, such as kurtosis, stay."""
+
+Values = Mapping[str, float | str]
+
+
+class Comparison(NamedTuple):
+    """Measured feature (SI, without the factor of its set) and the simulated one.
+
+    at: parameters that the point names; others: swept parameters that it does not name, at which it is compared
+    too; job: id of the case, "" if the value is interpolated linearly between two cases.
+    """
+
+    feature: str
+    place: str
+    at: Values
+    others: Values
+    job: str
+    measured: float
+    simulated: float
+
+
+class MeasuredSet(NamedTuple):
+    """Points of one source as in the plan, their comparisons, and the factor on measured values (1: none)."""
+
+    label: str
+    points: Sequence[Mapping[str, Any]]
+    comparisons: list[Comparison]
+    factor: float
+
+    def scaled(self, feature: str, value: float) -> float:
+        """Apply the factor to a measured feature."""
+        return float(value * self.factor ** POWERS.get(FEATURES[feature].unit, 0))
+
+    @property
+    def legend(self) -> str:
+        """Label, with the factor if there is one."""
+        return self.label if self.factor == 1.0 else f"{self.label}, times {self.factor:.3g}"
+
+
+def measured_sets(plan: Mapping[str, Any], table: "pd.DataFrame") -> list[MeasuredSet]:
+    """Return the measured sets of a plan, compared with the finished cases of its table (SI).
+
+    The factor of a set with `scale: true` is the median of the ratios of simulated to measured features.
+    """
+    sets = plan.get("measured", ())
+    rows = list(_cases(plan, table)) if sets else []
+    swept = list(plan["units"])
+    result = []
+    for entry in sets:
+        compared = [item for point in entry["points"] for item in _compare(point, rows, swept)]
+        factor = _factor(compared) if entry["scale"] else 1.0
+        result.append(MeasuredSet(entry["label"], entry["points"], compared, factor))
+    return result
+
+
+def _cases(plan: Mapping[str, Any], table: "pd.DataFrame") -> Iterator[dict[Any, Any]]:
+    """Yield the rows of finished cases, without healthy baselines."""
+    baselines = {entry["job"] for entry in rows_of(plan) if entry["twin"]}
+    for row in table[table["status"] == "done"].to_dict("records"):
+        if row["job"] not in baselines:
+            yield row
+
+
+def _compare(
+    point: Mapping[str, Any], rows: Iterable[Mapping[Any, Any]], swept: Sequence[str]
+) -> Iterator[Comparison]:
+    """Yield the comparisons of a point, one for each feature and combination of parameters that it leaves open."""
+    at = point["at"]
+    free = [path for path in swept if path not in at]
+
+    def combination(row: Mapping[Any, Any]) -> tuple[str, ...]:
+        return tuple(str(row.get(path)) for path in free)
+
+    for _, group in groupby(sorted(rows, key=combination), combination):
+        cases = list(group)
+        others = {path: cases[0][path] for path in free if _has(cases[0].get(path))}
+        for feature, value in point["features"].items():
+            job, simulated = _value_at(cases, at, feature)
+            if isfinite(simulated):
+                yield Comparison(feature, point["place"], at, others, job, value, simulated)
+
+
+def _value_at(cases: Sequence[Mapping[Any, Any]], at: Values, feature: str) -> tuple[str, float]:
+    """Return id and feature of the case at parameters; without a case, ("", value) between its two neighbours.
+
+    The value is nan if more than one parameter lies between cases, or one lies outside of them.
+    """
+    unequal = [[path for path, value in at.items() if not same(row.get(path), value)] for row in cases]
+    for row, paths in zip(cases, unequal, strict=True):
+        if not paths:
+            return str(row["job"]), _finite(row.get(feature))
+    for path, value in at.items():
+        if isinstance(value, str):
+            continue
+        along = [row for row, paths in zip(cases, unequal, strict=True) if paths == [path]]
+        numbers = sorted(
+            (float(row[path]), _finite(row.get(feature)))
+            for row in along
+            if isinstance(row.get(path), int | float)
+        )
+        below, above = [pair for pair in numbers if pair[0] < value], [pair for pair in numbers if pair[0] > value]
+        if below and above:
+            (x0, y0), (x1, y1) = below[-1], above[0]
+            return "", y0 + (y1 - y0) * (value - x0) / (x1 - x0)
+    return "", float("nan")
+
+
+def same(value: Any, other: float | str) -> bool:
+    """Check if two parameters are equal, up to the rounding of a table."""
+    if isinstance(value, int | float) and isinstance(other, int | float):
+        return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
+    return str(value) == str(other)
+
+
+def _factor(comparisons: Iterable[Comparison]) -> float:
+    """Return the median ratio of simulated to measured signals; 1 without a feature that a factor changes."""
+    ratios = [
+        (entry.simulated / entry.measured) ** (1.0 / POWERS[unit])
+        for entry in comparisons
+        if (unit := FEATURES[entry.feature].unit) in POWERS and entry.measured > 0.0 and entry.simulated > 0.0
+    ]
+    return median(ratios) if ratios else 1.0
+
+
+def _has(value: Any) -> bool:
+    return value is not None and value == value and value != ""
+
+
+def _finite(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else float("nan")

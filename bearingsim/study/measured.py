@@ -1,0 +1,431 @@
+"""Section `measured:` of a study file: measured features and signals, which are laid beside the simulated ones.
+
+    measured:
+      - {points: line.csv, label: test rig}
+      - points: [{load: 150 N, velocity@BPFO: 12 um/s}]
+      - signals: [{file: run1.wav, at: {load: 150 N}, unit: m/s^2, speed: 1796 rpm}]
+        scale: true
+
+Points are rows of parameters and features, in the file or in a table whose heads give units: `load [N]`,
+`velocity@BPFO [um/s]`. Of signals the features are computed. The section changes no job.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import isclose
+from os.path import isfile
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+from bearingsim.config import FEATURES, Case
+from bearingsim.config.fields import Path
+from bearingsim.measured import MeasuredError, Request
+from bearingsim.measured.si import FACTORS, factor_to
+from bearingsim.measured.tables import HEAD, SEPARATORS
+from bearingsim.study.paths import dimension, value_at
+from bearingsim.text import files_read
+from bearingsim.text.units import EXPECTED, UnitError, parse, show, split, suggestion
+from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem, read_text
+
+KEYS = ("points", "signals", "label", "scale")
+SIGNAL_KEYS = ("file", "at", "rate", "speed", "unit", "channel", "full_scale")
+MOST_POINTS, MOST_SIGNALS = 10_000, 100
+"""Limits of the points of a table, and of the signals of an entry."""
+SAME = 1e-6
+"""Relative difference up to which a measured parameter equals that of a case: tables are rounded."""
+COMMENT = "#"
+
+
+@dataclass(frozen=True)
+class SignalFile:
+    """File of a measured signal (absolute path), its channel and SI unit, and what the study states about it, by
+    the names of ``Request``."""
+
+    path: str
+    channel: str
+    unit: str
+    request: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeasuredPoint:
+    """Measured features (SI) at values of swept paths (SI, or words); place: file and line, for messages."""
+
+    at: dict[str, float | str]
+    features: dict[str, float]
+    place: str
+    signal: SignalFile | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredSet:
+    """Points of one source, with the label of its marks; scale: whether one factor is fitted to the simulation."""
+
+    label: str
+    scale: bool
+    points: tuple[MeasuredPoint, ...]
+
+
+class Cases(NamedTuple):
+    """Cases of a study with their swept values, and functions that locate a path and return its swept spelling.
+
+    features: those of bands and envelopes that the study names.
+    """
+
+    swept: Sequence[tuple[Case, Mapping[str, float | str]]]
+    locate: Callable[[str], Path]
+    spelling: Callable[[str], str]
+    features: tuple[str, ...]
+
+
+def files_of(root: Node, folder: FilePath) -> Iterator[FilePath]:
+    """Yield the files that the section names, valid or not, in the working directory and beside the study."""
+    section = root.mapping.get("measured")
+    for entry in section.items if section is not None else ():
+        nodes = [entry.mapping.get("points"), *(signal.mapping.get("file") for signal in _items(entry, "signals"))]
+        for node in nodes:
+            if node is not None and isinstance(node.value, str):
+                yield from (FilePath() / node.value, folder / node.value)
+
+
+def parse_measured(
+    section: Node | None, folder: FilePath, cases: Cases, problems: list[Problem]
+) -> tuple[tuple[MeasuredSet, ...], tuple[str, ...]]:
+    """Read the measured values of a study, in SI; return them, and remarks on values outside the study.
+
+    folder: of the study, in which files are searched after the working directory. Mistakes are added to
+    ``problems``, with their place in the study or the table.
+    """
+    if section is None:
+        return (), ()
+    if not isinstance(section.value, tuple) or not section.items:
+        message = "measured: expected a list such as `[{points: line.csv, label: test rig}]`"
+        problems.append(problem(section.key or section.mark, message))
+        return (), ()
+    reader = _Reader(folder, cases, problems)
+    sets = [reader.read(entry, number) for number, entry in enumerate(section.items, 1)]
+    return tuple(entry for entry in sets if entry is not None and entry.points), tuple(reader.remarks)
+
+
+class _Reader:
+    """Reader of the entries of the section; collects problems and remarks."""
+
+    def __init__(self, folder: FilePath, cases: Cases, problems: list[Problem]) -> None:
+        self.folder, self.cases, self.problems = folder, cases, problems
+        self.remarks: list[str] = []
+
+    def read(self, entry: Node, number: int) -> MeasuredSet | None:
+        """Read an entry; None, with problems, if it is invalid."""
+        count = len(self.problems)
+        if not self.check_keys(entry, KEYS, "measured"):
+            return None
+        points, signals = entry.mapping.get("points"), entry.mapping.get("signals")
+        if points is None and signals is None:
+            self.fail(entry.mark, "measured: expected `points` or `signals`", "as in `{points: line.csv}`")
+            return None
+        scale = self.switch(entry.mapping.get("scale"))
+        read = [*(self.points(points) if points is not None else ())]
+        read += self.signals(signals) if signals is not None else ()
+        if len(self.problems) > count:
+            return None
+        named = entry.mapping.get("label")
+        default = FilePath(points.value).stem if points is not None and isinstance(points.value, str) else ""
+        label = named.text if named is not None else default or f"measured{f' {number}' * (number > 1)}"
+        return MeasuredSet(label, scale, tuple(self.inside(label, read)))
+
+    def fail(self, mark: Mark, message: str, hint: str | None = None) -> None:
+        self.problems.append(problem(mark, message, hint))
+
+    def check_keys(self, node: Node, keys: Sequence[str], place: str) -> bool:
+        """Add a problem for a node that is no mapping, and for unknown keys; return True if there is none."""
+        if not isinstance(node.value, dict):
+            self.fail(node.mark, f"{place}: expected a mapping of {', '.join(keys)}")
+            return False
+        unknown = [key for key in node.mapping if key not in keys]
+        for key in unknown:
+            mark = node.mapping[key].key or node.mark
+            hint = suggestion(key, keys) or f"known: {', '.join(keys)}"
+            self.fail(mark, f"{place}: unknown key `{key}`", hint)
+        return not unknown
+
+    def switch(self, node: Node | None) -> bool:
+        if node is not None and node.text not in ("true", "false"):
+            self.fail(node.mark, f"measured: expected `true` or `false`, got `{node.text}`")
+        return node is not None and node.text == "true"
+
+    def find(self, node: Node) -> FilePath | None:
+        """Return the file that a node names; None, with a problem, if there is none."""
+        if not isinstance(node.value, str):
+            self.fail(node.mark, "measured: expected the name of a file")
+            return None
+        candidates = [base / node.value for base in (FilePath(), self.folder)]
+        path = next(filter(isfile, candidates), None)
+        if path is None:
+            places = " and ".join(dict.fromkeys(str(candidate.absolute().parent) for candidate in candidates))
+            self.fail(node.mark, f"measured: no file `{node.value}`", f"searched in {places}")
+        return path
+
+    # Points
+
+    def points(self, node: Node) -> Iterator[MeasuredPoint]:
+        """Yield the points of a table, or of a list of rows in the study."""
+        if isinstance(node.value, str):
+            path = self.find(node)
+            rows = [] if path is None else list(self.table(path))
+        else:
+            rows = [(f"{item.mark.file}:{item.mark.line}", item) for item in node.items]
+            if not rows:
+                self.fail(
+                    node.mark, "measured: expected a file, or a list of rows", "as in `[{load: 150 N, ...}]`"
+                )
+        for place, row in rows:
+            point = self.point(place, row)
+            if point is not None:
+                yield point
+
+    def table(self, path: FilePath) -> Iterator[tuple[str, Node]]:
+        """Yield place and entries of each row of a table in a text file; values have the unit of their head."""
+        try:
+            lines = read_text(path).lstrip("\ufeff").splitlines()
+        except (StudyError, OSError) as error:
+            self.fail(Mark(str(path)), f"cannot be read as a table: {error}")
+            return
+        numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
+        if len(numbered) < 2:
+            self.fail(
+                Mark(str(path)), "has no row below a line of heads", "as in `load [N], velocity@BPFO [um/s]`"
+            )
+            return
+        if len(numbered) > MOST_POINTS:
+            self.fail(Mark(str(path)), f"has {len(numbered) - 1} rows; at most {MOST_POINTS} are possible")
+            return
+        (head_line, head), *rows = numbered
+        separator = next((mark for mark in SEPARATORS if mark in head), ",")
+        heads = [HEAD.match(text) for text, _ in _cells(head, separator)]
+        names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in heads]
+        for number, line in rows:
+            cells = _cells(line, separator)
+            mark = Mark(str(path), number, 1, line)
+            if len(cells) != len(names):
+                message = f"has {len(cells)} values for the {len(names)} heads of line {head_line}"
+                self.fail(mark, message, "is the separator right?")
+                return
+            yield f"{path.name}:{number}", Node(dict(self.row(names, cells, mark, separator)), mark)
+
+    def row(
+        self, names: Sequence[tuple[str, str]], cells: Sequence[tuple[str, int]], mark: Mark, separator: str
+    ) -> Iterator[tuple[str, Node]]:
+        """Yield the values of a row that are not empty; decimal commas are read if they do not separate."""
+        for (name, unit), (cell, column) in zip(names, cells, strict=True):
+            if cell:
+                number = cell if separator == "," else cell.replace(",", ".")
+                text = f"{number} {unit}".strip() if _is_number(number) else cell
+                yield name, Node(text, replace(mark, column=column), Mark(mark.file, mark.line))
+
+    def point(self, place: str, row: Node) -> MeasuredPoint | None:
+        """Read a row of parameters and features; None, with problems, if it is invalid."""
+        count = len(self.problems)
+        if not isinstance(row.value, dict):
+            self.fail(row.mark, "measured: expected a row such as `{load: 150 N, velocity@BPFO: 12 um/s}`")
+            return None
+        names = [name for name in row.mapping if name in FEATURES]
+        features = {name: self.feature(name, row.mapping[name]) for name in names}
+        at = self.parameters({path: node for path, node in row.mapping.items() if path not in names})
+        if not features and len(self.problems) == count:
+            self.fail(row.mark, "measured: the row has no feature", "as in `velocity@BPFO: 12 um/s`")
+        valid = {name: value for name, value in features.items() if value is not None}
+        return MeasuredPoint(at, valid, place) if len(self.problems) == count else None
+
+    def feature(self, name: str, node: Node) -> float | None:
+        """Convert a feature to SI; None, with a problem, if its unit is not one of the feature's."""
+        unit = FEATURES[name].unit
+        try:
+            number, written = split(node.text)
+        except UnitError as error:
+            self.fail(node.mark, f"measured: {name}: {error}")
+            return None
+        factor = factor_to(unit, written)
+        if factor is None:
+            units = ", ".join(filter(None, FACTORS.get(unit, {unit: 1.0}))) or "none"
+            self.fail(node.mark, f"measured: `{written}` is no unit of {name}", f"units: {units}")
+            return None
+        return factor * float(number)
+
+    def parameters(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
+        """Convert parameters to SI, by the spelling of their paths in the sweep; words stay."""
+        values: dict[str, float | str] = {}
+        for path, node in entries.items():
+            try:
+                self.cases.locate(path)
+            except ValueError as error:
+                features = suggestion(path, list(FEATURES)) if "@" in path or "." in path else ""
+                self.fail(node.key or node.mark, f"measured: {error}", features or None)
+                continue
+            spelling, kind = self.cases.spelling(path), dimension(path)
+            words = {values[spelling] for _, values in self.cases.swept if spelling in values}
+            if kind is None or node.text in words:
+                values[spelling] = node.text
+                continue
+            try:
+                values[spelling] = parse(node.text, kind)
+            except UnitError as error:
+                self.fail(node.mark, f"measured: {path}: {error}")
+        return values
+
+    # Signals
+
+    def signals(self, section: Node) -> Iterator[MeasuredPoint]:
+        """Yield a point with the features of each signal."""
+        if not section.items or len(section.items) > MOST_SIGNALS:
+            message = f"measured: expected a list of up to {MOST_SIGNALS} signals"
+            self.fail(section.mark, message, "as in `[{file: run1.wav, at: {load: 150 N}}]`")
+        for node in section.items[:MOST_SIGNALS]:
+            if self.check_keys(node, SIGNAL_KEYS, "measured: signals"):
+                yield from self.signal(node)
+
+    def signal(self, node: Node) -> Iterator[MeasuredPoint]:
+        """Yield the point of one signal, unless it is invalid."""
+        from bearingsim.study.measured_signals import signal_point
+
+        entries, count = node.mapping, len(self.problems)
+        if "file" not in entries:
+            self.fail(node.mark, "measured: `file` is missing", "as in `{file: run1.wav, at: {load: 150 N}}`")
+            return
+        path = self.find(entries["file"])
+        at_node = entries.get("at")
+        if at_node is not None and not isinstance(at_node.value, dict):
+            self.fail(at_node.mark, "measured: `at` expects parameters", "as in `at: {load: 150 N}`")
+        at = self.parameters(at_node.mapping if at_node is not None else {})
+        request = Request(
+            self.quantity("rate", entries, "frequency"),
+            self.quantity("speed", entries, "rotation"),
+            entries["unit"].text if "unit" in entries else None,
+            self.number("full_scale", entries),
+            entries["channel"].text if "channel" in entries else None,
+        )
+        if len(self.problems) > count or path is None:
+            return
+        case = self.nearest(at)
+        try:
+            signal, features, remarks = signal_point(path, request, case, self.cases.features)
+        except MeasuredError as error:
+            self.fail(entries["file"].mark, f"measured: {error}")
+            return
+        self.remarks += remarks
+        yield MeasuredPoint(at, features, path.name, signal)
+
+    def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
+        """Return a positive quantity (SI) of a signal; None, with a problem if it is invalid."""
+        if key not in entries:
+            return None
+        try:
+            value = parse(entries[key].text, kind)
+        except UnitError as error:
+            self.fail(entries[key].mark, f"measured: {key}: {error}")
+            return None
+        if value <= 0.0:
+            self.fail(entries[key].mark, f"measured: {key}: expected {EXPECTED[kind]} above zero")
+        return value
+
+    def number(self, key: str, entries: Mapping[str, Node]) -> float | None:
+        """Return a positive plain number of a signal; None, with a problem if it is invalid."""
+        return self.quantity(key, entries, "number")
+
+    def nearest(self, at: Mapping[str, float | str]) -> Case:
+        """Return the first case that has most of the values: its bearing, speed and sampling serve a signal."""
+        return max(self.cases.swept, key=lambda pair: sum(_equal(pair[1].get(p), v) for p, v in at.items()))[0]
+
+    # Values outside the study
+
+    def inside(self, label: str, points: Iterable[MeasuredPoint]) -> Iterator[MeasuredPoint]:
+        """Yield the points at the study's fixed values, by their swept values only; remark on the others."""
+        left_out: dict[str, list[str]] = {}
+        beyond: dict[str, list[str]] = {}
+        for point in points:
+            fixed = [path for path in point.at if path not in self.ranges]
+            unequal = [path for path in fixed if not _equal(self.fixed_value(path), point.at[path])]
+            if unequal:
+                left_out.setdefault(unequal[0], []).append(point.place)
+                continue
+            for path, value in point.at.items():
+                if path in self.ranges and not _is_within(value, self.ranges[path]):
+                    beyond.setdefault(path, []).append(point.place)
+            yield replace(point, at={path: value for path, value in point.at.items() if path not in fixed})
+        for path, places in left_out.items():
+            value = _shown(path, self.fixed_value(path))
+            self.remarks.append(f"measured `{label}`: left out {_listed(places)}: the study has {path} {value}")
+        for path, places in beyond.items():
+            numbers = [value for value in self.ranges[path] if not isinstance(value, str)]
+            ends = [_shown(path, pick(numbers)) for pick in (min, max)] if numbers else map(str, self.ranges[path])
+            text = f"measured `{label}`: {_listed(places)} outside the sweep of {path} ({' to '.join(ends)})"
+            self.remarks.append(text)
+
+    @property
+    def ranges(self) -> dict[str, list[float | str]]:
+        """Swept values by path."""
+        ranges: dict[str, list[float | str]] = {}
+        for _, values in self.cases.swept:
+            for path, value in values.items():
+                ranges.setdefault(path, []).append(value)
+        return ranges
+
+    def fixed_value(self, path: str) -> Any:
+        """Return the value of a path that is not swept, in SI."""
+        return value_at(self.cases.swept[0][0], self.cases.locate(path))
+
+
+def _items(entry: Node, key: str) -> tuple[Node, ...]:
+    node = entry.mapping.get(key)
+    return node.items if node is not None else ()
+
+
+def _cells(line: str, separator: str) -> list[tuple[str, int]]:
+    """Return the cells of a line, without quotes, with their columns from 1."""
+    cells, column = [], 1
+    for text in line.split(separator):
+        cells.append((text.strip().strip('"').strip(), column + len(text) - len(text.lstrip())))
+        column += len(text) + 1
+    return cells
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _equal(value: Any, other: float | str) -> bool:
+    if isinstance(value, int | float) and isinstance(other, int | float):
+        return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
+    return str(value) == str(other)
+
+
+def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
+    """Check if a value is between the least and the largest swept number, or a swept word."""
+    numbers = [number for number in swept if not isinstance(number, str)]
+    if isinstance(value, str) or not numbers:
+        return value in swept
+    margin = SAME * max(map(abs, numbers))
+    return min(numbers) - margin <= value <= max(numbers) + margin
+
+
+def _shown(path: str, value: Any) -> str:
+    kind = dimension(path)
+    if kind is None or isinstance(value, str) or value is None:
+        return str(value)
+    from bearingsim.text.units import DISPLAY
+
+    return show(float(value), DISPLAY[kind], kind)
+
+
+def _listed(places: Sequence[str]) -> str:
+    more = f" and {len(places) - 3} more" if len(places) > 3 else ""
+    return ", ".join(places[:3]) + more
+
+
+def record_files(root: Node, folder: FilePath) -> None:
+    """Record the files of the section as files that the study reads."""
+    for path in files_of(root, folder):
+        files_read.record(path)

@@ -1,0 +1,160 @@
+"""Features of measured signals: level, shape and spectral lines, in the band of the simulated ones."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.config import Case
+from bearingsim.config.bands import PASSBAND, BandFeature
+from bearingsim.config.names import LINES, QUANTITIES, Line, read_band
+from bearingsim.config.sections.machine import RollingParts
+from bearingsim.diagnosis import Lines
+from bearingsim.measured import MeasuredError, Recording, Request, read
+from bearingsim.measured.checks import refuse_unusable
+from bearingsim.measured.si import FACTORS, factor_to
+from bearingsim.signals import band_rms, envelope_spectrum, pick_from, spectrum, statistics
+from bearingsim.signals.spectra import FLAT
+from bearingsim.study.measured import SignalFile
+
+TOLERANCE = 0.02
+"""Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
+LEAST_PROMINENCE = 4.0
+"""Least ratio of a line to the local median; white noise alone reaches 3 to 4."""
+LEAST_RATIO = 1.2
+"""Least ratio of sampling rates from which the low-pass of the slower one, zero at 0.6 of it, can be applied."""
+SAME = 1e-3
+"""Relative difference up to which sampling rates are equal."""
+LEAST_BINS = 3.0
+"""Least distance of a line from zero, in lines of the spectrum."""
+
+
+class MeasuredSignal(NamedTuple):
+    """Series (n,) in SI of a quantity (displacement, velocity, acceleration), sampled at ``fs`` (Hz), its unit,
+    and the kinematic lines of its bearing at its speed."""
+
+    quantity: str
+    unit: str
+    channel: str
+    series: np.ndarray
+    fs: float
+    lines: Lines
+
+
+def signal_point(
+    path: Path, request: Request, case: Case, features: Sequence[str]
+) -> tuple[SignalFile, dict[str, float], list[str]]:
+    """Read a signal and compute its features (SI); also return remarks.
+
+    case: gives bearing, speed (unless file or request state it) and the sampling rate of its record, the low-pass
+    of which level and shape share; features: bands and envelopes to compute in addition. Raises MeasuredError.
+    """
+    recording = read(path, request)
+    signal = _signal(path, recording, case)
+    remarks = list(recording.remarks)
+    if signal.fs < case.sampling * (1.0 - SAME):
+        remarks.append(
+            f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {case.sampling:g} Hz: "
+            "RMS, peak and shape of the two do not compare"
+        )
+    values = dict(_features(signal, case.sampling, features))
+    file = SignalFile(str(path.absolute()), signal.channel, signal.unit, request._asdict())
+    return file, {name: value for name, value in values.items() if np.isfinite(value)}, remarks
+
+
+def read_series(file: SignalFile) -> tuple[np.ndarray, float]:
+    """Read a signal again: its series (n,) in SI, and sampling rate (Hz).
+
+    Raises MeasuredError, and OSError if the file is not there.
+    """
+    _, _, series, fs = _series(Path(file.path), read(Path(file.path), Request(**file.request)))
+    return series, fs
+
+
+def _signal(path: Path, recording: Recording, case: Case) -> MeasuredSignal:
+    quantity, channel, series, fs = _series(path, recording)
+    speed = case.speed if recording.speed is None else recording.speed.value
+    bearing = case.bearing
+    parts = RollingParts(
+        rollers=bearing.rollers, roller_diameter=bearing.roller_diameter, pitch_diameter=bearing.pitch_diameter
+    )
+    lines = Lines.of(parts, speed / (2.0 * np.pi))
+    return MeasuredSignal(quantity, QUANTITIES[quantity], channel, series, fs, lines)
+
+
+def _series(path: Path, recording: Recording) -> tuple[str, str, np.ndarray, float]:
+    """Return quantity, channel, series (n,) in SI and sampling rate (Hz) of a recording with one channel."""
+    names = list(recording.channels)
+    if len(names) > 1:
+        raise MeasuredError(path, f"has {len(names)} channels: name one, as in `channel: {names[0]}`")
+    name, fs = names[0], recording.rate.value
+    refuse_unusable(path, name, recording.channels[name], fs)
+    unit = recording.units[name].value
+    for quantity, si_unit in QUANTITIES.items():
+        factor = factor_to(si_unit, unit)
+        if factor is not None:
+            return quantity, name, recording.channels[name] * factor, fs
+    units = ", ".join(unit for si_unit in QUANTITIES.values() for unit in FACTORS[si_unit])
+    statement = f"has `{name}` in `{unit}`" if unit else f"states no unit of `{name}`"
+    raise MeasuredError(path, f"{statement}: give `unit`, one of {units}")
+
+
+def _features(signal: MeasuredSignal, sampling: float, names: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Yield name and value of each feature; sampling: rate (Hz) of the simulated record."""
+    for name, value in statistics(_low_passed(signal, sampling)).items():
+        yield f"{signal.quantity}.{name}", value
+    frequency, amplitude = spectrum(signal.series, signal.fs)
+    for name, line in LINES.items():
+        yield f"{signal.quantity}@{name}", _amplitude(frequency, amplitude, frequency_of(line, signal.lines))
+    end = min(PASSBAND * sampling, FLAT * signal.fs)
+    for name in sorted({"envelope@BPFO", "envelope@BPFI", "envelope@2BSF", *names}):
+        feature = read_band(name)
+        if feature is not None and feature.quantity == signal.quantity and not feature.healthy:
+            yield name, _band_value(signal, feature, end)
+
+
+def _low_passed(signal: MeasuredSignal, sampling: float) -> np.ndarray:
+    """Return the series (n,) through the low-pass of a simulated record sampled at ``sampling`` (Hz).
+
+    A series that is sampled about as fast has passed a low-pass of its own, and is returned as it is.
+    """
+    from bearingsim.core.sampling import sampling_kernel
+
+    ratio = signal.fs / sampling
+    if ratio < LEAST_RATIO:
+        return signal.series
+    taps = sampling_kernel(ratio)
+    reach = len(taps) // 2
+    extended = np.pad(signal.series, min(reach, len(signal.series) - 1), mode="reflect")
+    return np.convolve(extended, taps, mode="valid")
+
+
+def _band_value(signal: MeasuredSignal, feature: BandFeature, end: float) -> float:
+    band = feature.band or (0.0, end)
+    if band[1] > FLAT * signal.fs * (1.0 + 1e-9):
+        return float("nan")
+    if not feature.line:
+        return band_rms(signal.series, signal.fs, (band[0], band[1]))
+    frequency, amplitude = envelope_spectrum(signal.series, signal.fs, (band[0], band[1]))
+    return _amplitude(frequency, amplitude, frequency_of(LINES[feature.line], signal.lines))
+
+
+def frequency_of(line: Line, lines: Lines) -> float:
+    """Return the frequency (Hz) of a spectral line of a bearing."""
+    return (
+        line.outer * lines.outer
+        + line.inner * lines.inner
+        + 0.5 * line.spin * lines.roller
+        + line.cage * lines.cage
+        + line.shaft * lines.shaft
+    )
+
+
+def _amplitude(frequency: np.ndarray, amplitude: np.ndarray, expected: float) -> float:
+    """Return the amplitude of the line near an expected frequency (Hz); nan if none stands out, or is resolved."""
+    step = float(frequency[1])
+    if not LEAST_BINS * step < expected * (1.0 + TOLERANCE) < float(frequency[-1]):
+        return float("nan")
+    line = pick_from(frequency, amplitude, expected, TOLERANCE)
+    return float("nan") if line is None or line.prominence < LEAST_PROMINENCE else line.amplitude

@@ -1,0 +1,189 @@
+"""Section `measured` of a study: what is read, what is refused and where, and that no job changes."""
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bearingsim.study import load_study
+from bearingsim.text.yamlfile import StudyError
+
+STUDY = """\
+study: rig
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+duration: 0.2 s
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+model: ring
+sweep: {load: [150 N, 300 N], defect.width: [0.4 mm, 0.8 mm]}
+"""
+
+
+def load(folder: Path, section: str):
+    path = folder / "rig.yaml"
+    path.write_text(STUDY + section)
+    return load_study(path)
+
+
+def problem_of(folder: Path, section: str) -> str:
+    with pytest.raises(StudyError) as caught:
+        load(folder, section)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(("separator", "comma"), [(",", "."), (";", ","), ("\t", "."), ("\t", ",")])
+def test_table_is_read_in_si_with_any_separator_and_decimal_sign(tmp_path, separator, comma):
+    rows = [
+        ["load [N]", "defect.width (mm)", "velocity@BPFO [um/s]", "acceleration.rms [g]"],
+        ["150", "0.8", "12.5", "0.1"],
+        ["300", "0.4", "", "2e-1"],
+    ]
+    lines = [rows[0], *([cell.replace(".", comma) for cell in row] for row in rows[1:])]
+    (tmp_path / "line.csv").write_text("\ufeff# rig\n" + "\n\n".join(separator.join(line) for line in lines))
+    (entry,) = load(tmp_path, "measured: [{points: line.csv}]\n").measured
+    assert entry.label == "line"
+    assert not entry.scale
+    first, second = entry.points
+    assert first.at == pytest.approx({"load": 150.0, "defect.width": 0.8e-3})
+    assert first.features == pytest.approx({"velocity@BPFO": 12.5e-6, "acceleration.rms": 0.980665})
+    assert second.at == pytest.approx({"load": 300.0, "defect.width": 0.4e-3})
+    assert second.features == pytest.approx({"acceleration.rms": 1.96133})
+    assert second.place == "line.csv:6"
+
+
+def test_rows_in_the_study_are_read_as_those_of_a_table(tmp_path):
+    row = "{load: 150 N, velocity@BPFO: 12 µm/s, outer_force.max: 0.2 kN, envelope@BPFO: 2 g^2}"
+    (entry,) = load(tmp_path, f"measured: [{{points: [{row}], label: by hand, scale: true}}]\n").measured
+    assert entry.label == "by hand"
+    assert entry.scale
+    assert entry.points[0].features == pytest.approx(
+        {"velocity@BPFO": 12e-6, "outer_force.max": 200.0, "envelope@BPFO": 2 * 9.80665**2}
+    )
+
+
+def test_the_section_changes_no_job(tmp_path):
+    plain = [job.id for job in load(tmp_path, "").jobs()]
+    row = "{load: 150 N, velocity@BPFO: 12 um/s}"
+    assert [job.id for job in load(tmp_path, f"measured: [{{points: [{row}]}}]\n").jobs()] == plain
+
+
+def test_points_at_other_fixed_values_are_left_out_with_a_remark(tmp_path):
+    rows = [
+        f"{{load: {load} N, speed: {speed} rpm, velocity@BPFO: 1 um/s}}"
+        for load, speed in ((150, 1800), (200, 900))
+    ]
+    study = load(tmp_path, f"measured:\n - {{points: [{', '.join(rows)}], label: a}}\n")
+    assert [point.at for point in study.measured[0].points] == [{"load": 150.0}]
+    assert "the study has speed 1800 rpm" in study.notes[-1]
+
+
+def test_points_beyond_the_sweep_stay_with_a_remark(tmp_path):
+    study = load(tmp_path, "measured: [{points: [{load: 400 N, velocity@BPFO: 1 um/s}]}]\n")
+    assert len(study.measured[0].points) == 1
+    assert "outside the sweep of load (150 N to 300 N)" in study.notes[-1]
+
+
+MISTAKES = {
+    "measured: 3": ("expected a list", 9),
+    "measured: []": ("expected a list", 9),
+    "measured: [{point: a.csv}]": ("unknown key `point`", 9),
+    "measured: [{label: a}]": ("expected `points` or `signals`", 9),
+    "measured: [{points: nothing.csv}]": ("no file `nothing.csv`", 9),
+    "measured: [{points: []}]": ("expected a file, or a list of rows", 9),
+    "measured: [{points: [{load: 150 N}]}]": ("the row has no feature", 9),
+    "measured: [{points: [{load: 150, velocity@BPFO: 1 um/s}]}]": ("the unit is missing", 9),
+    "measured: [{points: [{load: 150 N, velocity@BPFO: 1}]}]": ("no unit of velocity@BPFO", 9),
+    "measured: [{points: [{load: 150 N, velocity@BPFO: 1 g}]}]": ("units: m/s, mm/s", 9),
+    "measured: [{points: [{load: 150 N, velocity@BPFI0: 1 um/s}]}]": ("did you mean `velocity@BPFI", 9),
+    "measured: [{points: [{lod: 150 N, velocity@BPFO: 1 um/s}]}]": ("no such path `lod`", 9),
+    "measured: [{points: [{defect.widht: 1 mm, velocity@BPFO: 1 um/s}]}]": ("no such path `defect.widht`", 9),
+    "measured: [{points: [{load: 150 N, velocity@BPFO: 1 um/s}], scale: 2}]": ("expected `true` or `false`", 9),
+    "measured: [{signals: [{at: {load: 150 N}}]}]": ("`file` is missing", 9),
+    "measured: [{signals: [{file: run.npz, at: 150 N}]}]": ("`at` expects parameters", 9),
+    "measured: [{signals: [{file: run.npz, rate: 3 m}]}]": ("rate: expected a frequency", 9),
+    "measured: [{signals: [{file: run.npz, speed: -3 rpm}]}]": ("speed: expected a rotation speed", 9),
+    "measured: [{signals: [{file: run.npz, sped: 3 rpm}]}]": ("unknown key `sped`", 9),
+    "measured: [{signals: [{file: run.npz}]}]": ("states no unit of `a`: give `unit`", 9),
+    "measured: [{signals: [{file: run.npz, unit: N}]}]": ("give `unit`, one of", 9),
+    "measured: [{signals: [{file: run.npz, unit: g, channel: b}]}]": ("has no channel `b`", 9),
+    "measured: [{signals: []}]": ("expected a list of up to", 9),
+}
+
+
+@pytest.mark.parametrize("section", MISTAKES)
+def test_mistakes_are_located_in_the_study(tmp_path, section):
+    np.savez(tmp_path / "run.npz", a=np.random.default_rng(1).normal(size=4096), fs=10240.0)
+    message, line = MISTAKES[section]
+    text = problem_of(tmp_path, section + "\n")
+    assert message in text
+    assert f"rig.yaml:{line}:" in text
+    assert "^" in text
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("load [N],velocity@BPFO [um/s]\n150\n", "line.csv:2:1: has 1 values for the 2 heads of line 1"),
+        ("load [N],velocity@BPFO [um/s]\n150,1\nx,2\n", "line.csv:3:1: measured: load: expected a force"),
+        ("load [N],velocity@BPFO [um/s]\n150,x\n", "line.csv:2:5: measured: velocity@BPFO"),
+        ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:2:5: measured: `Pa` is no unit of velocity@BPFO"),
+        ("load [N],velocity@BPFO [um/s]\n", "has no row below a line of heads"),
+        ("load [N],lode\n150,1\n", "no such path `lode`"),
+    ],
+)
+def test_mistakes_are_located_in_the_table(tmp_path, table, message):
+    (tmp_path / "line.csv").write_text(table)
+    assert message in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+
+
+BPFO, SHAFT = 13 * 15.0 * (1 - 12 / 65), 30.0
+"""Hz; of an NF308 at 1800 rpm."""
+
+
+def signal(amplitude: float, fs: float, seconds: float = 4.0, slip: float = 0.99) -> np.ndarray:
+    t = np.arange(round(seconds * fs)) / fs
+    noise = 0.01 * amplitude * np.random.default_rng(3).normal(size=len(t))
+    return amplitude * np.sin(2 * pi * slip * BPFO * t) + noise
+
+
+def test_features_of_a_signal_are_those_of_its_tone(tmp_path):
+    np.savez(tmp_path / "run.npz", a=signal(0.5, 25600.0), fs=25600.0)
+    study = load(tmp_path, "measured: [{signals: [{file: run.npz, at: {load: 150 N}, unit: g}]}]\n")
+    (point,) = study.measured[0].points
+    features = point.features
+    assert features["acceleration@BPFO"] == pytest.approx(0.5 * 9.80665, rel=5e-3)
+    assert features["acceleration.rms"] == pytest.approx(0.5 * 9.80665 / 2**0.5, rel=1e-3)
+    assert features["acceleration.kurtosis"] == pytest.approx(1.5, rel=1e-2)
+    assert not {"acceleration@BPFI", "velocity.rms"} & features.keys()
+    assert point.at == {"load": 150.0}
+    assert point.signal is not None
+    assert point.signal.unit == "m/s^2"
+
+
+def test_lines_of_a_signal_are_those_of_its_own_speed(tmp_path):
+    np.savez(tmp_path / "run.npz", a=signal(0.5, 25600.0, slip=0.5), fs=25600.0)
+    section = "measured: [{signals: [{file: run.npz, unit: m/s^2, speed: 900 rpm}]}]\n"
+    assert load(tmp_path, section).measured[0].points[0].features["acceleration@BPFO"] == pytest.approx(
+        0.5, rel=5e-3
+    )
+
+
+def test_level_of_a_signal_has_the_low_pass_of_the_record(tmp_path):
+    fs, t = 51200.0, np.arange(102400) / 51200.0
+    np.savez(tmp_path / "run.npz", a=np.sin(2 * pi * 1000 * t) + 5 * np.sin(2 * pi * 9000 * t), fs=fs)
+    (entry,) = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n").measured
+    assert entry.points[0].features["acceleration.rms"] == pytest.approx(0.5**0.5, rel=1e-3)
+
+
+def test_a_signal_sampled_more_slowly_than_the_record_gives_a_remark(tmp_path):
+    np.savez(tmp_path / "run.npz", a=signal(1.0, 6400.0), fs=6400.0)
+    study = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n")
+    assert "sampled at 6400 Hz, the simulated record at 10240 Hz" in study.notes[-1]
+
+
+def test_files_of_the_section_are_files_of_the_study(tmp_path):
+    (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s]\n150,1\n")
+    study = load(tmp_path, "measured: [{points: line.csv}]\n")
+    assert str(tmp_path / "line.csv") in study.files
