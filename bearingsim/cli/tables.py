@@ -95,7 +95,7 @@ def show_measured(results: "Results", as_json: bool) -> None:
             "factor": entry.factor,
             "place": item.place,
             "feature": item.feature,
-            "at": {**item.at, **item.others},
+            "parameters": {**item.parameters, **item.others},
             "measured": entry.scaled(item.feature, item.measured),
             "simulated": item.simulated,
             "job": item.job or None,

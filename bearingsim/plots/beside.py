@@ -28,8 +28,8 @@ COLOUR = "0.15"
 MARK: dict[str, Any] = {"ls": "", "ms": 5.5, "mfc": "white", "mew": 1.2, "zorder": 6.0, "gid": "measured"}
 
 
-class Place(NamedTuple):
-    """Place of measured points in a figure: completed figure, all its rows, and the units of the study."""
+class Drawing(NamedTuple):
+    """Drawing of measured points in a figure: completed figure, all its rows, and the units of the study."""
 
     figure: "Figure"
     rows: "pd.DataFrame"
@@ -38,7 +38,7 @@ class Place(NamedTuple):
 
 def mark_measured(
     ax: "Axes",
-    place: Place,
+    drawing: Drawing,
     name: str,
     part: "pd.DataFrame",
     curves: Sequence["Curve"],
@@ -51,16 +51,16 @@ def mark_measured(
     those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis.
     """
     for entry, shape in zip(sets, _shapes(sets), strict=True):
-        for x, y, colour in _marks(place, name, part, curves, entry):
+        for x, y, colour in _marks(drawing, name, part, curves, entry):
             ax.plot([x], [y * factor], marker=shape, mec=colour, **MARK)
 
 
-def entries(place: Place, sets: Sequence["MeasuredSet"]) -> list[Line2D]:
+def entries(drawing: Drawing, sets: Sequence["MeasuredSet"]) -> list[Line2D]:
     """Make a legend entry for each measured source with a mark in the figure."""
     return [
         Line2D([], [], marker=shape, mec=COLOUR, label=entry.legend, **MARK)
         for entry, shape in zip(sets, _shapes(sets), strict=True)
-        if any(True for name in place.figure.y for _ in _marks(place, name, place.rows, (), entry))
+        if any(True for name in drawing.figure.y for _ in _marks(drawing, name, drawing.rows, (), entry))
     ]
 
 
@@ -69,25 +69,27 @@ def _shapes(sets: Sequence["MeasuredSet"]) -> list[str]:
 
 
 def _marks(
-    place: Place, name: str, part: "pd.DataFrame", curves: Sequence["Curve"], entry: "MeasuredSet"
+    drawing: Drawing, name: str, part: "pd.DataFrame", curves: Sequence["Curve"], entry: "MeasuredSet"
 ) -> Iterator[tuple[float, float, str]]:
     """Yield position on x, value (SI) and colour of each point of a source with feature ``name``."""
     for point in entry.points:
-        value, x = point["features"].get(name), position_in(place, part, point)
+        value, x = point["features"].get(name), position_in(drawing, part, point)
         if value is not None and x is not None:
-            yield x, entry.scaled(name, value), _colour(curves, part, point["at"], place.figure.x)
+            yield x, entry.scaled(name, value), _colour(curves, part, point["parameters"], drawing.figure.x)
 
 
-def position_in(place: Place, part: "pd.DataFrame", point: Mapping[str, Any]) -> float | None:
+def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]) -> float | None:
     """Return the position of a point on the x axis of a panel with the rows ``part``.
 
     None if it does not state x, or is at other parameters than all rows.
     """
-    at, x = point["at"], place.figure.x
-    others = {path: given for path, given in at.items() if path != x and path in part}
-    if x not in at or not all(any(same(own, given) for own in part[path]) for path, given in others.items()):
+    parameters, x = point["parameters"], drawing.figure.x
+    others = {path: value for path, value in parameters.items() if path != x and path in part}
+    if x not in parameters or not all(
+        any(same(own, value) for own in part[path]) for path, value in others.items()
+    ):
         return None
-    return _position(x, at[x], place.rows, place.units)
+    return _position(x, parameters[x], drawing.rows, drawing.units)
 
 
 def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mapping[str, str]) -> float | None:
@@ -98,14 +100,14 @@ def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mappin
     return float(distinct.index(value)) if value in distinct else None
 
 
-def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", at: Mapping[str, float | str], x: str) -> str:
+def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", parameters: Mapping[str, float | str], x: str) -> str:
     """Return the colour of the curve at some parameters apart from x; ``COLOUR`` if there are several, or none."""
     by_job = part.set_index("job")
-    others = {path: given for path, given in at.items() if path != x and path in part}
+    others = {path: value for path, value in parameters.items() if path != x and path in part}
     colours = {
         str(curve.look.colour)
         for curve in curves
-        if all(same(by_job.loc[curve.points.jobs[0], path], given) for path, given in others.items())
+        if all(same(by_job.loc[curve.points.jobs[0], path], value) for path, value in others.items())
     }
     return colours.pop() if len(colours) == 1 else COLOUR
 
@@ -115,7 +117,9 @@ def signal_points(results: "Results", job: str) -> Iterator[tuple["MeasuredSet",
     swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == job)
     for entry in results.measured:
         for point in entry.points:
-            if point.get("signal") and all(same(swept.get(path), value) for path, value in point["at"].items()):
+            if point.get("signal") and all(
+                same(swept.get(path), value) for path, value in point["parameters"].items()
+            ):
                 yield entry, point
 
 

@@ -57,7 +57,7 @@ def draw(
 
     Other arguments as of ``axes.draw_panels``.
     """
-    place = beside.Place(figure, rows, units)
+    drawing = beside.Drawing(figure, rows, units)
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
@@ -73,13 +73,13 @@ def draw(
             mark_lost(ax, points)
         if f"baseline {name}" in rows:
             mark_baselines(ax, curves)
-        beside.mark_measured(ax, place, name, part, curves, measured, scale.factor)
+        beside.mark_measured(ax, drawing, name, part, curves, measured, scale.factor)
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
         if scale.is_rounding:
             note_rounding(ax)
 
-    return draw_panels(figure, rows, units, caption, panel, beside.entries(place, measured))
+    return draw_panels(figure, rows, units, caption, panel, beside.entries(drawing, measured))
 
 
 def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:

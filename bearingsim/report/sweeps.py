@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import PlotError, labels, select
 from bearingsim.plots.axes import axis_label
-from bearingsim.plots.beside import Place, position_in
+from bearingsim.plots.beside import Drawing, position_in
 from bearingsim.plots.features import Prepared, prepared
 from bearingsim.plots.points import curve_rows, order_of, points_of
 from bearingsim.plots.style import SEQUENCE_FROM
@@ -237,7 +237,7 @@ def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, 
 def _add_measured(results: "Results", complete: Prepared, shared: _Points, panels: Sequence[Panel]) -> list[Curve]:
     """Add the measured points to the columns, in each setting at their parameters; return a curve per source."""
     figure, rows, units = complete.figure, complete.rows, results.plan["units"]
-    place = Place(figure, rows, units)
+    drawing = Drawing(figure, rows, units)
     curves: list[Curve] = []
     factors = {
         panel.name: feature_scale(panel.name, float(rows[panel.name].abs().max()), figure.view).factor
@@ -248,7 +248,7 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
         for combination, key in enumerate(shared.combinations):
             part = rows[[shared.keys[index] == key for index in rows.index]]
             for point in entry.points:
-                x = position_in(place, part, point)
+                x = position_in(drawing, part, point)
                 values = {name: value for name, value in point["features"].items() if name in factors}
                 if x is None or not values:
                     continue

@@ -126,7 +126,7 @@ class SignalFile(Layout):
 
 
 class MeasuredPoint(Layout):
-    at: dict[Name, float | str]
+    parameters: dict[Name, float | str]
     features: dict[Name, float]
     place: str
     signal: SignalFile | None = None

@@ -23,13 +23,13 @@ Values = Mapping[str, float | str]
 class Comparison(NamedTuple):
     """Measured feature (SI, without the factor of its set) and the simulated one.
 
-    at: parameters that the point names; others: swept parameters that it does not name, at which it is compared
+    parameters: those that the point names; others: swept parameters that it does not name, at which it is compared
     too; job: id of the case, "" if the value is interpolated linearly between two cases.
     """
 
     feature: str
     place: str
-    at: Values
+    parameters: Values
     others: Values
     job: str
     measured: float
@@ -82,8 +82,8 @@ def _compare(
     point: Mapping[str, Any], rows: Iterable[Mapping[Any, Any]], swept: Sequence[str]
 ) -> Iterator[Comparison]:
     """Yield the comparisons of a point, one for each feature and combination of parameters that it leaves open."""
-    at = point["at"]
-    free = [path for path in swept if path not in at]
+    parameters = point["parameters"]
+    free = [path for path in swept if path not in parameters]
 
     def combination(row: Mapping[Any, Any]) -> tuple[str, ...]:
         return tuple(str(row.get(path)) for path in free)
@@ -92,21 +92,21 @@ def _compare(
         cases = list(group)
         others = {path: cases[0][path] for path in free if _has(cases[0].get(path))}
         for feature, value in point["features"].items():
-            job, simulated = _value_at(cases, at, feature)
+            job, simulated = _value_at(cases, parameters, feature)
             if isfinite(simulated):
-                yield Comparison(feature, point["place"], at, others, job, value, simulated)
+                yield Comparison(feature, point["place"], parameters, others, job, value, simulated)
 
 
-def _value_at(cases: Sequence[Mapping[Any, Any]], at: Values, feature: str) -> tuple[str, float]:
+def _value_at(cases: Sequence[Mapping[Any, Any]], parameters: Values, feature: str) -> tuple[str, float]:
     """Return id and feature of the case at parameters; without a case, ("", value) between its two neighbours.
 
     The value is nan if more than one parameter lies between cases, or one lies outside of them.
     """
-    unequal = [[path for path, value in at.items() if not same(row.get(path), value)] for row in cases]
+    unequal = [[path for path, value in parameters.items() if not same(row.get(path), value)] for row in cases]
     for row, paths in zip(cases, unequal, strict=True):
         if not paths:
             return str(row["job"]), _finite(row.get(feature))
-    for path, value in at.items():
+    for path, value in parameters.items():
         if isinstance(value, str):
             continue
         along = [row for row, paths in zip(cases, unequal, strict=True) if paths == [path]]

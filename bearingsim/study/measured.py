@@ -51,7 +51,7 @@ class SignalFile:
 class MeasuredPoint:
     """Measured features (SI) at values of swept paths (SI, or words); place: file and line, for messages."""
 
-    at: dict[str, float | str]
+    parameters: dict[str, float | str]
     features: dict[str, float]
     place: str
     signal: SignalFile | None = None
@@ -230,11 +230,11 @@ class _Reader:
             return None
         names = [name for name in row.mapping if name in FEATURES]
         features = {name: self.feature(name, row.mapping[name]) for name in names}
-        at = self.parameters({path: node for path, node in row.mapping.items() if path not in names})
+        parameters = self.converted({path: node for path, node in row.mapping.items() if path not in names})
         if not features and len(self.problems) == count:
             self.fail(row.mark, "measured: the row has no feature", "as in `velocity@BPFO: 12 um/s`")
         valid = {name: value for name, value in features.items() if value is not None}
-        return MeasuredPoint(at, valid, place) if len(self.problems) == count else None
+        return MeasuredPoint(parameters, valid, place) if len(self.problems) == count else None
 
     def feature(self, name: str, node: Node) -> float | None:
         """Convert a feature to SI; None, with a problem, if its unit is not one of the feature's."""
@@ -251,7 +251,7 @@ class _Reader:
             return None
         return factor * float(number)
 
-    def parameters(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
+    def converted(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
         """Convert parameters to SI, by the spelling of their paths in the sweep; words stay."""
         values: dict[str, float | str] = {}
         for path, node in entries.items():
@@ -292,10 +292,10 @@ class _Reader:
             self.fail(node.mark, "measured: `file` is missing", "as in `{file: run1.wav, at: {load: 150 N}}`")
             return
         path = self.find(entries["file"])
-        at_node = entries.get("at")
-        if at_node is not None and not isinstance(at_node.value, dict):
-            self.fail(at_node.mark, "measured: `at` expects parameters", "as in `at: {load: 150 N}`")
-        at = self.parameters(at_node.mapping if at_node is not None else {})
+        named = entries.get("at")
+        if named is not None and not isinstance(named.value, dict):
+            self.fail(named.mark, "measured: `at` expects parameters", "as in `at: {load: 150 N}`")
+        parameters = self.converted(named.mapping if named is not None else {})
         request = Request(
             self.quantity("rate", entries, "frequency"),
             self.quantity("speed", entries, "rotation"),
@@ -305,14 +305,14 @@ class _Reader:
         )
         if len(self.problems) > count or path is None:
             return
-        case = self.nearest(at)
+        case = self.nearest(parameters)
         try:
             signal, features, remarks = signal_point(path, request, case, self.cases.features)
         except MeasuredError as error:
             self.fail(entries["file"].mark, f"measured: {error}")
             return
         self.remarks += remarks
-        yield MeasuredPoint(at, features, path.name, signal)
+        yield MeasuredPoint(parameters, features, path.name, signal)
 
     def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
         """Return a positive quantity (SI) of a signal; None, with a problem if it is invalid."""
@@ -331,9 +331,11 @@ class _Reader:
         """Return a positive plain number of a signal; None, with a problem if it is invalid."""
         return self.quantity(key, entries, "number")
 
-    def nearest(self, at: Mapping[str, float | str]) -> Case:
+    def nearest(self, parameters: Mapping[str, float | str]) -> Case:
         """Return the first case that has most of the values: its bearing, speed and sampling serve a signal."""
-        return max(self.cases.swept, key=lambda pair: sum(_equal(pair[1].get(p), v) for p, v in at.items()))[0]
+        return max(
+            self.cases.swept, key=lambda pair: sum(_equal(pair[1].get(p), v) for p, v in parameters.items())
+        )[0]
 
     # Values outside the study
 
@@ -342,15 +344,17 @@ class _Reader:
         left_out: dict[str, list[str]] = {}
         beyond: dict[str, list[str]] = {}
         for point in points:
-            fixed = [path for path in point.at if path not in self.ranges]
-            unequal = [path for path in fixed if not _equal(self.fixed_value(path), point.at[path])]
+            fixed = [path for path in point.parameters if path not in self.ranges]
+            unequal = [path for path in fixed if not _equal(self.fixed_value(path), point.parameters[path])]
             if unequal:
                 left_out.setdefault(unequal[0], []).append(point.place)
                 continue
-            for path, value in point.at.items():
+            for path, value in point.parameters.items():
                 if path in self.ranges and not _is_within(value, self.ranges[path]):
                     beyond.setdefault(path, []).append(point.place)
-            yield replace(point, at={path: value for path, value in point.at.items() if path not in fixed})
+            yield replace(
+                point, parameters={path: value for path, value in point.parameters.items() if path not in fixed}
+            )
         for path, places in left_out.items():
             value = _shown(path, self.fixed_value(path))
             self.remarks.append(f"measured `{label}`: left out {_listed(places)}: the study has {path} {value}")

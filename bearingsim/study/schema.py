@@ -270,7 +270,7 @@ def _measured() -> Schema:
     """Return the schema of measured points or signals."""
     path, feature = _definition("Path"), _definition("Feature")
     row = {"type": "object", "propertyNames": {"anyOf": [path, feature]}, "additionalProperties": _TEXT}
-    signal = {
+    signal: Schema = {
         "file": _TEXT,
         "at": {"type": "object", "propertyNames": path, "additionalProperties": _TEXT},
         "rate": _definition("Any frequency"),

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 import bearingsim as bs
 from bearingsim.cli.app import app
 from bearingsim.plots.plot import drawn
-from tests.study.test_measured import BPFO, STUDY
+from tests.study.test_measured_section import BPFO, STUDY
 
 SECTION = """\
 record: [ring.acceleration]
@@ -93,7 +93,7 @@ def test_show_prints_measured_beside_simulated(results):
     assert "between: interpolated linearly" in text
     assert "1 of 4 measured values have no simulated value beside them" in text
     rows = json.loads(CliRunner().invoke(app, ["show", str(results.path), "--measured", "--json"]).output)
-    row = next(row for row in rows if row["job"] and row["at"]["load"] == 150.0)
+    row = next(row for row in rows if row["job"] and row["parameters"]["load"] == 150.0)
     simulated = results.table().set_index("job").loc[row["job"], "velocity@BPFO"]
     assert row["simulated"] == simulated
     assert row["measured"] == pytest.approx(12e-6)

@@ -29,38 +29,38 @@ def sets(points, rows, scale=False):
 
 def test_a_point_is_compared_with_the_case_at_its_parameters():
     (entry,) = sets(
-        [{"at": {"load": 200.0 * (1 + 1e-8), "width": 1.0}, "features": {LINE: 5.0}}], table((1.0, 2.0))
+        [{"parameters": {"load": 200.0 * (1 + 1e-8), "width": 1.0}, "features": {LINE: 5.0}}], table((1.0, 2.0))
     )
     assert [(item.job, item.simulated) for item in entry.comparisons] == [("1.0200.0", 401.0)]
 
 
 def test_a_point_between_cases_is_compared_with_the_straight_line():
-    (entry,) = sets([{"at": {"load": 230.0, "width": 1.0}, "features": {LINE: 5.0}}], table())
+    (entry,) = sets([{"parameters": {"load": 230.0, "width": 1.0}, "features": {LINE: 5.0}}], table())
     (item,) = entry.comparisons
     assert item.job == ""
     assert isclose(item.simulated, 461.0)
 
 
-@pytest.mark.parametrize("at", [{"load": 90.0, "width": 1.0}, {"load": 310.0, "width": 1.0}])
-def test_a_point_outside_the_cases_is_not_compared(at):
-    (entry,) = sets([{"at": at, "features": {LINE: 5.0}}], table())
+@pytest.mark.parametrize("parameters", [{"load": 90.0, "width": 1.0}, {"load": 310.0, "width": 1.0}])
+def test_a_point_outside_the_cases_is_not_compared(parameters):
+    (entry,) = sets([{"parameters": parameters, "features": {LINE: 5.0}}], table())
     assert not entry.comparisons
 
 
 def test_a_point_off_two_parameters_is_not_compared():
-    (entry,) = sets([{"at": {"load": 150.0, "width": 1.5}, "features": {LINE: 5.0}}], table((1.0, 2.0)))
+    (entry,) = sets([{"parameters": {"load": 150.0, "width": 1.5}, "features": {LINE: 5.0}}], table((1.0, 2.0)))
     assert not entry.comparisons
 
 
 def test_a_point_that_leaves_a_parameter_open_is_compared_at_each_of_its_values():
-    (entry,) = sets([{"at": {"load": 150.0}, "features": {LINE: 5.0}}], table((1.0, 2.0)))
+    (entry,) = sets([{"parameters": {"load": 150.0}, "features": {LINE: 5.0}}], table((1.0, 2.0)))
     assert [(item.others["width"], item.simulated) for item in entry.comparisons] == [(1.0, 301.0), (2.0, 302.0)]
 
 
 def test_cases_that_are_not_done_and_healthy_ones_are_not_compared():
     rows = table()
     rows.loc[1, "status"] = "failed"
-    (entry,) = sets([{"at": {"load": 200.0}, "features": {LINE: 5.0}}], rows)
+    (entry,) = sets([{"parameters": {"load": 200.0}, "features": {LINE: 5.0}}], rows)
     assert [item.simulated for item in entry.comparisons] == [401.0]  # between 100 N and 300 N
     assert all(item.job != "healthy" for item in entry.comparisons)
 
@@ -70,7 +70,7 @@ def test_the_factor_is_the_median_ratio_and_acts_by_the_power_of_a_feature():
     rows[ENVELOPE], rows[KURTOSIS] = 16.0, 3.0
     ratios = (2.0, 4.0, 40.0)
     points = [
-        {"at": {"load": load}, "features": {LINE: (2 * load + 1) / ratio}}
+        {"parameters": {"load": load}, "features": {LINE: (2 * load + 1) / ratio}}
         for load, ratio in zip((100.0, 200.0, 300.0), ratios, strict=True)
     ]
     (entry,) = sets(points, rows, scale=True)
@@ -79,11 +79,11 @@ def test_the_factor_is_the_median_ratio_and_acts_by_the_power_of_a_feature():
     assert isclose(entry.scaled(ENVELOPE, 1.0), 16.0)
     assert entry.scaled(KURTOSIS, 3.0) == 3.0
     assert entry.legend == "rig, times 4"
-    (squared,) = sets([{"at": {"load": 100.0}, "features": {ENVELOPE: 1.0}}], rows, scale=True)
+    (squared,) = sets([{"parameters": {"load": 100.0}, "features": {ENVELOPE: 1.0}}], rows, scale=True)
     assert isclose(squared.factor, 4.0)
 
 
 def test_nothing_is_scaled_without_request():
-    (entry,) = sets([{"at": {"load": 100.0}, "features": {LINE: 5.0}}], table())
+    (entry,) = sets([{"parameters": {"load": 100.0}, "features": {LINE: 5.0}}], table())
     assert entry.factor == 1.0
     assert entry.legend == "rig"

@@ -46,9 +46,9 @@ def test_table_is_read_in_si_with_any_separator_and_decimal_sign(tmp_path, separ
     assert entry.label == "line"
     assert not entry.scale
     first, second = entry.points
-    assert first.at == pytest.approx({"load": 150.0, "defect.width": 0.8e-3})
+    assert first.parameters == pytest.approx({"load": 150.0, "defect.width": 0.8e-3})
     assert first.features == pytest.approx({"velocity@BPFO": 12.5e-6, "acceleration.rms": 0.980665})
-    assert second.at == pytest.approx({"load": 300.0, "defect.width": 0.4e-3})
+    assert second.parameters == pytest.approx({"load": 300.0, "defect.width": 0.4e-3})
     assert second.features == pytest.approx({"acceleration.rms": 1.96133})
     assert second.place == "line.csv:6"
 
@@ -75,7 +75,7 @@ def test_points_at_other_fixed_values_are_left_out_with_a_remark(tmp_path):
         for load, speed in ((150, 1800), (200, 900))
     ]
     study = load(tmp_path, f"measured:\n - {{points: [{', '.join(rows)}], label: a}}\n")
-    assert [point.at for point in study.measured[0].points] == [{"load": 150.0}]
+    assert [point.parameters for point in study.measured[0].points] == [{"load": 150.0}]
     assert "the study has speed 1800 rpm" in study.notes[-1]
 
 
@@ -157,7 +157,7 @@ def test_features_of_a_signal_are_those_of_its_tone(tmp_path):
     assert features["acceleration.rms"] == pytest.approx(0.5 * 9.80665 / 2**0.5, rel=1e-3)
     assert features["acceleration.kurtosis"] == pytest.approx(1.5, rel=1e-2)
     assert not {"acceleration@BPFI", "velocity.rms"} & features.keys()
-    assert point.at == {"load": 150.0}
+    assert point.parameters == {"load": 150.0}
     assert point.signal is not None
     assert point.signal.unit == "m/s^2"
 
