@@ -21,7 +21,8 @@ from bearingsim.config import FEATURES, Case
 from bearingsim.config.fields import Path
 from bearingsim.measured import MeasuredError, Request
 from bearingsim.measured.si import FACTORS, factor_to
-from bearingsim.measured.tables import HEAD, SEPARATORS
+from bearingsim.measured.statements import HEAD
+from bearingsim.measured.tables import SEPARATORS
 from bearingsim.study.paths import dimension, value_at
 from bearingsim.text import files_read
 from bearingsim.text.units import EXPECTED, UnitError, parse, show, split, suggestion
