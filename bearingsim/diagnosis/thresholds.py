@@ -12,6 +12,8 @@ from bearingsim.diagnosis.combs import HARMONICS
 TABLE = Path(__file__).with_name("thresholds.csv")
 TOLERANCES = 0.005, 0.04
 """Range of the relative tolerance for which thresholds were measured."""
+SLOPE_ROWS = 4
+"""Last lengths of the table that give the slope beyond it: one octave alone is within the scatter of the table."""
 CLEAR_DB = 3.0
 """dB; height of each harmonic over the threshold from which a result counts as clear."""
 
@@ -19,13 +21,13 @@ CLEAR_DB = 3.0
 def threshold(turns: float, tolerance: float) -> float:
     """Return the threshold of the score for a record of some turns of the shaft and a relative tolerance.
 
-    It is interpolated over the logarithms of both. Beyond 320 turns the slope of the last octave is continued;
-    below 5 turns the value at 5 is used.
+    It is interpolated over the logarithms of both. Beyond 320 turns it rises with the mean slope of the last three
+    octaves; below 5 turns the value at 5 is used.
     """
     lengths, tolerances, scores = _table()
     by_length = np.array([np.interp(log(tolerance), tolerances, row) for row in scores])
     x, last = log(turns), lengths[-1]
-    slope = max(0.0, (by_length[-1] - by_length[-2]) / (last - lengths[-2]))
+    slope = max(0.0, float(np.polyfit(lengths[-SLOPE_ROWS:], by_length[-SLOPE_ROWS:], 1)[0]))
     return float(np.interp(x, lengths, by_length) + max(0.0, x - last) * slope)
 
 
