@@ -208,6 +208,9 @@ SOURCES: dict[str, OfStudy | OfPage | OfTable | OfCommand] = {
     "damping.png": OfStudy("damping"),
     "surfaces.png": OfStudy("surfaces"),
     "surfaces-envelope.png": OfStudy("surfaces", 2),
+    "form-length.png": OfStudy("form_length"),
+    "form-width.png": OfStudy("form_width"),
+    "form-angle.png": OfStudy("form_angle"),
     "tilt.png": OfStudy("tilt", kind="load", where={"defect.offset": "3 mm"}),
     "spall.png": OfStudy("paper/fig07_08_signal", kind="pit", setting={"defect": SPALL, "duration": "20 ms"}),
     **{
@@ -231,6 +234,7 @@ SOURCES: dict[str, OfStudy | OfPage | OfTable | OfCommand] = {
     "arrow.png": script("arrow"),
     "edge_contact.png": script("edge_contact"),
     "film_damping.png": script("film_damping", "draw_figure"),
+    "form_bands.png": script("form_bands"),
     "kurtogram.png": script("kurtogram"),
     "touch_down.png": script("touch_down"),
     "slip.png": OfTable(

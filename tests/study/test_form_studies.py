@@ -8,7 +8,9 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
+from bearingsim import store
 from bearingsim.cli import app
+from bearingsim.runner import run
 from bearingsim.study import StudyError, load_study
 from bearingsim.study.schema import json_schema
 
@@ -136,3 +138,73 @@ def refusal(tmp_path: Path, text: str) -> tuple[str, str, str]:
     lines = result.stderr.splitlines()
     start = next(number for number, line in enumerate(lines) if "study.yaml:" in line)
     return lines[start], lines[start + 1], lines[start + 2]
+
+
+def surfaces(text: str) -> str:
+    return f"study: small\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\nsurfaces: {{{text}}}\n"
+
+
+REFUSED = {
+    "order 0": (
+        "outer: {harmonics: [{order: 0, amplitude: 1 um}]}",
+        "0, ",
+        "surfaces.outer.harmonics.1.order: exp",
+    ),
+    "an order beyond": (
+        "outer: {harmonics: [{order: 1001, amplitude: 1 um}]}",
+        "1001",
+        "from 1 to 1000, got `1001`",
+    ),
+    "half an order": ("outer: {harmonics: [{order: 2.5, amplitude: 1 um}]}", "2.5", "expected a whole number"),
+    "no order": ("outer: {harmonics: [{amplitude: 1 um}]}", "{amplitude", "`order` is missing"),
+    "no unit": ("outer: {harmonics: [{order: 2, amplitude: 20}]}", "20}", "(the unit is missing)"),
+    "another unit": ("outer: {harmonics: [{order: 2, amplitude: 20 N}]}", "20 N", "`N` is a unit of force"),
+    "the second of two": (
+        "outer: {harmonics: [{order: 2, amplitude: 1 um}, {order: 3, amplitude: 1 N}]}",
+        "1 N",
+        "surfaces.outer.harmonics.2.amplitude: expected a length",
+    ),
+    "one mapping": ("outer: {harmonics: {order: 2, amplitude: 20 nm}}", "{order", "expected a list of mappings"),
+    "a high spectrum": ("outer: {spectrum: {amplitude: 1 um, orders: [2, 1001]}}", "[2, 1001]", "from 1 to 1000"),
+    "three orders": ("outer: {spectrum: {amplitude: 1 um, orders: [2, 3, 4]}}", "[2, 3, 4]", "got a list (as in"),
+    "a class": ("outer: {class: P5}", "class", "no tolerance class is known to the program"),
+    "a class of rollers": ("rollers: {class: G10}", "class", "no tolerance class is known to the program"),
+    "roughness": ("outer: {roughness: 0.1 um}", "roughness", "roughness is not modelled"),
+    "one diameter": ("rollers: {diameter: [1 um]}", "[1 um]", "1 diameter for 13 rollers (give one deviation"),
+    "a diameter without unit": (f"rollers: {{diameter: [1, {', 0 um' * 12}]}}".replace(", ,", ","), "1", "length"),
+    "a missing roller": (
+        "rollers: {harmonics: [{order: 2, amplitude: 1 um, roller: 14}]}",
+        "14",
+        "there is no roller 14: the bearing has 13 (they count from 1)",
+    ),
+    "millimetres": ("rollers: {diameter: {scatter: 0.5 mm}}", "0.5 mm", "is over 1 % of the rolling element's"),
+    "a roller's roundness": ("rollers: {roundness: a.csv}", "roundness", "`roundness` is a key of"),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_wrong_form_is_refused_by_the_command(tmp_path: Path, what: str) -> None:
+    text, caret, part = REFUSED[what]
+    message, source, mark = refusal(tmp_path, surfaces(text))
+    assert part in message
+    assert source[mark.index("^") :].startswith(caret)
+
+
+def test_shards_of_uncertain_form_have_the_range_of_a_whole_run(tmp_path: Path) -> None:
+    """Samples of form are shared, resumed and merged as other variations are."""
+    text = STUDY.replace("uncertainty: none", "uncertainty: {form: 0.35 um}")
+    head, rest = text.split("surfaces:")
+    (tmp_path / "study.yaml").write_text(head + rest[rest.index("model:") :] + "sweep: {load: [150 N, 300 N]}\n")
+    planned = load_study(tmp_path / "study.yaml")
+    assert len(planned.jobs()) == 8
+    for number in (1, 2):
+        run(planned, tmp_path / str(number), jobs=1, progress=False, shard=(number, 2))
+    store.merge([tmp_path / "1", tmp_path / "2"], tmp_path / "merged")
+    assert run(planned, tmp_path / "whole", jobs=1, progress=False).done == 8
+    assert run(planned, tmp_path / "merged", jobs=1, progress=False).resumed == 8
+    merged, whole = (
+        store.open_results(tmp_path / name).table().set_index("job").sort_index() for name in ("merged", "whole")
+    )
+    for column in ("velocity@BPFO", "error.form", "error.form.rms"):
+        assert list(merged[column]) == list(whole[column])
+    assert (whole["error.form"] > 0.5).all()  # at a light load
