@@ -52,8 +52,8 @@ class Limits:
     The limits are those of the method on the linearised bearing; ``impact_force`` is an estimate of the peak.
     damping_ratio: of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s): c/k of
     a contact under the largest static load, the larger of both races; fastest_rate (1/s): largest eigenvalue of
-    the bearing at rest, of this body or of one that is much lighter or more stiffly supported; wave: shortest time
-    (s) in which a contact passes a wave of the surfaces' form; approach_bound (m),
+    the bearing at rest, of this body, of a flexible ring or of a body that is much lighter or more stiffly
+    supported; wave: shortest time (s) in which a contact passes a wave of the surfaces' form; approach_bound (m),
     energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not exceed.
     """
 
@@ -99,12 +99,13 @@ def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
     K_alone, _ = contact_rates(rest_case(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
     ratio, faster = damping_ratio_at_rest(case), fast_body_rates(rest_case(case))
+    bending_rate = Rates(K, C).fastest if case.rig.ring is not None else 0.0
     K, C = max(K, faster.K), max(C, faster.C)
     limits = Limits(
         rest_load=rest_load,
         contact_frequency=frequency,
         damping_ratio=ratio,
-        fastest_rate=max(fastest_rate(2.0 * pi * frequency, ratio), faster.fastest),
+        fastest_rate=max(fastest_rate(2.0 * pi * frequency, ratio), bending_rate, faster.fastest),
         damping_time=damping_time(case, rest_load),
         at_rest=inf,
         closing_speed=0.0,

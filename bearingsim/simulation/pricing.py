@@ -142,7 +142,7 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
     if solved_once(case):
         total_passes = 1
     check = check_cost(case) * total_passes if case.checks_step else 0.0
-    extrapolation = extrapolation_passes(case)
+    extrapolation = min(extrapolation_passes(case), int(case.settle_s * rate))
     non_periodic = one_pass * (extrapolation + total_passes + check)
     computed = total_passes
     periodic_passes = min(total_passes, int(price("passes")))

@@ -7,8 +7,9 @@ cusp within a step determines size and sign of a first-order error: with half th
 could fall on the same fraction of a step, and its error would not show.
 
 If the two pilots diverge, a third pilot with its ring displaced by 1e-10 at the start tells chaos from step error.
-If it diverges as fast, the motion is chaotic: no step reproduces a line, and only the RMS is checked. Otherwise
-the result is doubtful, and the check is repeated on a longer pilot if the run is long enough for one.
+If it diverges as fast, the motion is chaotic: no step reproduces a line, and only the RMS is checked. If the
+displacement decays, the pilots differ only by their step error. Otherwise the result is doubtful, and the check
+is repeated on a longer pilot if the run is long enough for one.
 
 A step given by the case is used for the run. An automatic step is refined (``refinement.py``), and the result is
 the finer of the two runs that agree.
@@ -59,6 +60,7 @@ PERTURBATION = 1e-10  # relative to the ring's initial displacement; decays if t
 CONFIDENCE = 2.5  # standard deviations, for many passes
 CONFIDENCE_PROBABILITY = 0.9938  # probability of a value below CONFIDENCE standard deviations
 MIN_GROWTH = 3.0  # growth of a perturbation over the pilot
+DECAY = 0.01  # of ``PERTURBATION``, left at the end of a pilot: below, neighbouring motions converge
 MIN_CHANGE = 1e-4  # by a perturbation in any pass, relative to the RMS
 MIN_CHANGE_RATIO = 0.3  # of the change by the perturbation to that by the shorter step (or tighter tolerance)
 MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
@@ -228,7 +230,10 @@ def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
 
 
 class PilotCheck(NamedTuple):
-    """Step check by a pilot; is_doubtful: the pilots diverge although no chaos shows; finer: the finer pilot."""
+    """Step check by a pilot; finer: the finer pilot.
+
+    is_doubtful: the pilots diverge although no chaos shows, and the perturbation has not decayed (``DECAY``).
+    """
 
     check: StepCheck
     is_doubtful: bool
@@ -271,7 +276,7 @@ def check_on_pilot(
     perturbed_run = run_pilot(base, passes, perturbation=PERTURBATION)
     perturbation_changes = pass_rms(base_run.fine_velocity - perturbed_run.fine_velocity, passes) / scale
     if not is_chaotic_motion(perturbation_changes, step_changes, adaptive):
-        return PilotCheck(check, True, finer)
+        return PilotCheck(check, bool(perturbation_changes[-1] > DECAY * PERTURBATION), finer)
     # pilots agree at first: the signal that diverges sooner, usually of the wider band, is more informative
     noise, confidence_factor = max(
         (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], perturbed_run[:2], strict=True)),

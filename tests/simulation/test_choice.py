@@ -346,6 +346,28 @@ def test_discontinuous_damping_shortens_adaptive_steps(coefficient, step_s):
     assert result == pytest.approx(step_s, rel=0.5)
 
 
+FLEXIBLE = {
+    "ring": {"bends": True, "harmonics": 20},
+    "load": {"by": "housing", "stiffness": "1e10 N/m/m"},
+    "sensor": {"on": "ring", "angle": "0 deg"},
+}
+
+
+def test_bending_of_a_flexible_ring_shortens_adaptive_steps() -> None:
+    """Mean step of dormand-prince over 30 ms: 2.3 us; 12.8 us by the stiffness of the contacts alone."""
+    test_case = case(method="dormand-prince", defect=SLOT, rig=FLEXIBLE)
+    result = pricing.adaptive_step(test_case, choice.limits(choice.with_method(test_case, "verlet")))
+    assert 2.3e-6 < result < 2.1 * 2.3e-6
+
+
+def test_a_flexible_ring_that_may_repeat_is_stepped_by_verlet() -> None:
+    """Verlet took 4.4 s, dormand-prince 4.8 s; extrapolation to the steady motion ends with the settling time."""
+    test_case = case(defect=SLOT, rig=FLEXIBLE, duration="0.15 s")
+    result = choice.choice(test_case)
+    assert result.method == "verlet"
+    assert result.prices["verlet"] < result.prices["dormand-prince"]
+
+
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
 def test_cost_of_general_exponents_is_estimated(m1: float, m3: float, ns: float) -> None:
     """Cost of a Verlet step of `rollers` by benchmarks/step_cost.py; without powers 4 to 6 times too small."""

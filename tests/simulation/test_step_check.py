@@ -521,6 +521,15 @@ def test_diverging_pilots_without_visible_chaos_are_repeated_longer() -> None:
     assert step_check.check_step(set_up(test_case, 1.0)).chaotic
 
 
+def test_converging_pilots_are_not_repeated_longer() -> None:
+    """In `ring` over an inner slot the step changes velocities by 5 %, and a perturbation decays to 1e-14."""
+    test_case = choice.resolve(case(model="ring", defect=SLOT | {"race": "inner"}, duration="0.3 s"))
+    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 2.0, *pilot.pilot(test_case))
+    assert not check.chaotic
+    assert not is_doubtful
+    assert pilot.pilot(test_case)[1] < pilot.pilot(test_case, step_check.SECOND_PILOT)[1]
+
+
 def test_friction_does_not_count_as_roller_damping() -> None:
     """In `planar` the cage limits the step, but the damping ratio is that of a roller between the races."""
     stiff_pockets = {"cage": {"pocket_stiffness": "1e10 N/m"}}
