@@ -155,7 +155,7 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     if factor is not None:
         from bearingsim.measured.si import FACTORS
 
-        unit = "" if pair.unit in FACTORS else f", in {pair.unit or 'the unit of the file, which is not stated'}"
+        unit = "" if pair.unit and pair.unit in FACTORS else f", in {pair.unit or 'the unit of the file, which is not stated'}"
         say(f"simulated signal times {factor:.4g}, to the measured RMS{unit}")
 
 
