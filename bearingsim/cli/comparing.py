@@ -155,8 +155,9 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     if factor is not None:
         from bearingsim.measured.si import FACTORS
 
-        unit = "" if pair.unit and pair.unit in FACTORS else f", in {pair.unit or 'the unit of the file, which is not stated'}"
-        say(f"simulated signal times {factor:.4g}, to the measured RMS{unit}")
+        unit = pair.unit or "the unit of the file, which is not stated"
+        in_unit = "" if unit in FACTORS else f", in {unit}"
+        say(f"simulated signal times {factor:.4g}, to the measured RMS{in_unit}")
 
 
 def _print_features(rows: "list[Row]") -> None:
