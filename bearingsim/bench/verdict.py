@@ -70,11 +70,6 @@ def pareto_front(rows: Sequence[Row], column: str) -> list[Row]:
     return optimal
 
 
-def cost_at(rows: Sequence[Row], column: str, error: float) -> float:
-    """Return the least CPU time among rows with at most this error; inf if there is none."""
-    return min((row["cpu_per_s"] for row in rows if row[column] <= error), default=inf)
-
-
 def percent(share: float) -> str:
     """Format a share in per cent with two digits; large shares as `over 100 times`."""
     if not isfinite(share):
@@ -124,11 +119,6 @@ def step_text(row: Row, rows: Sequence[Row]) -> str:
     if base_steps and isfinite(row["step_s"]):
         return f"{row['step_s'] / base_steps[0]:.2g} x {1e6 * base_steps[0]:.2g} us"
     return f"{1e6 * row['step_s']:.2g} us" if isfinite(row["step_s"]) else ""
-
-
-def short_text(best: Verdict) -> str:
-    """Abbreviate a verdict: `5 %: rollers`."""
-    return f"{percent(best.accuracy)}: {best.model or (best.unknown and 'unknown') or 'none'}"
 
 
 def automatic_rows(rows: Sequence[Row]) -> list[Row]:

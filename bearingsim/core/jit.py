@@ -251,10 +251,8 @@ def generic(
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.supports = lambda kind: lookup(kind) is not NO_DEFAULT  # type: ignore[attr-defined]
-    inlining: Literal["always", "never"] = "always" if inline == "early" else "never"
-    overload(dispatch, jit_options=OPTIONS | {"forceinline": inline == "late"}, strict=False, inline=inlining)(
-        choose
-    )
+    options, inlining = OPTIONS | {"forceinline": inline == "late"}, "always" if inline == "early" else "never"
+    overload(dispatch, jit_options=options, strict=False, inline=inlining)(choose)  # type: ignore[arg-type]
     GENERICS.append(dispatch)
     return dispatch
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
-from bearingsim.text.numbers import significant
+from bearingsim.text.numbers import percent, significant
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -206,7 +206,7 @@ def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
     if unknown == error.count():
         return "numerical error unknown (chaotic)"
-    return f"numerical error {100.0 * float(error[error < inf].max() / largest):.2g} %{exception}"
+    return f"numerical error {percent(float(error[error < inf].max() / largest))}{exception}"
 
 
 def _is_recorded(results: "Results", quantity: str) -> bool:

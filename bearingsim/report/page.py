@@ -58,7 +58,7 @@ class Table:
 class Page:
     """Content of the page.
 
-    subject: bearing, defect and figures in words; varied: some parameters are varied as uncertain;
+    subject: bearing, defect and figures in words; varied: uncertain parameters that the study varies;
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
     measured: measured beside simulated features; omissions: what was left out, and why; text: the study file;
     changes: overrides of the command line.
@@ -66,7 +66,7 @@ class Page:
 
     study: str
     subject: str
-    varied: bool
+    varied: list[str]
     counts: str
     complete: bool
     written: str
@@ -106,7 +106,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     return Page(
         study=results.plan["study"],
         subject=subject(results),
-        varied=bool(results.variations),
+        varied=list(dict.fromkeys(variation["what"].replace("_", " ") for variation in results.variations)),
         counts=_counts(results, table),
         complete=bool((table["status"] != "missing").all()),
         written=f"Written {now()[:16].replace('T', ' ')} UTC.",

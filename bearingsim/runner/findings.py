@@ -21,6 +21,7 @@ from bearingsim.study.uncertainty import (
     damping_remark,
     sweeps_damping,
 )
+from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,7 +67,7 @@ def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
         text: cases[f"features/step_error.{name}"].max() for name, text in names.items() if _has(cases, name)
     }
     if errors:
-        error_texts = ", ".join(f"{text} {100.0 * error:.2g} %" for text, error in errors.items())
+        error_texts = ", ".join(f"{text} {percent(error)}" for text, error in errors.items())
         yield f"largest step errors: {error_texts}"
 
 
@@ -145,8 +146,8 @@ def scatter_warnings(
     if (known_errors.to_numpy() > 0.0).any():
         worst = float(known_errors.to_numpy().max())
         factor = ceil((worst / notable) ** 2)
-        remedy = f"{100.0 * notable:.2g} % needs {factor} times the `duration`"
-        yield f"{_job_counts(known_errors > 0.0)} has standard error {100.0 * worst:.2g} %; {remedy}"
+        remedy = f"{percent(notable)} needs {factor} times the `duration`"
+        yield f"{_job_counts(known_errors > 0.0)} has standard error {percent(worst)}; {remedy}"
     is_estimated = pd.Series({name: has_error_estimate(table, name) for name in names})
     if (unknown & is_estimated).to_numpy().any():
         yield f"{_job_counts(unknown & is_estimated)} has unknown standard error; try a longer `duration`"
@@ -176,7 +177,7 @@ def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
         exceeding = values[(frame["features/chaotic"] == 0.0) & (values > STEP_ACCURACY)]
         if len(exceeding):
             jobs = f"{len(exceeding)} job{'s' * (len(exceeding) > 1)}"
-            yield f"{jobs}: {quantity} has a step error of up to {100.0 * exceeding.max():.2g} % (`{name}`)"
+            yield f"{jobs}: {quantity} has a step error of up to {percent(exceeding.max())} (`{name}`)"
 
 
 def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
@@ -195,7 +196,7 @@ def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     if len(errors):
         jobs = f"{len(errors)} job{'s' * (len(errors) > 1)}"
         yield (
-            f"{jobs}: parts of the record differ, with an error of up to {100.0 * errors.max():.2g} %"
+            f"{jobs}: parts of the record differ, with an error of up to {percent(errors.max())}"
             " (`error.start`); use a longer `duration`, or a longer `settle`"
         )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim import store
 from bearingsim.store.spread import errors
 from bearingsim.study.uncertainty import PARAMETER_KINDS
+from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,10 +27,10 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
         passed = sum(
             not any(audit.fails(accuracy["within"]) for audit in job_audits) for job_audits in audits.values()
         )
-        worst = 100.0 * max(audit.difference for job_audits in audits.values() for audit in job_audits)
+        worst = max(audit.difference for job_audits in audits.values() for audit in job_audits)
         yield (
             f"audit: {passed} of {len(audits)} jobs computed again by their reference kept it;"
-            f" the worst is {worst:.2g} % off"
+            f" the worst is {percent(worst)} off"
         )
     varied = {name.split(".")[1] for name in errors(plan, frame).columns}
     unvaried = [quantity for quantity in PARAMETER_KINDS if quantity not in varied]
@@ -45,7 +46,7 @@ def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
     accuracy = plan["accuracy"]
     worst = max(store.audit_results(plan, frame), key=lambda audit: audit.difference - audit.scatter)
     cases = f"{len(refuted_jobs)} of {len(accuracy['jobs'])} cases"
-    text = f"{worst.feature} is {100.0 * worst.difference:.2g} % off its reference"
+    text = f"{worst.feature} is {percent(worst.difference)} off its reference"
     yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {text}"
     yield f"  in job {worst.job}; `model: reference` instead of `accuracy` computes all by it"
 
@@ -61,7 +62,7 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     total_errors = bounds.loc[done, [*store.ERROR_PARTS]].sum(axis=1, skipna=False).dropna()
     exceeding = total_errors[total_errors > accuracy["within"]]
     within = len(total_errors) - len(exceeding)
-    others = f", the others within {100.0 * exceeding.max():.2g} %" if len(exceeding) else ""
+    others = f", the others within {percent(exceeding.max())}" if len(exceeding) else ""
     if done and refuted_jobs:
         yield f"of the other {len(done)} cases {within} are within {_percent(accuracy)} by their trials{others}"
     elif done:
@@ -72,7 +73,7 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
 
 
 def _percent(accuracy: Mapping[str, Any]) -> str:
-    return f"{100.0 * accuracy['within']:.3g} %"
+    return percent(accuracy["within"], 3)
 
 
 def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.AuditResult]]:

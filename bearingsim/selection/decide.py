@@ -27,6 +27,7 @@ from bearingsim.selection.nodes import Discretisation
 from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_settled, trials_of, unique
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Study
+from bearingsim.text.numbers import percent
 
 FOR_MODEL = 0.8
 """Largest error of the model, as a share of the requested accuracy; the rest is for step error and scatter."""
@@ -213,7 +214,7 @@ class ModelSelector:
             return Choice(candidate, study_case.model, self._reference_reason(n, evidence), {})
         case = self.candidate_cases[name][n]
         errors = evidence.errors(n, case)
-        reason = f"{100.0 * max(errors.values()):.2g} % from {study_case.model}, at the cost of {case.model}"
+        reason = f"{percent(max(errors.values()))} from {study_case.model}, at the cost of {case.model}"
         return Choice(name, case.model, reason, errors)
 
     def _reference_reason(self, n: int, evidence: Evidence) -> str:
@@ -230,8 +231,8 @@ class ModelSelector:
             return SAVING_TOO_SMALL if untried else NOTHING_CHEAPER
         if min(largest_errors) == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"
-        reason = f"the nearest cheaper model is {100.0 * min(largest_errors):.2g} % off"
-        limit_text = f"over {100.0 * limit:.2g} %"
+        reason = f"the nearest cheaper model is {percent(min(largest_errors))} off"
+        limit_text = f"over {percent(limit)}"
         return (
             f"{reason}: {limit_text}"
             if min(largest_errors) > limit

@@ -25,6 +25,7 @@ from bearingsim.simulation.trial import (
     lengthen_for_trial,
     shows_friction,
 )
+from bearingsim.text.numbers import percent
 
 EARLY_END_FACTOR = 2.0
 """Multiple of the allowed change by friction at which a trial ends after two turns of the cage."""
@@ -139,5 +140,4 @@ class Friction:
     def _reason(self, change: float, name: str) -> str:
         if change == inf:
             return f"friction changes {name} too much, or the record has too few cage turns to tell"
-        limit = 100.0 * self.limit
-        return f"friction changes {name} by up to {100.0 * change:.2g} % on its curve, over {limit:.2g} %"
+        return f"friction changes {name} by up to {percent(change)} on its curve, over {percent(self.limit)}"

@@ -23,13 +23,13 @@ def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.nda
     content above M/2 per turn aliases.
     """
     if not np.all(np.diff(angle) > 0.0):
-        raise ValueError("the angle does not grow throughout the record")
+        raise ValueError("the angle does not increase throughout the record")
     inside = angle[TAPS // 2 - 1 : len(angle) - TAPS // 2 + 1]
     begin, end = (
         (int(np.ceil(inside[0] / (2 * pi))), int(np.floor(inside[-1] / (2 * pi)))) if len(inside) else (0, 0)
     )
     if end <= begin:
-        raise ValueError(f"no whole pass lies within the record, {TAPS // 2} samples spared at both ends")
+        raise ValueError(f"the record contains no whole pass, apart from {TAPS // 2} samples at each end")
     angles = 2.0 * pi * (begin + np.arange((end - begin) * M + 1) / M)
     return interpolate(fine, np.interp(angles, angle, np.arange(len(angle)))), begin
 

@@ -33,6 +33,7 @@ from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pi
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, rotate_state
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
+from bearingsim.text.numbers import percent
 
 
 class Bounds(NamedTuple):
@@ -151,7 +152,7 @@ def refusal(setup: Setup, check: StepCheck) -> tuple[str, str]:
     refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.is_adaptive(setup.case)
     quantity = max(check.changes, key=check.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
-    changes = f"{refinement} changes the {quantity} by {100.0 * check.error:.2g} %{chaotic}"
+    changes = f"{refinement} changes the {quantity} by {percent(check.error)}{chaotic}"
     return (
         f"{setup.case.method} is not within {STEP_ACCURACY:.0%}: {changes}",
         "use a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or use `step_check: false`",

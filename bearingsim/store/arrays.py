@@ -1,6 +1,6 @@
 """Results as a dataset of xarray, over jobs or over a grid of the swept values."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -14,32 +14,37 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from bearingsim.store.results import Results
 
-
-def dataset(results: "Results", jobs: Sequence[str] | None, grid: bool) -> "xr.Dataset":
-    """Return the dataset of ``Results.to_xarray``. Raises ResultsError."""
+def dataset(
+    plan: Mapping[str, Any],
+    table: "pd.DataFrame",
+    is_feature: Callable[[str], bool],
+    read: Callable[[str], Series],
+    jobs: Sequence[str] | None,
+    grid: bool,
+) -> "xr.Dataset":
+    """Return the dataset of ``Results.to_xarray``; read: reads the series of a job. Raises ResultsError."""
     try:
         import xarray as xr
     except ModuleNotFoundError:
         raise ResultsError("to_xarray needs the package xarray: pip install xarray h5netcdf") from None
-    rows = results.table().set_index("job")
+    rows = table.set_index("job")
     unknown = sorted(set(jobs or ()) - set(rows.index))
     if unknown:
         raise ResultsError(f"no row of the table: {', '.join(unknown)}")
     selected = rows if jobs is None else rows.loc[list(jobs)]
     if grid:
-        selected = selected.loc[[job for job in selected.index if job in _cases(results.plan)]]
+        selected = selected.loc[[job for job in selected.index if job in _cases(plan)]]
     done = selected[selected["status"] == "done"] if jobs is None else selected
-    swept = [path for path in swept_paths(results.plan) if path in rows]
+    swept = [path for path in swept_paths(plan) if path in rows]
     columns = {
         str(name): ("job", done[name].to_numpy(), _attributes(str(name), name in swept))
         for name in done.columns
-        if name in swept or results.has_feature(str(name))
+        if name in swept or is_feature(str(name))
     }
-    series = _stack({str(job): results.series(str(job)) for job in done.index})
+    series = _stack({str(job): read(str(job)) for job in done.index})
     data = xr.Dataset({**columns, **series}, coords={"job": done.index.to_numpy(object)})
-    data = data.set_coords(sorted(swept)).assign_attrs(study=results.plan["study"])
+    data = data.set_coords(sorted(swept)).assign_attrs(study=plan["study"])
     return _on_grid(data, selected[swept]) if grid else data
 
 

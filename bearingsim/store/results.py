@@ -150,7 +150,7 @@ class Results:
         into memory. Raises ResultsError if xarray is missing, a job is unknown, time axes differ, or the cases do
         not form a full grid.
         """
-        return dataset(self, jobs, grid)
+        return dataset(self.plan, self._table, self.has_feature, self.series, jobs, grid)
 
     def has_feature(self, name: str) -> bool:
         """Check if any job has a feature."""

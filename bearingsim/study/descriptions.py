@@ -74,7 +74,7 @@ UNCERTAINTY_KEYS = {
 
 
 def field_descriptions(section: type[Section]) -> dict[str, str]:
-    """Return the description of each field of a section; without the source of its module none.
+    """Return the description of each field of a section; empty if the source of its module is missing.
 
     A field without a docstring of its own has that of the parent class; `law` has the section's docstring.
     """

@@ -1,9 +1,16 @@
 """Numbers as text, for tables and messages."""
 
+from math import isfinite
+
 
 def significant(value: float, digits: int = 3) -> str:
     """Format a number with a few significant digits, without exponent up to 1e6; `-` for nan or infinity."""
-    if value != value or value in (float("inf"), float("-inf")):
+    if not isfinite(value):
         return "-"
     rounded = float(f"{value:.{digits}g}")
     return f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """Format a share in percent with a few significant digits, without exponent: `0.12 %`, `1100 %`, `inf %`."""
+    return f"{significant(100.0 * share, digits) if isfinite(share) else share} %"

@@ -182,3 +182,12 @@ def test_caption_counts_the_cases_of_unknown_range(uncertain):
 )
 def test_unit_of_a_range_is_printed_with_its_symbol(quantity, text):
     assert printed(quantity) == text
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "nominal"),
+    [("{clearance: [0 um, 5 um]}", ["with nominal clearance<"]), ("none", [])],
+)
+def test_page_names_the_parameters_that_are_nominal(results, uncertainty, nominal):
+    page = html(page_of(results(f"{STUDY}uncertainty: {uncertainty}\n")))
+    assert list(dict.fromkeys(re.findall(r"with nominal [\w, ]*<", page))) == nominal

@@ -100,7 +100,7 @@ def test_choice_with_open_friction_has_another_key(write: Write) -> None:
 
 
 def test_friction_is_tried_at_ends_of_curve_and_largest_value(write: Write) -> None:
-    """The others are taken to change by no more; their audits have friction."""
+    """The change of the others is assumed to be no larger; their audits have friction."""
     study = accuracy_study(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
     tried: set[float] = set()
 
@@ -160,7 +160,7 @@ def test_change_by_friction_is_unknown_if_trial_fails(write: Write) -> None:
 
 
 def test_record_of_few_cage_turns_is_computed_with_friction(write: Write) -> None:
-    """Nothing is tried: that would cost more. 65 ball passes are 0.122 s."""
+    """Trials are omitted because they would cost more. 65 ball passes are 0.122 s."""
     short = accuracy_study(write, OPEN.replace("0.2 s", "0.12 s"))
     assert run_trials(short, by_friction(0.0)) == {}
     assert [choice.candidate for choice in choose(short, by_friction(0.0))] == [WITH_FRICTION] * 3
@@ -202,7 +202,7 @@ SCENE = {
 
 
 def test_trial_far_from_reference_ends_early() -> None:
-    """A motion that repeats itself is read beyond its record."""
+    """A periodic motion is continued beyond its record."""
     case = Case.model_validate(SCENE | {"duration": "0.1 s"})
     free = candidates.with_friction(case)
     assert free is not None
