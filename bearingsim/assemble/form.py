@@ -11,7 +11,7 @@ from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.config import Case
 from bearingsim.config.scan.file import TRANSFERRED_FILES
 from bearingsim.config.scan.roundness import form_harmonics, read_roundness
-from bearingsim.config.sections.surfaces import RaceSurface, RollerSurface, Roundness, Surfaces
+from bearingsim.config.sections.surfaces import RaceSurface, RollerSurface, Roundness, Spectrum, Surfaces
 from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.laws import hertz
 from bearingsim.core.layout import VECTOR_WIDTH
@@ -91,6 +91,11 @@ def random(seed: int, stream: int) -> np.random.Generator:
     return np.random.default_rng([seed, stream])
 
 
+def phases(spectrum: Spectrum, seed: int, stream: int) -> np.random.Generator:
+    """Return the generator of the phases of a spectrum, by its own seed or that of all surfaces."""
+    return random(seed if spectrum.seed is None else spectrum.seed, stream)
+
+
 def harmonic_coefficients(harmonics: Any, count: int) -> np.ndarray:
     """Return the complex amplitudes C (count,), m, of heights Re sum C_n exp(i n angle)."""
     heights = np.zeros(count, complex)
@@ -115,7 +120,7 @@ def race_coefficients(surface: RaceSurface, seed: int, stream: int) -> np.ndarra
     count = surface.highest_order + 1
     heights = harmonic_coefficients(surface.harmonics, count)
     if surface.spectrum is not None:
-        heights = heights + spectrum_coefficients(surface.spectrum, random(seed, stream), count)
+        heights += spectrum_coefficients(surface.spectrum, phases(surface.spectrum, seed, stream), count)
     if surface.roundness is not None:
         heights = heights + roundness_coefficients(surface.roundness, stream == OUTER_STREAM, count)
     return heights
@@ -138,13 +143,14 @@ def roundness_coefficients(roundness: Roundness, on_outer: bool, count: int) -> 
 
 def roller_coefficients(surface: RollerSurface, seed: int, Z: int) -> np.ndarray:
     """Return the complex amplitudes of the rollers' heights, (Z, orders + 1), m; order 0: half of the diameter."""
-    count, generator = surface.highest_order + 1, random(seed, ROLLER_STREAM)
+    count, spectrum = surface.highest_order + 1, surface.spectrum
+    generator = None if spectrum is None else phases(spectrum, seed, ROLLER_STREAM)
     heights = np.zeros((Z, count), complex)
     for j in range(Z):
         own = [harmonic for harmonic in surface.harmonics if harmonic.roller in (None, j + 1)]
         heights[j] = harmonic_coefficients(own, count)
-        if surface.spectrum is not None:
-            heights[j] += spectrum_coefficients(surface.spectrum, generator, count)
+        if generator is not None:
+            heights[j] += spectrum_coefficients(spectrum, generator, count)
     heights[:, 0] += 0.5 * diameter_deviations(surface, seed, Z)
     return heights
 

@@ -122,9 +122,10 @@ FORM_SAMPLES = 3
 
 
 def _with_form(case: Case, height: float, number: int) -> Case:
-    race = RaceSurface(spectrum=Spectrum(amplitude=height / HEIGHT_RATIO))
-    rollers = None if case.surfaces is None else case.surfaces.rollers
-    return case.model_copy(update={"surfaces": Surfaces(outer=race, inner=race, rollers=rollers, seed=number)})
+    """Return the case with random waviness of both races; its rollers remain those of its own seed."""
+    race = RaceSurface(spectrum=Spectrum(amplitude=height / HEIGHT_RATIO, seed=number))
+    own = case.surfaces or Surfaces()
+    return case.model_copy(update={"surfaces": own.model_copy(update={"outer": race, "inner": race})})
 
 
 def _with_shaft(case: Case, stiffness: float, number: int) -> Case:

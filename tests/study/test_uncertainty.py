@@ -455,12 +455,25 @@ def test_form_is_computed_in_three_samples_of_one_height(write: Write) -> None:
     rollers = "surfaces: {rollers: {diameter: {scatter: 0.5 um}}, seed: 9}\n"
     samples = varied_cases(write, "{form: 0.34 um}", f"model: rollers\n{rollers}")
     assert [(what, value) for what, value, _ in samples] == [("form", pytest.approx(0.34e-6))] * 3
-    assert [case.surfaces.seed for _, _, case in samples] == [1, 2, 3]
+    assert [case.surfaces.outer.spectrum.seed for _, _, case in samples] == [1, 2, 3]
     for _, _, case in samples:
         assert case.surfaces.outer.spectrum.amplitude == pytest.approx(0.2e-6)
         assert case.surfaces.inner == case.surfaces.outer
         assert case.surfaces.rollers.diameter.scatter == pytest.approx(0.5e-6)
+        assert case.surfaces.seed == 9
     assert len({case_id(case) for _, _, case in samples}) == 3
+
+
+def test_samples_of_form_keep_the_rollers_of_the_case(write: Write) -> None:
+    """Their diameters and waviness, drawn by the case's seed; the races differ from sample to sample."""
+    from bearingsim.assemble.form import form
+
+    rollers = "{diameter: {scatter: 0.5 um}, spectrum: {amplitude: 50 nm}}"
+    more = f"model: rollers\nsurfaces: {{rollers: {rollers}, seed: 9}}\n"
+    forms = [form(case) for _, _, case in varied_cases(write, "{form: 0.34 um}", more)]
+    assert all(np.array_equal(sample.rollers.table, forms[0].rollers.table) for sample in forms)
+    assert np.ptp(forms[0].rollers.pieces[:, 0, :13].mean(axis=0)) == pytest.approx(0.25e-6, rel=1e-6)
+    assert not np.allclose(forms[0].outer.table, forms[1].outer.table)
 
 
 def test_height_of_the_form_is_peak_to_valley() -> None:

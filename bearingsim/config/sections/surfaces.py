@@ -26,6 +26,7 @@ MAX_ORDER = 1000
 """Largest order (waves per turn): at a race of 40 mm a wavelength of 0.25 mm; shorter ones are roughness."""
 MAX_HARMONICS = 200
 """Limit of the given harmonics of a surface."""
+MAX_SEED = 999_999_999
 
 
 class Harmonic(Section):
@@ -77,6 +78,8 @@ class Spectrum(Section):
     """Exponent p of A n^-p (assumed)."""
     orders: Annotated[tuple[int, int], FileFormat(_read_orders, _orders_schema)] = (2, 200)
     """Lowest and highest order."""
+    seed: Annotated[int, integer(0, MAX_SEED)] | None = None
+    """Seed of the phases. Default: the `seed` of `surfaces`."""
 
 
 def _read_measured_orders(raw: Any) -> Any:
@@ -238,7 +241,7 @@ class Surfaces(Section):
     """Waviness of the inner race, rotating with it."""
     rollers: Annotated[RollerSurface | None, OPTIONAL] = None
     """Unequal diameters and waviness of the rolling elements."""
-    seed: Annotated[int, integer(0, 999_999_999)] = 0
+    seed: Annotated[int, integer(0, MAX_SEED)] = 0
     """Seed of random phases and diameters."""
 
     @property
