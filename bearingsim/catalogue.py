@@ -175,7 +175,7 @@ _STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls", "f
 _RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
 _ROLLERS = _RING | {"roller inertia"}
 _PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
-_SPATIAL = _PLANAR - {"balls", "shared pressure", "form"} | {"tilt", "leaning rings", "profile"}
+_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
 
 _M, _S, _C, _A = (
     "bearingsim.core.models",

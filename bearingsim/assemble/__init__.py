@@ -159,7 +159,11 @@ def support(case: Case) -> Support:
     """Return load and bracket on the case's ring, zero if they act on a carrier."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    x_0, y_0 = anchor_in_space(static_case(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
+    x_0, y_0 = bracket_anchor(case)
+    if space.unevenly_loaded(case):  # by what tilt and profile move the smooth bearing
+        smooth = static_case(case).model_copy(update={"surfaces": None})
+        (x, y), (x_plane, y_plane) = anchor_in_space(smooth), bracket_anchor(smooth)
+        x_0, y_0 = x + (x_0 - x_plane), y + (y_0 - y_plane)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
 
 

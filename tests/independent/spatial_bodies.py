@@ -24,9 +24,10 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.parts.cage import FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.cage_in_space import CageInSpace
 from bearingsim.core.parts.flanges import Flanges
+from bearingsim.core.parts.form import Smooth, UnequalRollers
 from bearingsim.core.parts.mounts import ElasticMount
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
-from tests.independent.planar_bodies import force, mu
+from tests.independent.planar_bodies import FormAt, force, mu, on_pieces
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -194,7 +195,8 @@ def race(s: Scene, outer: bool) -> Flow:
             is_deeper = depth > h
             h, tilt = np.where(is_deeper, depth, h), np.where(is_deeper, slope * head[RADIUS] / rho, tilt)
             rate = rate - np.where(is_deeper, slope * x_rate, 0)
-    delta = delta - h
+    form = form_at(s, ring, rollers, n, sigma, dot(tau, speed) / rho)
+    delta, rate, tilt = delta - h - form.depth, rate - form.rate, tilt + form.slope / rho
     Q, Q_e, stored = force(law, delta, rate)
     normal = unit(n - sigma * times(tilt, tau))
     contact_point = p + sigma * times(b.R_w - drop - delta / 2, normal)
@@ -206,6 +208,33 @@ def race(s: Scene, outer: bool) -> Flow:
         total(weight * stored),
         total(weight * ((Q - Q_e) * rate + friction_power(model.friction, Q, slip, rolling))),
     )
+
+
+def form_at(s, ring, rollers, n, sigma, sweep) -> FormAt:
+    """Form of race and rollers at slices (n, Z, K) that touch along ``n``; sweep: of n over the race (rad/s)."""
+    flat, form, b = np.zeros(n.shape[:-1]), s.model.form, s.model.bearing
+    if isinstance(form, Smooth):
+        return FormAt(flat, flat, flat, flat)
+    race_table = np.concatenate(
+        [(form.outer if sigma > 0 else form.inner).pieces[:, :, 1 + k] for k in range(b.Z)]
+    )
+    depth, race_slope = on_tables(np.repeat(race_table[np.newaxis], b.Z, axis=0), ring.angle_of(n))
+    if isinstance(form.rollers, UnequalRollers):
+        recess = form.rollers.recess[: b.Z, np.newaxis]
+        return FormAt(depth + recess, race_slope * sweep, race_slope, race_slope)
+    starts = b.theta_0 + 2 * np.pi * np.arange(b.Z)[:, None] / b.Z
+    roller_table = form.rollers.pieces[:, :, : b.Z].transpose(2, 0, 1)
+    of_roller, roller_slope = on_tables(roller_table, rollers.angle_of(sigma * n) - starts)
+    roller_sweep = sweep + dot(ring.rotation() - rollers.rotation(), ring.axis)
+    rate = race_slope * sweep + roller_slope * roller_sweep
+    return FormAt(depth + of_roller, rate, race_slope + roller_slope, race_slope)
+
+
+def on_tables(tables, angle):
+    """Run ``on_pieces`` for angles (n, Z, K)."""
+    by_roller = np.moveaxis(angle, 1, 0)
+    values = on_pieces(tables, by_roller.reshape(len(tables), -1))
+    return tuple(np.moveaxis(value.reshape(by_roller.shape), 0, 1) for value in values)
 
 
 def defect_distance(s, head, ring, rollers, outwards, sweep):

@@ -18,7 +18,6 @@ from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.flanges import Flanges
-from bearingsim.core.parts.form import Smooth
 from bearingsim.core.parts.mounts import RigidMount
 
 L_W = 12e-3
@@ -63,7 +62,6 @@ def spatial_model(model: Any, slices: Slices, reach: Any = None, **changes: Any)
     b = model.bearing
     fields = model._asdict()
     lag = fields.pop("lag")
-    assert fields.pop("form") == Smooth(), "rollers in slices have no form"
     fields["defects"] = (
         slice_defects(model.defects, slices.table, reach) if len(model.defects.head) else model.defects
     )

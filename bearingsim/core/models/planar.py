@@ -16,10 +16,7 @@ path. Angles are stored relative to their kinematic values, to avoid loss of dig
 Neglected: tilt, skew and axial motion of rollers, bending of rings and cage, stiffness of oil films.
 """
 
-from math import pi, sqrt
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump, next_jump_with_slip
@@ -38,10 +35,10 @@ from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
-from bearingsim.core.jit import add, generic, inlined, jit
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu, mu_derivative_bound
-from bearingsim.core.laws.friction.lag import lagged, lagged_friction
+from bearingsim.core.jit import inlined, jit
+from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
+from bearingsim.core.laws.friction.interface import mu_derivative_bound
+from bearingsim.core.laws.friction.lag import lagged
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
     accelerate_shared,
@@ -64,33 +61,16 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.models.planar_derivatives import planar_jacobian
+from bearingsim.core.models.planar_forces import tangential_forces
+from bearingsim.core.models.planar_form import add_form, load_contacts, load_formed_contacts
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import (
     accelerate_cage,
     cage_constraint,
-    orbit_drag,
-    pocket_force,
     pocket_stiffness,
     sum_pocket_forces,
 )
-from bearingsim.core.parts.form import (
-    RACE_I,
-    RACE_O,
-    RACE_SLOPE_I,
-    RACE_SLOPE_O,
-    ROLLER_I,
-    ROLLER_O,
-    ROLLER_SLOPE_I,
-    ROLLER_SLOPE_O,
-    Form,
-    Smooth,
-    form_rows,
-    locate_on_race,
-    locate_on_roller,
-    race_on,
-    read_surface,
-    stored,
-)
+from bearingsim.core.parts.form import Smooth
 from bearingsim.core.parts.shaft import (
     accelerate_inner_ring,
     accelerate_ring_rotation,
@@ -98,8 +78,6 @@ from bearingsim.core.parts.shaft import (
     spring_per_mass,
 )
 from bearingsim.core.sums import sum_loads
-
-SLIP_OFFSET = 1e-12  # m/s, added to the slip so that friction/slip stays finite at zero slip
 
 
 class Planar(NamedTuple):
@@ -212,160 +190,6 @@ def _load_roller(model, common, y, j):
     load_contacts(model.form, model, common, y, j)
 
 
-@generic(inline="late")
-def load_contacts(form: Any, model: Any, common: Any, y: np.ndarray, j: int) -> None:
-    """Compute the forces on roller ``j`` whose contacts need no table, those between smooth surfaces."""
-
-
-@generic(inline="late", absent=0.0)
-def load_formed_contacts(form: Any, model: Any, common: Any, y: np.ndarray) -> float:
-    """Compute the forces on all rollers between surfaces with form; return the torque (N m) of the outer race's
-    form on the outer ring."""
-
-
-@load_contacts.register(Smooth)
-def _load_contacts_smooth(form, model, common, y, j):
-    y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
-    y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    y[lay.DEFECT_TORQUE + j] = 0.0
-    tangential_forces(model, common, 0.0, 0.0, y, j)
-
-
-@load_contacts.register(Form)
-def _load_contacts_form(form, model, common, y, j):
-    """Do nothing, because tables are read roller by roller, after the vectorised loop."""
-
-
-@load_formed_contacts.register(Form)
-def _load_formed_contacts(form, model, common, y):
-    b, n = model.bearing, lanes(model.bearing)
-    angle_o = common.theta_c - y[lay.POSITION + lay.PSI]
-    angle_i = common.theta_c - b.omega_i * common.time
-    cage_roll = b.omega_b * common.time + y[lay.POSITION + lay.PHI_C]
-    for j in range(n):
-        locate_on_surfaces(OuterSide(), form.outer, form.rollers, angle_o, cage_roll, b.Z, y, j)
-        locate_on_surfaces(InnerSide(), form.inner, form.rollers, angle_i, cage_roll + pi, b.Z, y, j)
-    read_surface(form.outer, b.Z, RACE_O, RACE_SLOPE_O, y, n)
-    read_surface(form.inner, b.Z, RACE_I, RACE_SLOPE_I, y, n)
-    read_surface(form.rollers, b.Z, ROLLER_O, ROLLER_SLOPE_O, y, n)
-    read_surface(form.rollers, b.Z, ROLLER_I, ROLLER_SLOPE_I, y, n)
-    torque = 0.0
-    for j in range(n):
-        spin_v = common.spin + y[lay.SPIN_V + j]
-        tilt_o = recede(OuterSide(), form.outer, form.rollers, common.omega_o, spin_v, y, j)
-        tilt_i = recede(InnerSide(), form.inner, form.rollers, common.omega_i, spin_v, y, j)
-        Q_o = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
-        Q_i = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-        y[lay.Q_O + j], y[lay.Q_I + j] = Q_o, Q_i
-        y[lay.DEFECT_FORCE_O + j], y[lay.DEFECT_FORCE_I + j] = tilt_o * Q_o, tilt_i * Q_i
-        roller_o = stored(form.rollers, ROLLER_SLOPE_O, y, j)
-        roller_i = stored(form.rollers, ROLLER_SLOPE_I, y, j)
-        y[lay.DEFECT_TORQUE + j] = -(roller_o * Q_o + roller_i * Q_i)
-        torque = add(torque, -stored(form.outer, RACE_SLOPE_O, y, j) * Q_o)
-        tangential_forces(model, common, tilt_o, tilt_i, y, j)
-    return torque
-
-
-@inlined
-def locate_on_surfaces(side, race, rollers, race_angle, roll, Z, y, j):
-    """Fill the places of one contact of roller ``j`` in the tables of race and roller.
-
-    race_angle: of pocket 0 on the race (rad); roll: angle on the roller (rad) in contact if it were in the middle
-    of its pocket, had not slipped, and the normal pointed along e_r.
-    """
-    _, normal_t, _, _, _ = normal_rows(side)
-    of_race, race_slope, of_roller, roller_slope, _ = form_rows(side)
-    offset = y[lay.EPS + j] + small_angle(y[normal_t + j])
-    locate_on_race(race, race_angle, offset, Z, of_race, race_slope, y, j)
-    locate_on_roller(rollers, roll + offset - y[lay.SPIN + j], of_roller, roller_slope, y, j)
-
-
-@inlined
-def recede(side, race, rollers, omega_race, spin_v, y, j):
-    """Subtract the recesses at one contact of roller ``j`` from its approach, and their rates; return the tangent
-    of the tilt of the normal.
-
-    omega_race, spin_v: speed of the race and spin of the roller (rad/s). Equation (F2) of docs/form.md.
-    """
-    _, approach, rate, _, _ = contact_rows(side)
-    _, _, distance, transverse_speed, rho_v = normal_rows(side)
-    of_race, race_slope, of_roller, roller_slope, rates = form_rows(side)
-    omega = y[transverse_speed + j] / y[distance + j]
-    slope_of_race, slope_of_roller = stored(race, race_slope, y, j), stored(rollers, roller_slope, y, j)
-    y[rho_v + j] = sign(side) * y[rate + j]
-    y[rates + j] = slope_of_race * (omega - omega_race) + slope_of_roller * (omega - spin_v)
-    y[approach + j] -= stored(race, of_race, y, j) + stored(rollers, of_roller, y, j)
-    y[rate + j] -= y[rates + j]
-    return (slope_of_race + slope_of_roller) / y[distance + j]
-
-
-@inlined
-def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
-    """Compute slip, friction, drag and pocket force of roller ``j``.
-
-    Fills FORCE_R, FORCE_T, TORQUE and the roller's loads on the rings.
-    normal_slope_o, normal_slope_i: tangent of the angle between the contacts' normals and n, nonzero at a defect.
-
-    Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step (P9).
-    """
-    b, friction, drag = model.bearing, model.friction, model.drag
-    R_w, per_m, per_spin = b.R_w, 1.0 / b.m_r, b.R_w * b.R_w / b.I_r
-    along_lag, across_lag = model.lag * (per_m + per_spin), model.lag * (per_m - per_spin)
-    c, s = y[lay.COS + j], y[lay.SIN + j]
-    mask = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
-    beta_v = common.spin + y[lay.SPIN_V + j]
-    theta_v = common.omega_cage + y[lay.EPS_V + j]
-    u = R_w * abs(theta_v - beta_v)  # rolling speed: of the surface relative to the orbiting contact
-
-    arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
-    cos_o, cos_i = (
-        1.0 / sqrt(1.0 + normal_slope_o * normal_slope_o),
-        1.0 / sqrt(1.0 + normal_slope_i * normal_slope_i),
-    )
-    sin_o, sin_i = normal_slope_o * cos_o, normal_slope_i * cos_i
-    ring_arm_o, ring_arm_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i
-    s_o = (
-        y[lay.TANGENTIAL_V_O + j] * cos_o
-        + y[lay.RHO_V_O + j] * sin_o
-        + beta_v * arm_o
-        - common.omega_o * ring_arm_o
-    )
-    s_i = (
-        y[lay.TANGENTIAL_V_I + j] * cos_i
-        - y[lay.RHO_V_I + j] * sin_i
-        - beta_v * arm_i
-        - common.omega_i * ring_arm_i
-    )
-    y[lay.SLIP_O + j], y[lay.SLIP_I + j] = s_o, s_i
-    s_o += SLIP_OFFSET if s_o > 0.0 else -SLIP_OFFSET
-    s_i += SLIP_OFFSET if s_i > 0.0 else -SLIP_OFFSET
-    inverse = 1.0 / (s_o * s_i)
-    k_o, k_i = (
-        mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * inverse,
-        mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * inverse,
-    )
-    f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along_lag, across_lag)
-
-    along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.DEFECT_FORCE_O + j] - f_o * cos_o
-    o_r = along_n * y[lay.NORMAL_O_R + j] - across_n * y[lay.NORMAL_O_T + j]
-    o_t = along_n * y[lay.NORMAL_O_T + j] + across_n * y[lay.NORMAL_O_R + j]
-    along_n, across_n = y[lay.Q_I + j] + f_i * sin_i, y[lay.DEFECT_FORCE_I + j] - f_i * cos_i
-    i_r = along_n * y[lay.NORMAL_I_R + j] - across_n * y[lay.NORMAL_I_T + j]
-    i_t = along_n * y[lay.NORMAL_I_T + j] + across_n * y[lay.NORMAL_I_R + j]
-    y[lay.FRICTION_O + j], y[lay.FRICTION_I + j] = f_o, f_i
-
-    weight, r = model.gravity * b.m_r, 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j]
-    y[lay.FORCE_R + j] = o_r + i_r + weight * c
-    y[lay.FORCE_T + j] = o_t + i_t - weight * s + orbit_drag(drag, theta_v * r)
-    y[lay.TORQUE + j] = y[lay.DEFECT_TORQUE + j] + f_i * arm_i - f_o * arm_o
-    y[lay.roller_load(lay.F_X) + j] = -o_r * c + o_t * s
-    y[lay.roller_load(lay.F_Y) + j] = -o_r * s - o_t * c
-    y[lay.roller_load(lay.M_RING) + j] = mask * f_o * ring_arm_o
-    y[lay.roller_load(lay.F_X_I) + j] = -i_r * c + i_t * s
-    y[lay.roller_load(lay.F_Y_I) + j] = -i_r * s - i_t * c
-    pocket_force(model.cage, model, common, y, j)
-
-
 @inlined
 def correct_for_defects(model, common, t, y):
     """Correct each roller over a defect; return the torque (N m) of the defects on the outer ring."""
@@ -404,28 +228,6 @@ def correct_for_defect(model, common, d, j, s, t, y):
     normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
     tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j)
     return (-torque if outer and not on_roller else 0.0) + (form_torque if outer else 0.0)
-
-
-@generic(absent=0.0)
-def add_form(form: Any, side: Any, Q: float, y: np.ndarray, j: int) -> float:
-    """Add tilt and torques of the form to a contact over a defect, whose force was ``Q`` (N) without the defect.
-
-    Returns the change of the torque (N m) of the race's form on its ring.
-    """
-
-
-@add_form.register(Form)
-def _add_form(form, side, Q, y, j):
-    _, _, rho, _, rho_v = normal_rows(side)
-    force, _, _, _, tilt_row = contact_rows(side)
-    _, race_slope, _, roller_slope, rates = form_rows(side)
-    slope_of_race = stored(race_on(side, form), race_slope, y, j)
-    slope_of_roller = stored(form.rollers, roller_slope, y, j)
-    change = y[force + j] - Q
-    y[rho_v + j] += sign(side) * y[rates + j]
-    y[tilt_row + j] += (slope_of_race + slope_of_roller) / y[rho + j] * y[force + j]
-    y[lay.DEFECT_TORQUE + j] -= slope_of_roller * change
-    return -slope_of_race * change
 
 
 @jit

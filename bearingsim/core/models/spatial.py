@@ -62,6 +62,8 @@ from bearingsim.core.parts.cage_in_space import (
     pocket_forces_in_space,
 )
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
+from bearingsim.core.parts.form import Smooth
+from bearingsim.core.parts.form_in_space import read_form
 from bearingsim.core.parts.mounts import mount_damping, mount_stiffness
 from bearingsim.core.parts.races_in_space import (
     add_slice,
@@ -84,7 +86,8 @@ class Spatial(NamedTuple):
 
     slices: division of a roller into slices (``geometry/slices.py``); L_w: length of a roller (m); I_t: its moment
     of inertia about a diameter (kg m^2); mount_o, mount_i: mounts of the rings (``parts/mounts.py``); flanges:
-    ``parts/flanges.py``; cage_z: ``parts/cage_in_space.py``; lag: lag of the friction, s.
+    ``parts/flanges.py``; cage_z: ``parts/cage_in_space.py``; lag: lag of the friction, s; form: form of the
+    surfaces (``parts/form.py``).
     """
 
     bearing: Bearing
@@ -107,6 +110,7 @@ class Spatial(NamedTuple):
     flanges: Any
     cage_z: Any
     lag: float = 0.0
+    form: Any = Smooth()
 
 
 @state_width.register(Spatial)
@@ -161,8 +165,9 @@ def race_contacts(model, t, tilt_factor, outer, inner, omega_cage, y, n):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if marked > 0:
             slice_defect_response(model, t, k, tilt_factor, outer.a_z, inner.a_z, y)
-        add_slice(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, k, y, n)
-        add_slice(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, k, y, n)
+        read_form(model.form, model, t, tilt_factor, zeta, (outer.a_z, inner.a_z), y, n)
+        add_slice(OuterSide(), model.outer, model.friction, model.form, b, outer, zeta, weight, drop, k, y, n)
+        add_slice(InnerSide(), model.inner, model.friction, model.form, b, inner, zeta, weight, drop, k, y, n)
     if marked > 0:
         clear_defect_response(model, y)
     slip_relaxation(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)

@@ -27,7 +27,7 @@ RECESS_O, RECESS_V_O, RECESS_I, RECESS_V_I = lay.rows(
 # with slip, at the outer and at the inner contact: recess of the race and its derivative with respect to the
 # angle, before that place of the coefficients and position in the piece; the same of the roller; rate of both
 RACE_O, RACE_SLOPE_O, ROLLER_O, ROLLER_SLOPE_O, RATE_O, RACE_I, RACE_SLOPE_I, ROLLER_I, ROLLER_SLOPE_I, RATE_I = (
-    lay.rows(lay.JACOBIAN_WORK + lay.FIRST_LANE, "m, m, m, m, m/s", "planar", "evaluation", count=2)
+    lay.rows(lay.JACOBIAN_WORK + lay.FIRST_LANE, "m, m, m, m, m/s", "planar spatial", "evaluation", count=2)
 )
 FULL_TURN = 2.0 * pi
 OUT_OF_REACH = 1.0  # m, recess at the padding lanes after the last roller: no contact closes there

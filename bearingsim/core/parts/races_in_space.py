@@ -25,6 +25,13 @@ from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
+from bearingsim.core.parts.form_in_space import (
+    recess_of_slice,
+    recess_rate_of_slice,
+    rise_of_slice,
+    torque_of_roller_form,
+    versine,
+)
 
 SLIP_OFFSET = 1e-12  # m/s, added in quadrature to the slip so that friction/slip stays finite at zero slip
 INDEX_MASK = 0x7FFFFFFF  # mask that shows the compiler that a buffer index is not negative
@@ -108,7 +115,7 @@ def clear_sums(side, y, n):
 
 
 @inlined
-def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
+def add_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, k, y, n):
     """Add the forces on slice ``k`` of every roller to the sums of this side; store its loads and approaches.
 
     zeta, drop: m; weight: share of the contact. The rows ROLLER_DROP to ROLLER_DEFECT of the side contain the
@@ -117,18 +124,18 @@ def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
     load_row, approach_row = slice_rows(side)
     row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
     for j in range(n & LANE_MASK):
-        load, approach = load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j)
+        load, approach = load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, j)
         y[row + (load_row + j)] = load
         y[row + (approach_row + j)] = approach
 
 
 @inlined
-def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
+def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, j):
     """Compute position, motion, force and friction of a slice of roller ``j``; add its forces to the sums.
 
     Returns the load (N) and the approach (m) of the slice.
 
-    Equations (S2) and (S3) of docs/spatial.md.
+    Equations (S2) and (S3) of docs/spatial.md; with form (F1) and (F2) of docs/form.md.
     """
     base, sigma, R_mean = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
     clearance, radius, b_z, omega_ring = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega
@@ -149,7 +156,9 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     rho_v = n_r * v_r + n_t * v_t + n_z * v_z
     v_tau = t_r * v_r + t_t * v_t + t_z * v_z
 
-    normal_slope, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
+    defect_slope = y[base + lay.NORMAL_SLOPE + j]
+    normal_slope = defect_slope - rise_of_slice(form, side, inverse_rho, y, j)
+    cosine = 1.0 - versine(form, base, normal_slope, y, j)
     on_roller, roll_speed, sine = (
         y[base + lay.ROLLER_DEFECT + j],
         y[base + lay.ROLL_SPEED + j],
@@ -157,6 +166,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     )
     rho_minus_r += lateral_squared * (inverse_product * rho)
     delta = sigma * (y[lay.RADIAL + j] + rho_minus_r) - clearance - y[base + lay.ROLLER_DROP + j]
+    delta = delta - recess_of_slice(form, side, y, j)
     arm = sigma * (radius - 0.5 * delta)
     o_r, o_t, o_z = n_r * cosine - t_r * sine, n_t * cosine - t_t * sine, n_z * cosine - t_z * sine
     e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
@@ -167,7 +177,9 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
         + o_z * y[base + lay.AXIAL_SLIP_ARM_Z + j]
     )
     slip = v_tau * cosine + rho_v * sine + arm * roll_speed - omega_ring * (rho * cosine + arm)
-    rate = sigma * rho_v - normal_slope * (v_tau - (omega_ring + on_roller * (roll_speed - omega_ring)) * rho)
+    rate = sigma * rho_v - defect_slope * (v_tau - (omega_ring + on_roller * (roll_speed - omega_ring)) * rho)
+    past_race, past_roller = v_tau - omega_ring * rho, v_tau - roll_speed * rho
+    rate = rate - recess_rate_of_slice(form, side, inverse_rho, past_race, past_roller, y, j)
 
     force = weight * (1.0 - y[base + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
     speed = sqrt(slip * slip + axial_slip * axial_slip + SLIP_OFFSET * SLIP_OFFSET)
@@ -183,7 +195,8 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     y[base + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
     y[base + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
     y[base + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
-    y[base + lay.COUPLE_AXIAL + j] -= arm * f + on_roller * f_t * rho
+    torque = arm * f + on_roller * (defect_slope * force) * rho - torque_of_roller_form(form, side, force, y, j)
+    y[base + lay.COUPLE_AXIAL + j] -= torque
     y[base + lay.COUPLE_R + j] += couple * e_r
     y[base + lay.COUPLE_T + j] += couple * e_t
     y[base + lay.COUPLE_Z + j] += couple * e_z

@@ -44,7 +44,7 @@ def in_space_state(model, slicing, y, **fields):
     return space, x
 
 
-@pytest.mark.parametrize("setup", [name for name, fields in SETUPS.items() if "surfaces" not in fields])
+@pytest.mark.parametrize("setup", SETUPS)
 @pytest.mark.parametrize("slicing", SLICINGS, ids=["1 slice", "6 slices", "7 uneven slices"])
 def test_plane_states_equal_planar(setup, slicing):
     """Random states, defects across each body, with and without lag: accelerations to 1e-9 of the largest."""
