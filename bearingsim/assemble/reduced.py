@@ -31,3 +31,11 @@ def static_case(case: Case) -> Case:
         "contact": case.contact.model_copy(update={"damping": Undamped()}),
     }
     return healthy_case(case).model_copy(update=static_fields)
+
+
+def waveless_case(case: Case) -> Case:
+    """Return the case with smooth surfaces; a mean deviation of the rollers' diameters becomes clearance."""
+    if case.surfaces is None:
+        return case
+    clearance = case.clearance - 2.0 * case.surfaces.mean_diameter_deviation
+    return case.model_copy(update={"surfaces": None, "clearance": clearance})

@@ -4,6 +4,7 @@ from functools import lru_cache
 from typing import Any
 
 from bearingsim.assemble import bending, contacts, geometry
+from bearingsim.assemble.reduced import waveless_case
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.excitations import Envelope
@@ -64,12 +65,11 @@ def healthy_equilibrium(case: Case) -> MeanEquilibrium:
     Its rollers have their mean diameter, which acts as a clearance. Waviness is left out, because what is computed
     from these loads is a property of the bearing, not of one crest under one roller.
     """
-    bearing = geometry.bearing(case)
-    if case.surfaces is not None:
-        bearing = bearing._replace(gap=bearing.gap - 0.5 * case.surfaces.mean_diameter_deviation)
+    case = waveless_case(case)
     outer, inner = _undamped_laws(case)
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
-    return _equilibrium(bearing, outer, inner, repr((outer, inner)), case.load, case.load_across, ring)
+    laws = outer, inner, repr((outer, inner))
+    return _equilibrium(geometry.bearing(case), *laws, case.load, case.load_across, ring)
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)

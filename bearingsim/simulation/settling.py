@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
+from bearingsim.assemble.reduced import waveless_case
 from bearingsim.assemble.rest import CACHED_EQUILIBRIA
 from bearingsim.assemble.scales import approach, full_speed_case
 from bearingsim.catalogue import MODELS
@@ -115,13 +116,14 @@ def extrapolation_passes(case: Case) -> int:
 def modes(case: Case) -> tuple[complex, ...]:
     """Return the eigenvalues (1/s) of rings and rollers in radial motion about equilibrium, conjugates included.
 
-    Empty for a model without memory. Modes of unloaded rollers are left out. Raises ``Refused`` if there is no
+    Empty for a model without memory. Modes of unloaded rollers are left out. So is waviness, whose rates at rest
+    would lift rollers under a small load and so leave them without damping. Raises ``Refused`` if there is no
     equilibrium.
     """
     if MODELS[case.model].memoryless:
         return ()
     try:
-        return _modes(rest_case(assemble.bearing_of(full_speed_case(case))))
+        return _modes(rest_case(assemble.bearing_of(waveless_case(full_speed_case(case)))))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
 

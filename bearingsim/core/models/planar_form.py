@@ -1,7 +1,7 @@
 """Contacts of ``planar`` between smooth surfaces, and between surfaces with form.
 
-Forces between smooth surfaces are computed in the vectorised loop over rollers. Heights are read from tables, roller
-by roller, so forces between surfaces with form are computed after that loop.
+Forces between smooth surfaces are computed in the vectorised loop over rollers. Heights are read from tables for
+one roller at a time, so forces between surfaces with form are computed after that loop.
 """
 
 from math import pi
