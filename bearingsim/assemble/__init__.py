@@ -159,12 +159,20 @@ def support(case: Case) -> Support:
     """Return load and bracket on the case's ring, zero if they act on a carrier."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    x_0, y_0 = bracket_anchor(case)
-    if space.unevenly_loaded(case):  # by what tilt and profile move the smooth bearing
-        smooth = static_case(case).model_copy(update={"surfaces": None})
-        (x, y), (x_plane, y_plane) = anchor_in_space(smooth), bracket_anchor(smooth)
-        x_0, y_0 = x + (x_0 - x_plane), y + (y_0 - y_plane)
+    x_0, y_0 = ring_anchor(case)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
+
+
+def ring_anchor(case: Case) -> tuple[float, float]:
+    """Compute the anchor (m, m) of a bracket on the ring; form moves it in space as in the plane."""
+    if not space.unevenly_loaded(case):
+        return bracket_anchor(case)
+    smooth = static_case(case).model_copy(update={"surfaces": None})
+    anchor = anchor_in_space(smooth)
+    if case.surfaces is None:
+        return anchor
+    moved, unmoved = bracket_anchor(static_case(case)), bracket_anchor(smooth)
+    return anchor[0] + moved[0] - unmoved[0], anchor[1] + moved[1] - unmoved[1]
 
 
 @lru_cache(maxsize=256)

@@ -206,7 +206,7 @@ def test_every_requirement_is_met_by_a_model() -> None:
 
 def test_each_model_has_the_abilities_of_the_simpler_one() -> None:
     for lower, higher in pairwise([*MODELS.values()][1:]):
-        own = {"bending ring", "form"}  # of `static` and `rollers`; of all below `spatial`
+        own = {"bending ring"}  # of `static` and `rollers`
         assert lower.abilities - {"balls", "shared pressure"} - own < higher.abilities
         assert lower.abilities - own < higher.abilities or higher.name == "spatial"
 

@@ -504,7 +504,7 @@ def test_other_parameters_change_one_value_each(write: Write) -> None:
     [
         ("{form: 0.3}", "", "0.3", "expected a length"),
         ("{form: 0 um}", "", "0 um", "expected a value above zero"),
-        ("{form: 0.3 um}", "model: spatial\n", "0.3 um", "the spatial model has smooth surfaces"),
+        ("{form: 0.3 um}", "model: impulse\n", "0.3 um", "the impulse model has smooth surfaces"),
         (
             "{form: 0.3 um}",
             "surfaces: {inner: {spectrum: {amplitude: 1 um}}}\n",
