@@ -111,7 +111,8 @@ def test_loops_over_rollers_keep_their_lanes():
     for side in (OuterSide(), InnerSide()):
         assert keeps_lanes(compiled(races_in_space.race_frame.py_func), side, b, ring, 1.0, y, n)
         slice_of = compiled(races_in_space.add_slice.py_func)
-        assert keeps_lanes(slice_of, side, model.outer, model.friction, b, ring, 0.0, 0.5, 0.0, 1, y, n)
+        law, friction, form = model.outer, model.friction, model.form
+        assert keeps_lanes(slice_of, side, law, friction, form, b, ring, 0.0, 0.5, 0.0, 1, y, n)
         assert keeps_lanes(compiled(races_in_space.side_loads.py_func), side, b, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.slip_relaxation.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(races_in_space.update_line_load.py_func), lay.slice_row(1, 0), 1e-3, y, n)
