@@ -23,7 +23,6 @@ OTHER_MEANINGS = {
     ("config/rules/completion.py", "ring"): "a field of the rig",
     ("config/rules/completion.py", "rollers"): "a field of the surfaces",
     ("config/rules/surfaces.py", "rollers"): "a field of the surfaces",
-    ("core/parts/form.py", "planar"): "an owner of rows of the buffer",
     ("config/rules/flexible_ring.py", "ring"): "a field of the rig",
     ("config/rules/hierarchy.py", "ring"): "a field of the rig",
     ("config/sections/machine.py", "ring"): "a field of the rig",

@@ -15,7 +15,7 @@ from bearingsim.config.sections.surfaces import RaceSurface, RollerSurface, Roun
 from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.laws import hertz
 from bearingsim.core.layout import VECTOR_WIDTH
-from bearingsim.core.parts.form import Form, Race, Smooth, UnequalRollers, WavyRollers
+from bearingsim.core.parts.form import OUT_OF_REACH, Form, Race, Smooth, UnequalRollers, WavyRollers
 
 PIECES_PER_WAVE = 24
 """Cubic pieces of the shortest wave: the largest errors of value and slope are 1.2e-5 and 1.4e-4 of its own."""
@@ -192,7 +192,7 @@ def race_pieces(heights: np.ndarray, Z: int) -> Race:
     by_sector = pieces(heights, per_sector * Z).reshape(Z, per_sector, 4)
     columns = (np.arange(1 + Z + _lanes(Z)) - 1) % Z
     table = np.ascontiguousarray(by_sector[columns].transpose(1, 2, 0))
-    return Race(table, table.ravel())
+    return Race(table, table.ravel(), np.where(np.arange(_lanes(Z)) < Z, 0.0, OUT_OF_REACH))
 
 
 def roller_pieces(heights: np.ndarray) -> UnequalRollers | WavyRollers:

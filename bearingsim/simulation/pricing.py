@@ -58,7 +58,13 @@ def evaluation_time(case: Case) -> float:
     roller_time = (price("evaluation", case.model) + price("power") * count_powers(case)) * (
         slice_count(case) or 1
     )
-    return roller_time + bending_time(case)
+    return roller_time + bending_time(case) + form_time(case)
+
+
+def form_time(case: Case) -> float:
+    """Return the CPU time (s) of the form of surfaces in an evaluation."""
+    surfaces = 0 if case.surfaces is None else len(case.surfaces.elements)
+    return surfaces * price("form", case.model) * (slice_count(case) or 1)
 
 
 def bending_time(case: Case) -> float:

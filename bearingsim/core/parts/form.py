@@ -43,11 +43,12 @@ class Race(NamedTuple):
 
     pieces: (M, 4, 1 + Z + lanes), coefficients of 1, x, x^2, x^3 (m) in piece m of each sector, x from 0 to 1 on
     the piece; sector s is in columns s + 1, s + 1 + Z ..., and the last one in column 0, too. table: the same,
-    flat.
+    flat. padding: (lanes,), ``OUT_OF_REACH`` in the lanes after the last roller, where the columns go on, else 0.
     """
 
     pieces: np.ndarray
     table: np.ndarray
+    padding: np.ndarray
 
 
 class WavyRollers(NamedTuple):
@@ -87,13 +88,6 @@ def split(position, count):
     return whole, position - whole
 
 
-@inlined
-def open_padding(recess, derivative, Z, y, n):
-    """Keep the contacts of the padding lanes, from ``Z`` to ``n``, open: a table of a race goes on there."""
-    for j in range(Z, n):
-        y[recess + j], y[derivative + j] = OUT_OF_REACH, 0.0
-
-
 # rollers at kinematic angles
 
 
@@ -114,14 +108,16 @@ def set_race(race: Any, angle: float, omega: float, Z: int, recess: int, rate: i
 @set_race.register(Race)
 def _set_race(race, angle, omega, Z, recess, rate, y, n):
     per_sector = race.pieces.shape[0]
-    sectors = angle * (Z / FULL_TURN)
-    whole = floor(sectors)
-    m, x = split((sectors - whole) * per_sector, per_sector)
+    # sector and piece are found side by side, so that neither waits for the other
+    position, whole = angle * (Z * per_sector / FULL_TURN), floor(angle * (Z / FULL_TURN))
+    sector_start = whole * per_sector
+    m = min(max(floor(position) - sector_start, 0.0), per_sector - 1.0)
+    x = position - sector_start - m
     column = int(whole - Z * floor((whole + 0.5) / Z)) + 1
-    piece, speed = race.pieces[int(m)], omega * (Z * per_sector / FULL_TURN)
+    piece, padding, speed = race.pieces[int(m)], race.padding, omega * (Z * per_sector / FULL_TURN)
     c_0, c_1, c_2, c_3 = piece[0, column:], piece[1, column:], piece[2, column:], piece[3, column:]
     for j in range(n):
-        y[recess + j] = c_0[j] + x * (c_1[j] + x * (c_2[j] + x * c_3[j]))
+        y[recess + j] = padding[j] + (c_0[j] + x * (c_1[j] + x * (c_2[j] + x * c_3[j])))
         y[rate + j] = speed * (c_1[j] + x * (2.0 * c_2[j] + x * (3.0 * c_3[j])))
 
 
@@ -160,8 +156,6 @@ def _fill_recesses(form, bearing, t, y):
     set_race(form.inner, theta_c - theta_i, omega_c - bearing.omega_i, bearing.Z, RECESS_I, RECESS_V_I, y, n)
     add_rollers(form.rollers, roll, omega_b, RECESS_O, RECESS_V_O, y, n)
     add_rollers(form.rollers, roll + pi, omega_b, RECESS_I, RECESS_V_I, y, n)
-    open_padding(RECESS_O, RECESS_V_O, bearing.Z, y, n)
-    open_padding(RECESS_I, RECESS_V_I, bearing.Z, y, n)
 
 
 @generic(inline="late", absent=0.0)
@@ -257,12 +251,14 @@ def read_surface(surface: Any, Z: int, place: int, position: int, y: np.ndarray,
 def _read_race(surface, Z, place, position, y, n):
     per_angle = Z * surface.pieces.shape[0] / FULL_TURN
     read_pieces(surface.table, surface.pieces.shape[2], per_angle, place, position, y, n)
-    open_padding(place, position, Z, y, n)
+    for j in range(n):
+        y[place + j] += surface.padding[j]
 
 
 @read_surface.register(WavyRollers)
 def _read_wavy_rollers(surface, Z, place, position, y, n):
-    read_pieces(surface.table, surface.pieces.shape[2], surface.pieces.shape[0] / FULL_TURN, place, position, y, n)
+    per_angle = surface.pieces.shape[0] / FULL_TURN
+    read_pieces(surface.table, surface.pieces.shape[2], per_angle, place, position, y, n)
 
 
 @read_surface.register(UnequalRollers)
