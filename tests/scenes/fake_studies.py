@@ -81,6 +81,7 @@ class FakeStudy:
     units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
     figures: tuple[Any, ...] = ()
     notes: tuple[str, ...] = ()
+    measured: tuple[Any, ...] = ()
     assumptions: tuple[str, ...] = ()
     files: dict[str, str | None] = field(default_factory=dict)
     uncertainty: Any = None
