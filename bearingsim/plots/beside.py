@@ -138,8 +138,8 @@ def signals_beside(results: "Results", job: str, channel: str) -> Iterator[tuple
 
 
 def _read(file: Mapping[str, Any], factor: float) -> Signal | None:
-    from bearingsim.study.measured import SignalFile
     from bearingsim.study.measured_signals import read_series
+    from bearingsim.study.measured_values import SignalFile
 
     try:
         series, fs = read_series(SignalFile(**file))

@@ -14,7 +14,7 @@ from bearingsim.config.rules.hierarchy import has_default_friction, specifies_sl
 from bearingsim.study.design import Design, SampledDesign
 from bearingsim.study.figures import Figure
 from bearingsim.study.goal import Goal
-from bearingsim.study.measured import MeasuredSet
+from bearingsim.study.measured_values import MeasuredSet
 from bearingsim.study.paths import dimension
 from bearingsim.study.uncertainty import (
     DEFAULT_DAMPING,

@@ -11,7 +11,7 @@ Points are rows of parameters and features, in the file or in a table whose head
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import isclose
 from os.path import isfile
 from pathlib import Path as FilePath
@@ -21,50 +21,19 @@ from bearingsim.config import FEATURES, Case
 from bearingsim.config.fields import Path
 from bearingsim.measured import MeasuredError, Request
 from bearingsim.measured.si import FACTORS, factor_to
-from bearingsim.measured.statements import HEAD
-from bearingsim.measured.tables import SEPARATORS
+from bearingsim.study.measured_table import table_rows
+from bearingsim.study.measured_values import MeasuredPoint, MeasuredSet
 from bearingsim.study.paths import dimension, value_at
 from bearingsim.text import files_read
 from bearingsim.text.units import EXPECTED, UnitError, parse, show, split, suggestion
-from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem, read_text
+from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 KEYS = ("points", "signals", "label", "scale")
 SIGNAL_KEYS = ("file", "at", "rate", "speed", "unit", "channel", "full_scale")
-MOST_POINTS, MOST_SIGNALS = 10_000, 100
-"""Limits of the points of a table, and of the signals of an entry."""
+MOST_SIGNALS = 100
+"""Limit of the signals of an entry."""
 SAME = 1e-6
 """Relative difference up to which a measured parameter equals that of a case: tables are rounded."""
-COMMENT = "#"
-
-
-@dataclass(frozen=True)
-class SignalFile:
-    """File of a measured signal (absolute path), its channel and SI unit, and what the study states about it, by
-    the names of ``Request``."""
-
-    path: str
-    channel: str
-    unit: str
-    request: dict[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class MeasuredPoint:
-    """Measured features (SI) at values of swept paths (SI, or words); place: file and line, for messages."""
-
-    parameters: dict[str, float | str]
-    features: dict[str, float]
-    place: str
-    signal: SignalFile | None = None
-
-
-@dataclass(frozen=True)
-class MeasuredSet:
-    """Points of one source, with the label of its marks; scale: whether one factor is fitted to the simulation."""
-
-    label: str
-    scale: bool
-    points: tuple[MeasuredPoint, ...]
 
 
 class Cases(NamedTuple):
@@ -172,7 +141,7 @@ class _Reader:
         """Yield the points of a table, or of a list of rows in the study."""
         if isinstance(node.value, str):
             path = self.find(node)
-            rows = [] if path is None else list(self.table(path))
+            rows = [] if path is None else list(table_rows(path, self.problems))
         else:
             rows = [(f"{item.mark.file}:{item.mark.line}", item) for item in node.items]
             if not rows:
@@ -183,45 +152,6 @@ class _Reader:
             point = self.point(place, row)
             if point is not None:
                 yield point
-
-    def table(self, path: FilePath) -> Iterator[tuple[str, Node]]:
-        """Yield place and entries of each row of a table in a text file; values have the unit of their head."""
-        try:
-            lines = read_text(path).lstrip("\ufeff").splitlines()
-        except (StudyError, OSError) as error:
-            self.fail(Mark(str(path)), f"cannot be read as a table: {error}")
-            return
-        numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
-        if len(numbered) < 2:
-            self.fail(
-                Mark(str(path)), "has no row below a line of heads", "as in `load [N], velocity@BPFO [um/s]`"
-            )
-            return
-        if len(numbered) > MOST_POINTS:
-            self.fail(Mark(str(path)), f"has {len(numbered) - 1} rows; at most {MOST_POINTS} are possible")
-            return
-        (head_line, head), *rows = numbered
-        separator = next((mark for mark in SEPARATORS if mark in head), ",")
-        heads = [HEAD.match(text) for text, _ in _cells(head, separator)]
-        names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in heads]
-        for number, line in rows:
-            cells = _cells(line, separator)
-            mark = Mark(str(path), number, 1, line)
-            if len(cells) != len(names):
-                message = f"has {len(cells)} values for the {len(names)} heads of line {head_line}"
-                self.fail(mark, message, "is the separator right?")
-                return
-            yield f"{path.name}:{number}", Node(dict(self.row(names, cells, mark, separator)), mark)
-
-    def row(
-        self, names: Sequence[tuple[str, str]], cells: Sequence[tuple[str, int]], mark: Mark, separator: str
-    ) -> Iterator[tuple[str, Node]]:
-        """Yield the values of a row that are not empty; decimal commas are read if they do not separate."""
-        for (name, unit), (cell, column) in zip(names, cells, strict=True):
-            if cell:
-                number = cell if separator == "," else cell.replace(",", ".")
-                text = f"{number} {unit}".strip() if _is_number(number) else cell
-                yield name, Node(text, replace(mark, column=column), Mark(mark.file, mark.line))
 
     def point(self, place: str, row: Node) -> MeasuredPoint | None:
         """Read a row of parameters and features; None, with problems, if it is invalid."""
@@ -382,23 +312,6 @@ class _Reader:
 def _items(entry: Node, key: str) -> tuple[Node, ...]:
     node = entry.mapping.get(key)
     return node.items if node is not None else ()
-
-
-def _cells(line: str, separator: str) -> list[tuple[str, int]]:
-    """Return the cells of a line, without quotes, with their columns from 1."""
-    cells, column = [], 1
-    for text in line.split(separator):
-        cells.append((text.strip().strip('"').strip(), column + len(text) - len(text.lstrip())))
-        column += len(text) + 1
-    return cells
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _equal(value: Any, other: float | str) -> bool:

@@ -16,7 +16,7 @@ from bearingsim.measured.checks import refuse_unusable
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.signals import band_rms, envelope_spectrum, pick_from, spectrum, statistics
 from bearingsim.signals.spectra import FLAT
-from bearingsim.study.measured import SignalFile
+from bearingsim.study.measured_values import SignalFile
 
 TOLERANCE = 0.02
 """Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""

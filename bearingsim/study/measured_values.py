@@ -1,0 +1,34 @@
+"""Measured values of a study: points, and the signals whose features they are."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class SignalFile:
+    """File of a measured signal (absolute path), its channel and SI unit, and what the study states about it, by
+    the names of ``Request``."""
+
+    path: str
+    channel: str
+    unit: str
+    request: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeasuredPoint:
+    """Measured features (SI) at values of swept paths (SI, or words); place: file and line, for messages."""
+
+    parameters: dict[str, float | str]
+    features: dict[str, float]
+    place: str
+    signal: SignalFile | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredSet:
+    """Points of one source, with the label of its marks; scale: whether one factor is fitted to the simulation."""
+
+    label: str
+    scale: bool
+    points: tuple[MeasuredPoint, ...]
