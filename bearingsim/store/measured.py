@@ -1,7 +1,6 @@
 """Measured features of a study beside the simulated ones: at the same parameters, or between two cases."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import groupby
 from math import isclose, isfinite
 from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -61,10 +60,10 @@ def measured_sets(plan: Mapping[str, Any], table: "pd.DataFrame") -> list[Measur
     """
     sets = plan.get("measured", ())
     rows = list(_cases(plan, table)) if sets else []
-    swept = list(plan["units"])
+    groups = _Groups(rows, list(plan["units"]))
     result = []
     for entry in sets:
-        compared = [item for point in entry["points"] for item in _compare(point, rows, swept)]
+        compared = [item for point in entry["points"] for item in _compare(point, groups)]
         factor = _factor(compared) if entry["scale"] else 1.0
         result.append(MeasuredSet(entry["label"], entry["points"], compared, factor))
     return result
@@ -78,18 +77,28 @@ def _cases(plan: Mapping[str, Any], table: "pd.DataFrame") -> Iterator[dict[Any,
             yield row
 
 
-def _compare(
-    point: Mapping[str, Any], rows: Iterable[Mapping[Any, Any]], swept: Sequence[str]
-) -> Iterator[Comparison]:
+class _Groups:
+    """Cases grouped by the swept paths that a point leaves open; each grouping is made once."""
+
+    def __init__(self, rows: Sequence[Mapping[Any, Any]], swept: Sequence[str]) -> None:
+        self.rows, self.swept = rows, swept
+        self.made: dict[tuple[str, ...], list[list[Mapping[Any, Any]]]] = {}
+
+    def of(self, free: tuple[str, ...]) -> list[list[Mapping[Any, Any]]]:
+        """Return lists of cases with equal values of the paths ``free``."""
+        if free not in self.made:
+            groups: dict[tuple[str, ...], list[Mapping[Any, Any]]] = {}
+            for row in self.rows:
+                groups.setdefault(tuple(str(row.get(path)) for path in free), []).append(row)
+            self.made[free] = list(groups.values())
+        return self.made[free]
+
+
+def _compare(point: Mapping[str, Any], groups: _Groups) -> Iterator[Comparison]:
     """Yield the comparisons of a point, one for each feature and combination of parameters that it leaves open."""
     parameters = point["parameters"]
-    free = [path for path in swept if path not in parameters]
-
-    def combination(row: Mapping[Any, Any]) -> tuple[str, ...]:
-        return tuple(str(row.get(path)) for path in free)
-
-    for _, group in groupby(sorted(rows, key=combination), combination):
-        cases = list(group)
+    free = tuple(path for path in groups.swept if path not in parameters)
+    for cases in groups.of(free):
         others = {path: cases[0][path] for path in free if _has(cases[0].get(path))}
         for feature, value in point["features"].items():
             job, simulated = _value_at(cases, parameters, feature)

@@ -12,6 +12,7 @@ Points are rows of parameters and features, in the file or in a table whose head
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from math import isclose
 from os.path import isfile
 from pathlib import Path as FilePath
@@ -193,8 +194,7 @@ class _Reader:
                 self.fail(node.key or node.mark, f"measured: {error}", features or None)
                 continue
             spelling, kind = self.cases.spelling(path), dimension(path)
-            words = {values[spelling] for _, values in self.cases.swept if spelling in values}
-            if kind is None or node.text in words:
+            if kind is None or node.text in self.ranges.get(spelling, ()):
                 values[spelling] = node.text
                 continue
             try:
@@ -295,14 +295,14 @@ class _Reader:
             text = f"measured `{label}`: {_listed(places)} outside the sweep of {path} ({' to '.join(ends)})"
             self.remarks.append(text)
 
-    @property
+    @cached_property
     def ranges(self) -> dict[str, list[float | str]]:
-        """Swept values by path."""
-        ranges: dict[str, list[float | str]] = {}
+        """Distinct swept values by path."""
+        ranges: dict[str, dict[float | str, None]] = {}
         for _, values in self.cases.swept:
             for path, value in values.items():
-                ranges.setdefault(path, []).append(value)
-        return ranges
+                ranges.setdefault(path, {})[value] = None
+        return {path: list(values) for path, values in ranges.items()}
 
     def fixed_value(self, path: str) -> Any:
         """Return the value of a path that is not swept, in SI."""
