@@ -60,7 +60,7 @@ sweep:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
 #   damping: {law: kraemer, beta: 2.5 us}  # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general, none
 
-# Form of surfaces, in all models except impulse and spatial. Default: smooth races, equal rollers
+# Form of surfaces, in all models except impulse. Default: smooth races, equal rollers
 # surfaces:
 #   outer: {spectrum: {amplitude: 0.2 um}}                  # A n^-1.3, orders 2 to 200; or {roundness: race.csv}
 #   inner: {harmonics: [{order: 12, amplitude: 20 nm}]}
