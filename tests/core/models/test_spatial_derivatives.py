@@ -38,13 +38,14 @@ def derivative_errors(model, t, y):
         yield [(matrix * arm[:, None] / arm)[:, free] for matrix in (value - reference, reference)]
 
 
-@pytest.mark.parametrize("setup", SETUPS)
+@pytest.mark.parametrize("setup", [name for name, fields in SETUPS.items() if "surfaces" not in fields])
 @pytest.mark.parametrize(("tilt", "on_own_defect"), STATES)
 @pytest.mark.parametrize("seed", range(3))
 def test_derivatives_are_those_of_the_accelerations(setup, tilt, on_own_defect, seed):
     """Defects, flanges, pockets, rings on springs, traction; angles in metres at their lever arms.
 
-    To 1e-5 of the norm, and every row that is not small to 1e-4, because the differences are one-sided.
+    To 1e-5 of the norm, and every row that is not small to 1e-4, because the differences are one-sided. Surfaces
+    with form have no derivatives, and implicit methods are refused there.
     """
     model, y = random_contact_state(setup, seed, tilt, on_own_defect)
     for errors, reference in derivative_errors(model._replace(lag=0.0), BALANCE_TIME, y):
