@@ -36,6 +36,8 @@ def read_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
 
 def with_short_paths(case: "Case") -> "Case":
     """Return the case with shortened paths of its scans, for a machine without the original files."""
+    if not any(defect.file for defect in case.defects) and not (case.surfaces and case.surfaces.profiles):
+        return case
     defects = tuple(
         defect if defect.file is None else defect.model_copy(update={"file": short_path(defect.file)})
         for defect in case.defects

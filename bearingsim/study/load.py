@@ -1,7 +1,7 @@
 """Loading of study files: a validated `Study`, or all problems at once."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from os.path import exists
 from pathlib import Path as FilePath
@@ -16,9 +16,9 @@ from bearingsim.shipped import matching_studies
 from bearingsim.study.figures import Figure, band_features, check_computed, check_recorded, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
-from bearingsim.study.measured import Cases, parse_measured, record_files
+from bearingsim.study.measured_values import MeasuredSet
 from bearingsim.study.paths import intended_paths
-from bearingsim.study.plan import Plan
+from bearingsim.study.plan import Plan, SweptValues
 from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
 from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse, problem, read_text
@@ -61,9 +61,7 @@ def load_study(
         models = {case.model for case in (*cases, *(case for sample in samples for case in sample))}
         check_computed(file.root.mapping.get("figures"), models, settings.problems)
     check_recorded(file.root.mapping.get("figures"), cases, settings.problems)
-    named = Cases(swept_cases, plan.locate, plan.swept_spelling, tuple(band_features(file.root)))
-    folder = FilePath(path).parent
-    measured, remarks = parse_measured(file.root.mapping.get("measured"), folder, named, settings.problems)
+    measured, remarks = _measured(file, plan, swept_cases, settings.problems)
     _raise_problems(file, settings)
     study = Study(
         name=settings.name,
@@ -84,6 +82,32 @@ def load_study(
         measured=measured,
     )
     return study if settings.goal is None else _with_goal(study, settings.goal, plan)
+
+
+def _measured(
+    file: "_StudyFile",
+    plan: Plan,
+    swept_cases: Sequence[tuple[Case, SweptValues]],
+    problems: list[Problem],
+) -> tuple[tuple[MeasuredSet, ...], tuple[str, ...]]:
+    """Read the measured values of a study, if it has any, with remarks on them."""
+    if "measured" not in file.root.mapping:
+        return (), ()
+    from bearingsim.study.measured import Cases, parse_measured  # imports h5py
+
+    cases = Cases(swept_cases, plan.locate, plan.swept_spelling, tuple(band_features(file.root)))
+    return parse_measured(file.root.mapping["measured"], FilePath(file.path).parent, cases, problems)
+
+
+def _measured_files(root: Node, folder: FilePath) -> Iterator[FilePath]:
+    """Yield the files of measured values, found or not, in the working directory and beside the study."""
+    section = root.mapping.get("measured")
+    for entry in section.items if section is not None else ():
+        signals = entry.mapping.get("signals")
+        named = [item.mapping.get("file") for item in signals.items] if signals is not None else []
+        for name in (entry.mapping.get("points"), *named):
+            if name is not None and isinstance(name.value, str):
+                yield from (FilePath() / name.value, folder / name.value)
 
 
 def _with_goal(study: Study, goal: Goal, plan: Plan) -> Study:
@@ -216,7 +240,8 @@ def _open(path: FilePath, overrides: Mapping[str, str]) -> _StudyFile:
         plans = [Plan.build(root, path.parent, new_overrides, reduced, bands) for reduced in modes]
         for plan in plans:
             plan.open_files()
-        record_files(root, path.parent)
+        for named_file in _measured_files(root, path.parent):
+            files_read.record(named_file)
     return _StudyFile(str(path), text, source, root, syntax_problems, notes, new_overrides, plans, files)
 
 

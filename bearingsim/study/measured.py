@@ -25,7 +25,6 @@ from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.study.measured_table import table_rows
 from bearingsim.study.measured_values import MeasuredPoint, MeasuredSet
 from bearingsim.study.paths import dimension, value_at
-from bearingsim.text import files_read
 from bearingsim.text.units import EXPECTED, UnitError, parse, show, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
@@ -49,26 +48,14 @@ class Cases(NamedTuple):
     features: tuple[str, ...]
 
 
-def files_of(root: Node, folder: FilePath) -> Iterator[FilePath]:
-    """Yield the files that the section names, valid or not, in the working directory and beside the study."""
-    section = root.mapping.get("measured")
-    for entry in section.items if section is not None else ():
-        nodes = [entry.mapping.get("points"), *(signal.mapping.get("file") for signal in _items(entry, "signals"))]
-        for node in nodes:
-            if node is not None and isinstance(node.value, str):
-                yield from (FilePath() / node.value, folder / node.value)
-
-
 def parse_measured(
-    section: Node | None, folder: FilePath, cases: Cases, problems: list[Problem]
+    section: Node, folder: FilePath, cases: Cases, problems: list[Problem]
 ) -> tuple[tuple[MeasuredSet, ...], tuple[str, ...]]:
     """Read the measured values of a study, in SI; return them, and remarks on values outside the study.
 
     folder: of the study, in which files are searched after the working directory. Mistakes are added to
     ``problems``, with their place in the study or the table.
     """
-    if section is None:
-        return (), ()
     if not isinstance(section.value, tuple) or not section.items:
         message = "measured: expected a list such as `[{points: line.csv, label: test rig}]`"
         problems.append(problem(section.key or section.mark, message))
@@ -309,11 +296,6 @@ class _Reader:
         return value_at(self.cases.swept[0][0], self.cases.locate(path))
 
 
-def _items(entry: Node, key: str) -> tuple[Node, ...]:
-    node = entry.mapping.get(key)
-    return node.items if node is not None else ()
-
-
 def _equal(value: Any, other: float | str) -> bool:
     if isinstance(value, int | float) and isinstance(other, int | float):
         return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
@@ -341,9 +323,3 @@ def _shown(path: str, value: Any) -> str:
 def _listed(places: Sequence[str]) -> str:
     more = f" and {len(places) - 3} more" if len(places) > 3 else ""
     return ", ".join(places[:3]) + more
-
-
-def record_files(root: Node, folder: FilePath) -> None:
-    """Record the files of the section as files that the study reads."""
-    for path in files_of(root, folder):
-        files_read.record(path)

@@ -23,7 +23,11 @@ INACTIVE: dict[str, Any] = {
     "shaft": None,
     "unbalance": None,
     "misalignment": None,
-    "surfaces": {"outer": {"roundness": None}, "inner": {"roundness": None}},
+    "surfaces": {
+        "outer": {"roundness": None, "spectrum": {"seed": None}},
+        "inner": {"roundness": None, "spectrum": {"seed": None}},
+        "rollers": {"spectrum": {"seed": None}},
+    },
     "tolerance": "auto",
     "prove": True,
     "periodic": True,

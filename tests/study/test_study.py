@@ -252,7 +252,7 @@ def test_id_depends_on_the_model_version_not_on_names(monkeypatch: pytest.Monkey
 def test_schema_covers_all_keys_of_a_study() -> None:
     schema = json.loads(json.dumps(json_schema()))
     assert schema["required"] == ["study"]
-    own = {"study", "sweep", "figures", "quick", "uncertainty", "accuracy", "defect", "prove"}
+    own = {"study", "sweep", "figures", "quick", "uncertainty", "accuracy", "measured", "defect", "prove"}
     assert own | Case.model_fields.keys() == schema["properties"].keys()
     assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == [*get_args(Shape)]
     assert schema["properties"]["friction"]["anyOf"][0]["enum"] == ["static-dynamic", "traction", "none"]
