@@ -26,7 +26,6 @@ INACTIVE: dict[str, Any] = {
     "surfaces": {
         "outer": {"roundness": None, "spectrum": {"seed": None}},
         "inner": {"roundness": None, "spectrum": {"seed": None}},
-        "rollers": {"spectrum": {"seed": None}},
     },
     "tolerance": "auto",
     "prove": True,
