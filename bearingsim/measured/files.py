@@ -29,6 +29,8 @@ INFLATION = 20.0
 """Largest plausible ratio of an array to the file that holds it; noise does not compress."""
 LEAST_MOST = 1 << 22
 """Memory (bytes) that an array of any file may take."""
+OF_FULL_SCALE = "of full scale"
+"""Unit of integer samples without a value at full scale."""
 UNEVEN = 0.5
 """Largest deviation of an instant from even spacing, relative to a step: printed times are rounded."""
 
@@ -240,7 +242,7 @@ def _scale(content: Content, request: Request) -> tuple[float, str | None]:
     if content.integer_range is None:
         return 1.0, None
     full_scale = 1.0 if request.full_scale is None else request.full_scale
-    return full_scale / content.integer_range, None if request.full_scale is not None else "of full scale"
+    return full_scale / content.integer_range, None if request.full_scale is not None else OF_FULL_SCALE
 
 
 def _unit(own: str | None, request: Request, scale_unit: str | None) -> Stated[str]:

@@ -13,6 +13,7 @@ from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis import Lines
 from bearingsim.measured import MeasuredError, Recording, Request, read
 from bearingsim.measured.checks import refuse_unusable
+from bearingsim.measured.files import OF_FULL_SCALE
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.signals import band_rms, envelope_spectrum, pick_from, spectrum, statistics
 from bearingsim.signals.spectra import FLAT
@@ -95,6 +96,9 @@ def _series(path: Path, recording: Recording) -> tuple[str, str, np.ndarray, flo
         factor = factor_to(si_unit, unit)
         if factor is not None:
             return quantity, name, recording.channels[name] * factor, fs
+    if unit == OF_FULL_SCALE:
+        advice = "give their unit and its value at full scale, as in `unit: g, full_scale: 50`"
+        raise MeasuredError(path, f"has integer samples, which have no unit: {advice}")
     units = ", ".join(unit for si_unit in QUANTITIES.values() for unit in FACTORS[si_unit])
     statement = f"has `{name}` in `{unit}`" if unit else f"states no unit of `{name}`"
     raise MeasuredError(path, f"{statement}: give `unit`, one of {units}")

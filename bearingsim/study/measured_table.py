@@ -6,10 +6,10 @@ from pathlib import Path as FilePath
 
 from bearingsim.measured.statements import HEAD
 from bearingsim.measured.tables import SEPARATORS
-from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem, read_text
+from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, StudyError, problem, read_text
 
-MOST_POINTS = 10_000
-"""Limit of the rows of a table."""
+MOST_BYTES = MAX_CHARACTERS
+"""Limit of the size of a table, some thousand rows."""
 COMMENT = "#"
 
 
@@ -22,22 +22,28 @@ def table_rows(path: FilePath, problems: list[Problem]) -> Iterator[tuple[str, N
     def fail(mark: Mark, message: str, hint: str | None = None) -> None:
         problems.append(problem(mark, message, hint))
 
+    if path.stat().st_size > MOST_BYTES:
+        hint = "give means of repeated measurements, or fewer columns"
+        fail(Mark(str(path)), f"has over {MOST_BYTES // 1000} kB, too much for a table of points", hint)
+        return
     try:
         lines = read_text(path).lstrip("\ufeff").splitlines()
-    except (StudyError, OSError) as error:
-        fail(Mark(str(path)), f"cannot be read as a table: {error}")
+    except StudyError as error:
+        problems += error.problems
         return
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
     if len(numbered) < 2:
         fail(Mark(str(path)), "has no row below a line of heads", "as in `load [N], velocity@BPFO [um/s]`")
         return
-    if len(numbered) > MOST_POINTS:
-        fail(Mark(str(path)), f"has {len(numbered) - 1} rows; at most {MOST_POINTS} are possible")
-        return
     (head_line, head), *rows = numbered
     separator = next((mark for mark in SEPARATORS if mark in head), ",")
     heads = [HEAD.match(text) for text, _ in _cells(head, separator)]
     names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in heads]
+    columns = [name for name, _ in names]
+    twice = next((name for name in columns if columns.count(name) > 1), None)
+    if twice is not None:
+        fail(Mark(str(path), head_line, 1, head), f"has two columns `{twice}`", "remove one of them")
+        return
     for number, line in rows:
         cells = _cells(line, separator)
         mark = Mark(str(path), number, 1, line)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import wavfile
 
 from bearingsim.study import load_study
 from bearingsim.text.yamlfile import StudyError
@@ -129,6 +130,8 @@ def test_mistakes_are_located_in_the_study(tmp_path, section):
         ("load [N],velocity@BPFO [um/s]\n150,1\nx,2\n", "line.csv:3:1: measured: load: expected a force"),
         ("load [N],velocity@BPFO [um/s]\n150,x\n", "line.csv:2:5: measured: velocity@BPFO"),
         ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:2:5: measured: `Pa` is no unit of velocity@BPFO"),
+        ("load [N],velocity@BPFO [um/s],load [kN]\n1,1,1\n", "line.csv:1:1: has two columns `load`"),
+        ("load [N],velocity@BPFO [um/s]\n150,inf\n", "line.csv:2:5: measured: velocity@BPFO: expected a number"),
         ("load [N],velocity@BPFO [um/s]\n", "has no row below a line of heads"),
         ("load [N],lode\n150,1\n", "no such path `lode`"),
     ],
@@ -183,7 +186,26 @@ def test_a_signal_sampled_more_slowly_than_the_record_gives_a_remark(tmp_path):
     assert "sampled at 6400 Hz, the simulated record at 10240 Hz" in study.notes[-1]
 
 
+def test_integer_samples_need_their_unit_and_full_scale(tmp_path):
+    samples = np.round(16384 * signal(1.0, 10240.0) / 1.1).astype(np.int16)
+    wavfile.write(tmp_path / "run.wav", 10240, samples)
+    section = "measured: [{{signals: [{{file: run.wav, unit: m/s^2{}}}]}}]\n"
+    assert "as in `unit: g, full_scale: 50`" in problem_of(tmp_path, section.format(""))
+    (point,) = load(tmp_path, section.format(", full_scale: 2.2")).measured[0].points
+    assert point.features["acceleration@BPFO"] == pytest.approx(1.0, rel=5e-3)
+
+
 def test_files_of_the_section_are_files_of_the_study(tmp_path):
     (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s]\n150,1\n")
     study = load(tmp_path, "measured: [{points: line.csv}]\n")
     assert str(tmp_path / "line.csv") in study.files
+
+
+def test_a_binary_file_is_no_table(tmp_path):
+    (tmp_path / "line.csv").write_bytes(bytes(range(256)) * 8)
+    assert "not a text file in UTF-8" in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+
+
+def test_a_long_table_is_refused(tmp_path):
+    (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s]\n" + 30_000 * "1,2\n")
+    assert "line.csv: has over 100 kB" in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
