@@ -20,6 +20,7 @@ from bearingsim.measured.statements import (
     speed_factor,
     statements,
 )
+from bearingsim.text.numbers import is_number
 
 SEPARATORS = (";", "\t", ",", "|")
 FIRST_BYTES = 1 << 16
@@ -141,7 +142,7 @@ def _heads(above: list[list[str]], width: int) -> list[str] | None:
     for row in rows:
         while len(row) > width and row[-1].lower() in REMARK_HEADS:
             row.pop()
-    if not rows or len(rows[-1]) != width or any(_is_number(cell) and not cell.isdecimal() for cell in rows[-1]):
+    if not rows or len(rows[-1]) != width or any(is_number(cell) and not cell.isdecimal() for cell in rows[-1]):
         return None
     if width == 1 and any(statements(rows[-1])):
         return None
@@ -193,15 +194,7 @@ def _is_numeric(line: str, separator: str | None, decimal: str, thousands: str |
     cells = _cells(line, separator)
     if thousands:
         cells = [cell.replace(thousands, "") for cell in cells]
-    return any(cells) and all(not cell or _is_number(cell.replace(decimal, ".")) for cell in cells)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    return any(cells) and all(not cell or is_number(cell.replace(decimal, ".")) for cell in cells)
 
 
 def _content(path: Path, heads: list[str], columns: list[np.ndarray], stated: Statements) -> Content:

@@ -11,7 +11,7 @@ from bearingsim.errors import UserError
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.labels import PlotWarning
 from bearingsim.plots.recorded import Signal
-from bearingsim.store.measured import same
+from bearingsim.study.measured_values import same
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,18 +1,17 @@
 """Measured features of a study beside the simulated ones: at the same parameters, or between two cases."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from math import isclose, isfinite
+from math import isfinite
 from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config import FEATURES
 from bearingsim.store.table import rows_of
+from bearingsim.study.measured_values import same
 
 if TYPE_CHECKING:
     import pandas as pd
 
-SAME = 1e-6
-"""Relative difference up to which parameters are equal: tables are rounded."""
 POWERS = {"m": 1, "m/s": 1, "m/s^2": 1, "m^2/s^4": 2}
 """Powers with which a factor on a signal acts on its features, by SI unit; others, such as kurtosis, stay."""
 
@@ -129,13 +128,6 @@ def _value_at(cases: Sequence[Mapping[Any, Any]], parameters: Values, feature: s
             (x0, y0), (x1, y1) = below[-1], above[0]
             return "", y0 + (y1 - y0) * (value - x0) / (x1 - x0)
     return "", float("nan")
-
-
-def same(value: Any, other: float | str) -> bool:
-    """Check if two parameters are equal, up to the rounding of a table."""
-    if isinstance(value, int | float) and isinstance(other, int | float):
-        return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
-    return str(value) == str(other)
 
 
 def _factor(comparisons: Iterable[Comparison]) -> float:

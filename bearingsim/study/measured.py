@@ -13,7 +13,6 @@ Points are rows of parameters and features, in the file or in a table whose head
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import isclose
 from os.path import isfile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
@@ -23,17 +22,15 @@ from bearingsim.config.fields import Path
 from bearingsim.measured import MeasuredError, Request
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.study.measured_table import table_rows
-from bearingsim.study.measured_values import MeasuredPoint, MeasuredSet
+from bearingsim.study.measured_values import SAME, MeasuredPoint, MeasuredSet, same
 from bearingsim.study.paths import dimension, value_at
-from bearingsim.text.units import EXPECTED, UnitError, parse, show, split, suggestion
+from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, parse, show, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 KEYS = ("points", "signals", "label", "scale")
 SIGNAL_KEYS = ("file", "at", "rate", "speed", "unit", "channel", "full_scale")
 MOST_SIGNALS = 100
 """Limit of the signals of an entry."""
-SAME = 1e-6
-"""Relative difference up to which a measured parameter equals that of a case: tables are rounded."""
 
 
 class Cases(NamedTuple):
@@ -218,7 +215,7 @@ class _Reader:
             self.quantity("rate", entries, "frequency"),
             self.quantity("speed", entries, "rotation"),
             entries["unit"].text if "unit" in entries else None,
-            self.number("full_scale", entries),
+            self.quantity("full_scale", entries, "number"),
             entries["channel"].text if "channel" in entries else None,
         )
         if len(self.problems) > count or path is None:
@@ -245,15 +242,11 @@ class _Reader:
             self.fail(entries[key].mark, f"measured: {key}: expected {EXPECTED[kind]} above zero")
         return value
 
-    def number(self, key: str, entries: Mapping[str, Node]) -> float | None:
-        """Return a positive plain number of a signal; None, with a problem if it is invalid."""
-        return self.quantity(key, entries, "number")
-
     def nearest(self, parameters: Mapping[str, float | str]) -> Case:
         """Return the first case that has most of the values: its bearing, speed and sampling serve a signal."""
-        return max(
-            self.cases.swept, key=lambda pair: sum(_equal(pair[1].get(p), v) for p, v in parameters.items())
-        )[0]
+        return max(self.cases.swept, key=lambda pair: sum(same(pair[1].get(p), v) for p, v in parameters.items()))[
+            0
+        ]
 
     # Values outside the study
 
@@ -263,7 +256,7 @@ class _Reader:
         beyond: dict[str, list[str]] = {}
         for point in points:
             fixed = [path for path in point.parameters if path not in self.ranges]
-            unequal = [path for path in fixed if not _equal(self.fixed_value(path), point.parameters[path])]
+            unequal = [path for path in fixed if not same(self.fixed_value(path), point.parameters[path])]
             if unequal:
                 left_out.setdefault(unequal[0], []).append(point.place)
                 continue
@@ -296,12 +289,6 @@ class _Reader:
         return value_at(self.cases.swept[0][0], self.cases.locate(path))
 
 
-def _equal(value: Any, other: float | str) -> bool:
-    if isinstance(value, int | float) and isinstance(other, int | float):
-        return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
-    return str(value) == str(other)
-
-
 def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
     """Check if a value is between the least and the largest swept number, or a swept word."""
     numbers = [number for number in swept if not isinstance(number, str)]
@@ -315,8 +302,6 @@ def _shown(path: str, value: Any) -> str:
     kind = dimension(path)
     if kind is None or isinstance(value, str) or value is None:
         return str(value)
-    from bearingsim.text.units import DISPLAY
-
     return show(float(value), DISPLAY[kind], kind)
 
 

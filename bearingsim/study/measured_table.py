@@ -6,6 +6,7 @@ from pathlib import Path as FilePath
 
 from bearingsim.measured.statements import HEAD
 from bearingsim.measured.tables import SEPARATORS
+from bearingsim.text.numbers import is_number
 from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, StudyError, problem, read_text
 
 MOST_BYTES = MAX_CHARACTERS
@@ -61,7 +62,7 @@ def _entries(
     for (name, unit), (cell, column) in zip(names, cells, strict=True):
         if cell:
             number = cell if separator == "," else cell.replace(",", ".")
-            text = f"{number} {unit}".strip() if _is_number(number) else cell
+            text = f"{number} {unit}".strip() if is_number(number) else cell
             yield name, Node(text, replace(mark, column=column), Mark(mark.file, mark.line))
 
 
@@ -72,11 +73,3 @@ def _cells(line: str, separator: str) -> list[tuple[str, int]]:
         cells.append((text.strip().strip('"').strip(), column + len(text) - len(text.lstrip())))
         column += len(text) + 1
     return cells
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -1,6 +1,7 @@
 """Measured values of a study: points, and the signals whose features they are."""
 
 from dataclasses import dataclass, field
+from math import isclose
 from typing import Any
 
 
@@ -32,3 +33,14 @@ class MeasuredSet:
     label: str
     scale: bool
     points: tuple[MeasuredPoint, ...]
+
+
+SAME = 1e-6
+"""Relative difference up to which a measured parameter equals that of a case: tables are rounded."""
+
+
+def same(value: Any, other: float | str) -> bool:
+    """Check if two parameters are equal, up to the rounding of a table."""
+    if isinstance(value, int | float) and isinstance(other, int | float):
+        return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
+    return str(value) == str(other)

@@ -14,3 +14,12 @@ def significant(value: float, digits: int = 3) -> str:
 def percent(share: float, digits: int = 2) -> str:
     """Format a share in percent with a few significant digits, without exponent: `0.12 %`, `1100 %`, `inf %`."""
     return f"{significant(100.0 * share, digits) if isfinite(share) else share} %"
+
+
+def is_number(text: str) -> bool:
+    """Check if Python reads a text as a number; `nan` and `inf` are numbers."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

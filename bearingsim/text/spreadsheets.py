@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from bearingsim.text.numbers import is_number
 from bearingsim.text.terminal import plain
 
 if TYPE_CHECKING:
@@ -24,12 +25,4 @@ def _cell(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     text = plain(value)
-    return f"'{text}" if text.startswith(FORMULA_PREFIXES) and not _is_number(text) else text
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return f"'{text}" if text.startswith(FORMULA_PREFIXES) and not is_number(text) else text
