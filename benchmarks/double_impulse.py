@@ -1,14 +1,12 @@
 """Entry and impact positions of a rolling element that crosses a wide defect (docs/double_impulse.md).
 
-    python benchmarks/double_impulse.py [--csv FILE]
+    python -m benchmarks.double_impulse [--csv FILE]
 
 Events are detected in the contact forces. Their spacing is also determined from the motion of the ring, as from a
 measured signal (`signals.spacing`). About 2 minutes of CPU time.
 """
 
 import argparse
-import csv
-import sys
 from collections.abc import Iterator
 from itertools import product
 from math import nan, pi, radians, sqrt
@@ -20,6 +18,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.signals import spacing
 from bearingsim.simulation.simulate import Record, simulate
+from benchmarks.rows import write_csv
 
 OUTER_6205 = 0.02349  # m, radius of the outer race
 ARCS = (5.0, 8.0)  # degrees of the outer race, as for the measured bearings
@@ -144,12 +143,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--csv")
     options = parser.parse_args()
-    with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
-        table = csv.DictWriter(target, COLUMNS, lineterminator="\n")
-        table.writeheader()
-        for row in rows():
-            table.writerow(row)
-            target.flush()
+    write_csv(rows(), options.csv)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ exceeds 1/4.
 """
 
 import argparse
-import csv
 import json
 import os
 import subprocess
@@ -27,6 +26,7 @@ from bearingsim.simulation import SimulationError, simulate
 from bearingsim.simulation.simulate import Record
 from bearingsim.study import case_id
 from benchmarks.friction import AutomaticRun, draw, study_of
+from benchmarks.rows import rounded, write_csv
 
 ACCURACY, LEAST_SHARE, MAX_COST = 0.02, 0.95, 0.25
 STANDARD_ERRORS = 2.0
@@ -122,14 +122,9 @@ def rows_of(count: int, seed: int, commit: str, out: Path, seconds: float) -> li
                 row = {"scene": number, "refused": str(error)[:200]}
             path.write_text(json.dumps(row))
         row = json.loads(path.read_text())
-        print(*(f"{name}={short(value)}" for name, value in row.items()), flush=True)
+        print(*(f"{name}={value}" for name, value in rounded(row, 3).items()), flush=True)
         rows += [row] if "refused" not in row else []
     return rows
-
-
-def short(value: Any) -> Any:
-    """Round a number to three digits; return other values unchanged."""
-    return f"{value:.3g}" if isinstance(value, float) else value
 
 
 def report(rows: list[dict[str, Any]]) -> bool:
@@ -164,10 +159,7 @@ def main() -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     rows = rows_of(options.scenes, options.seed, options.before, options.out, options.seconds)
     if options.csv:
-        with options.csv.open("w", newline="") as file:
-            writer = csv.DictWriter(file, [*rows[0]], lineterminator="\n")
-            writer.writeheader()
-            writer.writerows({name: short(value) for name, value in row.items()} for row in rows)
+        write_csv(rows, options.csv, digits=3)
     sys.exit(int(not report(rows)))
 
 

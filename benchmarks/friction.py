@@ -13,7 +13,6 @@ code 1 if less than 95 % meet the accuracy, or the cost is too high.
 """
 
 import argparse
-import csv
 import json
 import subprocess
 import sys
@@ -36,6 +35,7 @@ from bearingsim.simulation.simulate import Record
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, case_id, load_study
 from benchmarks.promise import standard_error
+from benchmarks.rows import rounded, write_csv
 
 ACCURACY, MAX_EFFECT = 0.02, 0.005
 LEAST_SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
@@ -194,7 +194,7 @@ def rows_of(kind: str, count: int, seed: int, out: Path) -> list[dict[str, Any]]
         if "refused" in row:
             print(f"left out: {kind} {number}: {row['refused']}", flush=True)
         elif kind == "light" or all(row[f"{quantity}_moved"] < MAX_EFFECT for quantity in KINDS[kind]):
-            print(*(f"{name}={_short(value)}" for name, value in row.items()), flush=True)
+            print(*(f"{name}={value}" for name, value in rounded(row, 3).items()), flush=True)
             rows.append(row)
         if len(rows) == count:
             break
@@ -214,12 +214,8 @@ def report(kind: str, rows: list[dict[str, Any]], max_cost: float) -> bool:
     )
     for row in rows:
         if not is_accurate(row) or not is_accurate(row, "none_"):
-            print("  miss:", *(f"{name}={_short(value)}" for name, value in row.items()))
+            print("  miss:", *(f"{name}={value}" for name, value in rounded(row, 3).items()))
     return min(accurate, accurate_frictionless) >= LEAST_SHARE * len(rows) and cost <= max_cost
-
-
-def _short(value: Any) -> Any:
-    return f"{value:.3g}" if isinstance(value, float) else value
 
 
 def main() -> None:
@@ -240,11 +236,7 @@ def main() -> None:
     }
     all_rows = [row for rows in groups.values() for row in rows]
     if options.csv:
-        with options.csv.open("w", newline="") as file:
-            names = dict.fromkeys(name for row in all_rows for name in row)
-            writer = csv.DictWriter(file, names, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows({name: _short(value) for name, value in row.items()} for row in all_rows)
+        write_csv(all_rows, options.csv, dict.fromkeys(name for row in all_rows for name in row), digits=3)
     max_costs = {"light": LIGHT_COST, "loaded": LOADED_COST}
     passed = [report(kind, rows, max_costs[kind]) for kind, rows in groups.items() if rows]
     sys.exit(int(not all(passed)))

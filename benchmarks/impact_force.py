@@ -1,6 +1,6 @@
 """Impact force predicted by `check`, compared with the largest contact force of a run, for random scenes.
 
-    python benchmarks/impact_force.py [--csv FILE] [--scenes N]
+    python -m benchmarks.impact_force [--csv FILE] [--scenes N]
 
 Seeded scenes use the bearings of the library, defects of all simple shapes on the outer and inner race, and 600 to
 3000 rpm. A third each has chi = 50 s/m, c/k = 2.5 us and c/k = 25 us. Every second scene has a load of 5 to 30 %
@@ -10,7 +10,6 @@ minutes of CPU time.
 """
 
 import argparse
-import csv
 import sys
 from collections.abc import Sequence
 from math import exp, log, pi
@@ -29,6 +28,7 @@ from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_ra
 from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.simulation import choice
 from bearingsim.simulation.simulate import simulate
+from benchmarks.rows import rounded, write_csv
 
 SCENES, SEED, FACTOR = 60, 6, 2.0
 IMPACT_RATIO = 1.5  # times the largest static force; larger forces are impacts
@@ -126,11 +126,7 @@ def report(rows: Sequence[dict[str, Any]]) -> None:
         )  # fmt: skip
     for entry in rows:
         if not 1.0 / FACTOR <= entry["ratio"] <= FACTOR:
-            print("outside:", {name: text(value) for name, value in entry.items()})
-
-
-def text(value: Any) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
+            print("outside:", rounded(entry, 5))
 
 
 def main() -> None:
@@ -141,10 +137,7 @@ def main() -> None:
     rows = [row(number) for number in range(arguments.scenes)]
     report(rows)
     if arguments.csv:
-        with open(arguments.csv, "w", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows({name: text(value) for name, value in entry.items()} for entry in rows)
+        write_csv(rows, arguments.csv, digits=5)
 
 
 if __name__ == "__main__":

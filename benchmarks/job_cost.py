@@ -8,11 +8,11 @@ settling and step check included, compilation excluded. The cage is kinematic, s
 """
 
 import argparse
-import csv
 from typing import Any
 
 from bearingsim.config import Case
 from bearingsim.simulation import simulate
+from benchmarks.rows import write_csv
 
 BASE: dict[str, Any] = {
     "bearing": "nf308",
@@ -55,10 +55,7 @@ def main() -> None:
     parser.add_argument("--csv", default="docs/data/job_cost.csv")
     options = parser.parse_args()
     rows = [cost(m, r) for r in ("periodic", "in full") for m in MODELS if (m, r) != ("impulse", "periodic")]
-    with open(options.csv, "w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, rows[0], lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
+    write_csv(rows, options.csv)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ the largest force. Its deviation from the same case with four times the nodes al
 """
 
 import argparse
-import csv
 import json
 import sys
 from pathlib import Path
@@ -20,6 +19,7 @@ import yaml
 from bearingsim import runner, store
 from bearingsim.simulation import SimulationError, simulate
 from bearingsim.study import load_study
+from benchmarks.rows import write_csv
 
 NODE_FACTOR = 4
 LEAST_SHARE = 0.95
@@ -102,11 +102,7 @@ def main() -> None:
         print(*(f"{key}={value}" for key, value in rows[-1].items()), flush=True)
     within = [row["off"] <= row["error"] for row in rows]
     if options.csv:
-        with options.csv.open("w", newline="") as file:
-            writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-            writer.writeheader()
-            formatted = ({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
-            writer.writerows(formatted)
+        write_csv(rows, options.csv, digits=3)
     for row, is_within in zip(rows, within, strict=True):
         if not is_within:
             print(f"miss: scene {row['scene']} {row['feature']}: {row['off']:.2%} off, {row['error']:.2%} said")

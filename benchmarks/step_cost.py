@@ -1,6 +1,6 @@
 """Cost of an integrator step, for each model and method, healthy and with defects.
 
-    python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N] [--only WORD]
+    python -m benchmarks.step_cost [--csv FILE] [--steps N] [--rounds N] [--only WORD]
 
 NF308, 1800 rpm, 150 N. All variants are compiled first. Then they run in turn, N steps per round with the monitor
 of `simulate`, and the fastest round of each is reported, so that disturbances of the machine affect all variants
@@ -10,8 +10,6 @@ step chosen by `auto` (us); resulting CPU time (s) per simulated second.
 """
 
 import argparse
-import csv
-import sys
 import time
 from collections.abc import Iterator
 from itertools import chain, product
@@ -26,6 +24,7 @@ from bearingsim.core.advance import RING_MOTION, advance
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.run_setup import make_monitor
+from benchmarks.rows import write_csv
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
@@ -110,13 +109,12 @@ def main() -> None:
         run(entry, options.steps)
     times = [[run(entry, options.steps) for entry in variants] for _ in range(options.rounds)]
     best = np.min(times, axis=0)
-    columns = [*variants[0]["row"], "ns_per_step", "cpu_s_per_simulated_s"]
-    with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
-        table = csv.DictWriter(target, columns, lineterminator="\n")
-        table.writeheader()
-        for entry, ns in zip(variants, best, strict=True):
-            cost = round(1e-9 * float(ns) / entry["method"].h, 4)
-            table.writerow(entry["row"] | {"ns_per_step": round(float(ns), 1), "cpu_s_per_simulated_s": cost})
+    costs = [
+        entry["row"]
+        | {"ns_per_step": round(ns, 1), "cpu_s_per_simulated_s": round(1e-9 * ns / entry["method"].h, 4)}
+        for entry, ns in zip(variants, best.tolist(), strict=True)
+    ]
+    write_csv((entry["row"] | cost for entry, cost in zip(variants, costs, strict=True)), options.csv)
 
 
 if __name__ == "__main__":

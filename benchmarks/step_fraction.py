@@ -1,6 +1,6 @@
 """Error against step, in fractions of the step limit of the method at impact.
 
-    python benchmarks/step_fraction.py [--csv FILE]
+    python -m benchmarks.step_fraction [--csv FILE]
 
 Each scene is computed by each method with several fractions of ``Limits.at_impact``, and compared with RK4 at 1/20
 of it: relative errors of the velocity line at BPFO, of the RMS, and of the largest contact force. The fractions
@@ -8,13 +8,13 @@ used for automatic steps, and the refusal near 1, are based on this table.
 """
 
 import argparse
-import csv
-import sys
+from itertools import chain
 from unittest import mock
 
 from bearingsim.config import Case
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.simulate import SimulationError, simulate
+from benchmarks.rows import write_csv
 
 FRACTIONS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")
@@ -79,12 +79,8 @@ def main() -> None:
     parser.add_argument("--scene", action="append", choices=list(SCENES))
     options = parser.parse_args()
     columns = ["scene", "model", "method", "fraction", "step_us", *FEATURES, "stopped"]
-    with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
-        table = csv.DictWriter(target, columns)
-        table.writeheader()
-        for name in options.scene or SCENES:
-            table.writerows(compare(name, options.model))
-            target.flush()
+    scenes = chain.from_iterable(compare(name, options.model) for name in options.scene or SCENES)
+    write_csv(scenes, options.csv, columns)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import accelerations
 from bearingsim.simulation.pricing import TABLE
+from benchmarks.rows import write_csv
 from benchmarks.speed import accuracy, compare, peers, prices, timing
 from benchmarks.speed.report import Section, Target
 from benchmarks.speed.scenes import case
@@ -211,7 +212,7 @@ class TestPrices:
     def test_proposal_replaces_measured_prices_only(self, tmp_path: Path) -> None:
         content = TABLE.read_bytes()
         rows = prices.proposal({("evaluation", "ring"): 1e-7, ("step", "new"): 3.0})
-        prices.write(rows, tmp_path / "prices.csv")
+        write_csv(rows, tmp_path / "prices.csv")
         by_key = {(row["what"], row["name"]): row for row in rows}
         assert by_key["evaluation", "ring"]["value"] == "1e-07"
         assert by_key["passes", ""]["new/old"] == "not measured"

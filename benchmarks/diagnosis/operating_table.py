@@ -24,6 +24,7 @@ from bearingsim.diagnosis import EITHER, NONE, RACES, RHYTHM, Diagnosis, Lines, 
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.study import load_rolling_parts
 from benchmarks.diagnosis import bases, chain
+from benchmarks.rows import write_csv
 
 LEVELS = (-15, -10, -5, 0, 5, 10)  # dB
 HEALTHY_ROW = "healthy"
@@ -179,10 +180,7 @@ def main() -> None:
     for row in arguments.levels:
         table[row] = row_of(row, cases_of(row, twins, arguments.damaged, arguments.healthy))
         print(table[row], flush=True)
-        with arguments.csv.open("w", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(table[name] for name in ROWS if name in table)
+        write_csv((table[name] for name in ROWS if name in table), arguments.csv, COLUMNS)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ ten minutes of CPU time.
 """
 
 import argparse
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from bearingsim.diagnosis import diagnose
 from bearingsim.simulation import simulate
 from bearingsim.study import load_rolling_parts
 from benchmarks.diagnosis import bases, chain
+from benchmarks.rows import write_csv
 
 SEED, COUNT, SECONDS = 940_000, 400, 2
 COLUMNS = ("bearing", "width_mm", "depth_um", "length", "rpm", "noise_db", "verdict", "low_mm", "high_mm")
@@ -62,10 +62,7 @@ def main() -> None:
     stated = [row for row in rows if row["low_mm"]]
     covered = [row for row in stated if float(row["low_mm"]) <= float(row["width_mm"]) <= float(row["high_mm"])]  # type: ignore[arg-type]
     print(f"{len(stated)} of {len(rows)} widths stated, {len(covered)} of them cover the true width")
-    with arguments.csv.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(rows, arguments.csv, COLUMNS)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from benchmarks.rows import write_csv
 from benchmarks.speed import (
     accuracy,
     chart,
@@ -90,7 +91,7 @@ def write(sections: dict[str, Section], out: Path) -> None:
         rows = prices.proposal(
             {key: value for section in sections.values() for key, value in section.prices.items()}
         )
-        prices.write(rows, out / "prices.csv")
+        write_csv(rows, out / "prices.csv")
 
 
 def machine() -> dict[str, Any]:

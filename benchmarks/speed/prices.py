@@ -7,7 +7,6 @@ keep their values. It is copied by hand, and changes of the choices of `auto` ar
 
 import csv
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -161,11 +160,3 @@ def proposal(new: Prices) -> list[dict[str, str]]:
         unit = next((row["unit"] for row in rows if row["what"] == what), "")
         rows.append(dict(zip(rows[0], (what, name, f"{value:.2g}", unit, "make bench", "new row"), strict=True)))
     return rows
-
-
-def write(rows: list[dict[str, str]], path: Path) -> None:
-    """Write a proposal as CSV."""
-    with path.open("w", newline="") as file:
-        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
