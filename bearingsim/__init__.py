@@ -24,16 +24,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Study, load_study
 
 __version__ = "0.2.0"
-__all__ = [
-    "Case",
-    "__version__",
-    "envelope_spectrum",
-    "load_study",
-    "open_results",
-    "run",
-    "simulate",
-    "spectrum",
-]
+__all__ = ["Case", "__version__", "envelope_spectrum", "load_study", "open_results", "run", "simulate", "spectrum"]
 
 _HOME = {
     "Case": "config",

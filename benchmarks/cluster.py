@@ -122,13 +122,7 @@ def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
         began = time.perf_counter()
         for count, _ in enumerate(workers.outcomes(units), 1):
             if count % REPORT_INTERVAL == 0 or count == len(units):
-                print_row(
-                    count,
-                    time.perf_counter() - began,
-                    initial,
-                    Usage.read(client),
-                    Usage.read(scheduler),
-                )
+                print_row(count, time.perf_counter() - began, initial, Usage.read(client), Usage.read(scheduler))
     print(f"load of the machine {os.getloadavg()[0]:.1f}")
 
 

@@ -43,13 +43,7 @@ EXTREMES: dict[str, dict[str, Any]] = {
         "defect": SLOT,
         "sweep": {"load": ["1e-3 N", "1.1e-3 N"]},
     },
-    "slow turn": {
-        "model": "rollers",
-        "speed": "2 rpm",
-        "duration": "6 s",
-        "sampling": "100 Hz",
-        "defect": INNER,
-    }
+    "slow turn": {"model": "rollers", "speed": "2 rpm", "duration": "6 s", "sampling": "100 Hz", "defect": INNER}
     | LOADS,
     "tight tolerance": {
         "model": "spatial",

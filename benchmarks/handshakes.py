@@ -70,10 +70,7 @@ def attempt(peer: str, words: list[str], moment: float | None) -> Attempt:
     """Run a command; moment: time (s) of its SIGINT after the start, unless it has ended."""
     began = time.monotonic()
     process = subprocess.Popen(
-        [sys.executable, "-m", "bearingsim", *words],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
+        [sys.executable, "-m", "bearingsim", *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     )
     try:
         message = process.communicate(timeout=KILL_S if moment is None else moment)[1]

@@ -140,16 +140,7 @@ def main() -> int:
         violations = faults(result, path)
         misses += bool(violations)
         rows.append(
-            [
-                mode,
-                kind,
-                name,
-                path.name,
-                result.code,
-                f"{result.cpu:.3f}",
-                result.memory,
-                "; ".join(violations),
-            ]
+            [mode, kind, name, path.name, result.code, f"{result.cpu:.3f}", result.memory, "; ".join(violations)]
         )
         if violations:
             print(mode, kind, name, path, *violations, flush=True)

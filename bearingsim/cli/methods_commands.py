@@ -36,8 +36,7 @@ def freq(
     ],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
     outer_speed: Annotated[
-        str | None,
-        typer.Option(help="speed of the outer ring, negative if opposite to the inner one; default: 0"),
+        str | None, typer.Option(help="speed of the outer ring, negative if opposite to the inner one; default: 0")
     ] = None,
     contact_angle: Annotated[
         str | None, typer.Option(help="contact angle, such as `15 deg`; default: from the bearing file, else 0")

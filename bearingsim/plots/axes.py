@@ -144,12 +144,7 @@ def styles_of_curves(
 
 
 def curves_of(
-    figure: Figure,
-    name: str,
-    part: "pd.DataFrame",
-    rows: "pd.DataFrame",
-    units: Mapping[str, str],
-    factor: float,
+    figure: Figure, name: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str], factor: float
 ) -> list[Curve]:
     """List the curves of feature ``name`` in one panel, whose rows are ``part``; arguments as of ``points_of``."""
     styles, order = styles_of_curves(figure, rows, units), order_of(figure, rows)

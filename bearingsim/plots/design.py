@@ -132,12 +132,7 @@ def is_logarithmic(values: Sequence[float]) -> bool:
 
 
 def _panel(
-    ax: "Axes",
-    name: str,
-    figure: Figure,
-    rows: "pd.DataFrame",
-    part: "pd.DataFrame",
-    units: Mapping[str, str],
+    ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", part: "pd.DataFrame", units: Mapping[str, str]
 ) -> None:
     """Draw the points of one feature over x; ``part``: those of all ``rows`` that belong to the panel."""
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)

@@ -32,11 +32,7 @@ SIZE_IN, DPI, SHADES = (7.08, 8.4), 150, 64  # 180 mm wide
 SMALL_POINTS = 7.0  # size of the smallest texts
 RAIL = 1.075  # height of the line of failed runs, over that of a panel
 HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
-SIDES = {
-    "line": "defect line",
-    "rms": "RMS of the velocity",
-    "force": "largest force",
-}
+SIDES = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
 LEAST, MOST, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; least upper limit of an axis
 APART = 0.3  # decades, least distance between labelled marks
 PALER = 0.35  # fraction of white blended in, for each further variant of a model

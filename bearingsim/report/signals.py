@@ -92,10 +92,7 @@ def _chart(
 def _marks(job: Job, highest: float) -> list[tuple[float, str]]:
     """List frequencies (Hz) and names of the spectral lines of a job's defects; sidebands have no name."""
     return [
-        (
-            float(f"{mark.hertz:.6g}"),
-            "" if mark.side and mark.number else f"{mark.name} {mark.hertz:.4g} Hz",
-        )
+        (float(f"{mark.hertz:.6g}"), "" if mark.side and mark.number else f"{mark.name} {mark.hertz:.4g} Hz")
         for mark in lines.marks(job.parameters, highest)
         if mark.hertz <= highest
     ]

@@ -83,12 +83,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
         controls=[replace(control, start=start[i]) for i, control in enumerate(controls)],
         combinations=[list(key) for key in combinations],
         x=[points.x],
-        points={
-            "curve": points.curve,
-            "combination": points.combination,
-            "job": points.job,
-            "mark": points.mark,
-        },
+        points={"curve": points.curve, "combination": points.combination, "job": points.job, "mark": points.mark},
         caption=", ".join(text for text in complete.caption if text not in bands),
         names={"band": " ".join(bands).replace("bands and bars", "shaded")} | names if bands else names,
         shades=[],

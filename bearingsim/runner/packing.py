@@ -47,10 +47,7 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     """
     expected, most = (
         [scale * sum(seconds), max(max(seconds, default=0.0), scale * sum(seconds) / workers)]
-        for seconds in (
-            [cost.seconds for cost in costs],
-            [max(cost.seconds, cost.most_seconds) for cost in costs],
-        )
+        for seconds in ([cost.seconds for cost in costs], [max(cost.seconds, cost.most_seconds) for cost in costs])
     )
     place = f"on {workers} worker{'s' * (workers > 1)}"
     if most[0] < NOTABLE_RATIO * expected[0]:

@@ -120,10 +120,7 @@ def _run_trials(
     provenance = store.provenance(study)
     deaths = DeathCounter(root, "while models were tried")
     while todo := _missing_trials(root, requested, study):
-        with (
-            announcer(shown) as patience,
-            suppress(Exception),
-        ):  # the trial raises the error again
+        with announcer(shown) as patience, suppress(Exception):  # the trial raises the error again
             load(engine.warm)([trial.case for trial in todo], compiling(patience))
         arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
         costs = {trial.id: min(price(trial.case), 1e6) for trial in todo}

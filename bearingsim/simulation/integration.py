@@ -32,13 +32,7 @@ from bearingsim.simulation.repetition import (
     may_repeat,
     rotate_state,
 )
-from bearingsim.simulation.run_setup import (
-    MethodFailure,
-    NotPeriodic,
-    Setup,
-    SimulationError,
-    run_failure,
-)
+from bearingsim.simulation.run_setup import MethodFailure, NotPeriodic, Setup, SimulationError, run_failure
 from bearingsim.simulation.settling import SlowModes, slowest_decay
 
 SECONDS_PER_CALL = 0.1  # s, approximate CPU time between two readings of the clock

@@ -13,15 +13,7 @@ from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.errors import Refused
-from bearingsim.simulation import (
-    accuracy,
-    channels,
-    choice,
-    recording,
-    step_check,
-    time_grid,
-    trial,
-)
+from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared

@@ -85,10 +85,7 @@ def load_study(
 
 
 def _measured(
-    file: "_StudyFile",
-    plan: Plan,
-    swept_cases: Sequence[tuple[Case, SweptValues]],
-    problems: list[Problem],
+    file: "_StudyFile", plan: Plan, swept_cases: Sequence[tuple[Case, SweptValues]], problems: list[Problem]
 ) -> tuple[tuple[MeasuredSet, ...], tuple[str, ...]]:
     """Read the measured values of a study, if it has any, with remarks on them."""
     if "measured" not in file.root.mapping:

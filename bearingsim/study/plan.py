@@ -79,12 +79,7 @@ class Plan:
 
     @classmethod
     def build(
-        cls,
-        root: Node,
-        folder: FilePath,
-        overrides: Mapping[str, str],
-        quick: bool,
-        features: Mapping[str, Node],
+        cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool, features: Mapping[str, Node]
     ) -> "Plan":
         """Build the plan of a file from its base and sweep, then `quick`, the overrides and further features."""
         entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}

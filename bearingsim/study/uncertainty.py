@@ -108,10 +108,7 @@ SUPPORTS = {
 
 def _with_support(case: Case, value: float, number: int) -> Case:
     load = [*SUPPORTS.values()][round(value) - 1]
-    ring_fields = {
-        "ring": FlexibleRing(),
-        "ring_mass": None,
-    }  # a flexible ring has its own mass
+    ring_fields = {"ring": FlexibleRing(), "ring_mass": None}  # a flexible ring has its own mass
     flexible = case.model_copy(update={"rig": case.rig.model_copy(update=ring_fields | {"load": load})})
     return flexible.model_copy(update={"rig": complete_rig(flexible)})
 

@@ -25,18 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.rows import write_csv
-from benchmarks.speed import (
-    accuracy,
-    chart,
-    compiling,
-    first_run,
-    friction,
-    peers,
-    prices,
-    start_up,
-    steps,
-    study,
-)
+from benchmarks.speed import accuracy, chart, compiling, first_run, friction, peers, prices, start_up, steps, study
 from benchmarks.speed.report import Section
 
 SECTIONS: dict[str, Callable[[Section], None]] = {

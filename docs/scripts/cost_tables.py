@@ -14,11 +14,7 @@ MODELS = {
         "no inertia, no damping",
         "low speed; load sharing, varying compliance",
     ),
-    "ring": (
-        "outer ring, x and y",
-        "rollers without mass follow the races",
-        "lines of narrow or shallow defects",
-    ),
+    "ring": ("outer ring, x and y", "rollers without mass follow the races", "lines of narrow or shallow defects"),
     "rollers": (
         "+ each roller, radially",
         "rollers roll, the cage turns at its kinematic speed",

@@ -15,21 +15,11 @@ from bearingsim.text.units import EXPECTED, Dimension, show, split
 from docs.scripts.markdown import code, page, table
 
 Keys = dict[str, Any]
-BASE: Keys = {
-    "bearing": "nf308",
-    "speed": "1800 rpm",
-    "load": "150 N",
-    "record": [],
-    "model": "reference",
-}
+BASE: Keys = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "record": [], "model": "reference"}
 DEFECT: Keys = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 SHAFT: Keys = {"stiffness": "1e8 N/m", "mass": "1 kg"}
 TORSION: Keys = {"torsion_stiffness": "1e4 N m/rad", "torsion_damping": "1 N m s/rad"}
-TILTING: Keys = {
-    "axial_stiffness": "1e7 N/m",
-    "axial_damping": "1 N s/m",
-    "tilting_stiffness": "1e4 N m/rad",
-}
+TILTING: Keys = {"axial_stiffness": "1e7 N/m", "axial_damping": "1 N s/m", "tilting_stiffness": "1e4 N m/rad"}
 EXAMPLES: dict[str, Keys] = {
     "load_across": {"load_across": "10 N"},
     "gravity": {"gravity": True},

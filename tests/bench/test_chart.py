@@ -33,10 +33,7 @@ def row(
 
 
 def reference_rows(variant="planar", value=1.0, other=1.0 + 1e-4):
-    return [
-        row(variant, REFERENCE, value=value),
-        row(variant, REFERENCE, "dop853", value=other, setting="1e-07"),
-    ]
+    return [row(variant, REFERENCE, value=value), row(variant, REFERENCE, "dop853", value=other, setting="1e-07")]
 
 
 def ladder(lower=1.03, force=None):

@@ -27,11 +27,7 @@ finally:
 def complete(line: str) -> list[str]:
     """Return bash's completions of the last word of a line."""
     words = line.split(" ")
-    variables = {
-        "_BEARINGSIM_COMPLETE": "complete_bash",
-        "COMP_WORDS": line,
-        "COMP_CWORD": str(len(words) - 1),
-    }
+    variables = {"_BEARINGSIM_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
     process = subprocess.run(
         [sys.executable, "-c", CODE], env=os.environ | variables, capture_output=True, text=True, check=False
     )

@@ -149,10 +149,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         (PLANAR | {"friction": {"dynamic_speed": "1 mm/s"}}, "must be above `static_speed`"),
         (PLANAR | {"friction": {"law": "traction", "static": 0.3}}, "Extra inputs"),
         (PLANAR | {"cage": {"motion": "kinematic"}, "friction": "traction"}, "RMS 11-15 % low"),
-        (
-            PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}},
-            "drag has no effect on a kinematic cage",
-        ),
+        (PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}}, "drag has no effect on a kinematic cage"),
         (PLANAR | {"cage": {"motion": "kinematic", "guide": "rollers"}}, "a kinematic cage stays centred"),
         (PLANAR | {"cage": {"guide": "rings"}}, "expected `centred`, `rollers`, `inner-ring` or `outer-ring`"),
         (PLANAR | {"drag": {"oil_fraction": 1.5}}, "expected a plain number from 0 to 1, got `1.5`"),
@@ -337,12 +334,7 @@ NF308 = {
 }
 
 
-BALL = {
-    "element": "ball",
-    "roller_length": None,
-    "inner_groove_radius": 0.00624,
-    "outer_groove_radius": 0.00636,
-}
+BALL = {"element": "ball", "roller_length": None, "inner_groove_radius": 0.00624, "outer_groove_radius": 0.00636}
 
 
 def test_the_mass_of_a_rolling_element() -> None:

@@ -79,11 +79,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
 @pytest.mark.parametrize(
     ("keys", "caret", "message"),
     [
-        (
-            f"{OIL}, viscosity: 30 mPa s",
-            "VG 68",
-            "damping.oil: `viscosity` is already given (omit one of them)",
-        ),
+        (f"{OIL}, viscosity: 30 mPa s", "VG 68", "damping.oil: `viscosity` is already given (omit one of them)"),
         (
             "law: film, viscosity: 30 mPa s, temperature: 55 C",
             "55 C",

@@ -74,11 +74,7 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"cage": {"motion": "kinematic"}}, "planar", "`cage` needs a cage that can move"),
     ({"drag": {}}, "planar", "`drag` needs"),
     ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}}, "planar", "a `shaft` needs a moving inner ring"),
-    (
-        {"rig": {"torsion_stiffness": "1e4 N m/rad"}},
-        "planar",
-        "lets the outer ring rotate",
-    ),
+    ({"rig": {"torsion_stiffness": "1e4 N m/rad"}}, "planar", "lets the outer ring rotate"),
     ({"defect": DEFECT | {"offset": "2 mm"}}, "spatial", "an `offset` tilts the roller"),
     ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
     ({"rig": SPRUNG}, "spatial", "lets the outer ring lean"),

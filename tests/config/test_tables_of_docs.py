@@ -29,7 +29,7 @@ NEEDS = {
     "the ring's acceleration": {"acceleration"},
     "inertia of the rollers": {"roller inertia"},
     "a ramp, gravity, friction, cage, drag, a shaft, an unbalance, rotation of the ring": {
-        *("ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"),
+        *("ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip")
     },
     "form of the surfaces": {"form"},
     "a flexible outer ring": {"bending ring"},

@@ -71,10 +71,7 @@ def test_profile_is_a_key_of_the_bearing(write: Write) -> None:
         ("rows: 2", "unknown key `rows` (every bearing has a single row of elements)"),
         ("outer_speed: 100 rpm", "unknown key `outer_speed` (only the inner ring turns, at `speed`"),
         ("Outer-Speed: 100 rpm", "unknown key `Outer-Speed` (only the inner ring turns, at `speed`"),
-        (
-            "speed: {inner: 1800 rpm, outer: 1 rpm}",
-            "speed: expected one speed such as `1800 rpm`, got a mapping",
-        ),
+        ("speed: {inner: 1800 rpm, outer: 1 rpm}", "speed: expected one speed such as `1800 rpm`, got a mapping"),
         ("bearing: {element: tapered}", "expected `roller` or `ball`, got `tapered` (elements are cylindrical"),
         ("sweep: {bearing.contact_angle: [1 deg]}", "no such path `bearing.contact_angle` (all models have"),
         ("bracket_stiffness: 1e7 N/m", "unknown key `bracket_stiffness` (`bracket_stiffness` is a key of `rig`)"),

@@ -54,9 +54,7 @@ def test_equilibrium_search_stops_at_the_cpu_limit() -> None:
     assert remaining[PAST] > 0.8 * distance
 
 
-def test_adaptive_method_stops_at_the_cpu_limit_between_recorded_instants(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_adaptive_method_stops_at_the_cpu_limit_between_recorded_instants(monkeypatch: pytest.MonkeyPatch) -> None:
     setup = set_up(choice.resolve(case(method="dop853", defect=SLOT, duration="20 ms")))
     method = setup.method._replace(h=1e-3, longest=1e-7)  # ten thousand steps to the first instant
     y = at_rest(setup.model)

@@ -368,11 +368,7 @@ def force(law: Any, delta: float, v: float) -> float:
 
 @pytest.mark.parametrize(
     "law",
-    [
-        HuntCrossley(TenNinths(1e9), 50.0),
-        Kraemer(TenNinths(1e9), 1e-5),
-        general(TenNinths(1e9), 1e6, 1.5, 0.7),
-    ],
+    [HuntCrossley(TenNinths(1e9), 50.0), Kraemer(TenNinths(1e9), 1e-5), general(TenNinths(1e9), 1e6, 1.5, 0.7)],
     ids=lambda law: type(law).__name__,
 )
 @pytest.mark.parametrize("delta", [-1e-6, 0.0, 1e-7, 3e-6])

@@ -93,10 +93,7 @@ def test_threads_may_compile_at_once() -> None:
     """One thread calls a function that another thread is compiling for its caller."""
     inner, outer = functions()
     with ThreadPoolExecutor(2) as threads:
-        futures = [
-            threads.submit(outer, Scaled(2.0), np.array([1.0])),
-            threads.submit(inner, Scaled(2.0), 1.0),
-        ]
+        futures = [threads.submit(outer, Scaled(2.0), np.array([1.0])), threads.submit(inner, Scaled(2.0), 1.0)]
         assert [future.result() for future in futures] == [3.0, 3.0]
 
 

@@ -177,9 +177,7 @@ def shared_group(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("shared_group")
-def test_group_write_access_is_removed_from_the_outer_folder_only(
-    tmp_path: Path,
-) -> None:
+def test_group_write_access_is_removed_from_the_outer_folder_only(tmp_path: Path) -> None:
     for name in ("bearingsim", "bearingsim/code"):
         (tmp_path / name).mkdir()
     (tmp_path / "bearingsim").chmod(0o775)

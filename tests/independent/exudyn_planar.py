@@ -223,11 +223,7 @@ def store_results():
     for name, (scene, step) in SCENES.items():
         time, displacement = simulate(scene, step)
         mean = displacement.mean(axis=1)  # kept apart: the ring moves by a thousandth of where it stands
-        columns |= {
-            "time": time,
-            name: (displacement - mean[:, None]).astype(np.float32),
-            name + "_middle": mean,
-        }
+        columns |= {"time": time, name: (displacement - mean[:, None]).astype(np.float32), name + "_middle": mean}
     RESULTS.parent.mkdir(exist_ok=True)
     np.savez_compressed(RESULTS, **columns)
 

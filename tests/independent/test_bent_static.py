@@ -131,8 +131,7 @@ def test_pads_have_the_load_as_their_resultant():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("last", "outside", "expected"),
-    [(0, POINT, 10.20), (30, POINT, 93.95), (30, soft_pads(-45, 45), 4.71)],
+    ("last", "outside", "expected"), [(0, POINT, 10.20), (30, POINT, 93.95), (30, soft_pads(-45, 45), 4.71)]
 )
 def test_lines_of_the_loads(last, outside, expected):
     """Less healthy, um/s, harmonics to 30, without a bracket. The kept numbers of this solution, within 1 %."""

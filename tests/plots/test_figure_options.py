@@ -435,10 +435,7 @@ def test_options_of_the_command_replace_those_of_the_study(make_results):
     [
         ("{kind: spectrun, y: ring.acceleration}", r"no kind of figure `spectrun`.*did you mean `spectrum`"),
         ("{kind: spectrum, y: ring.acceleration, range: 1 kHz}", r"figures.range: expected two limits"),
-        (
-            "{kind: spectrum, y: ring.acceleration, band: 0..1 kHz}",
-            r"figures.band: a spectrum has no option",
-        ),
+        ("{kind: spectrum, y: ring.acceleration, band: 0..1 kHz}", r"figures.band: a spectrum has no option"),
         ("{kind: spectrum, y: ring.acceleration, x: load}", r"figures.x: a spectrum has no option `x`"),
         ("{kind: spectrum, y: ring.velocity}", r"the channel `ring.velocity` is not recorded.*add it to `record`"),
         ("{kind: spectrum, y: ring.acelleration}", r"no channel `ring.acelleration`.*did you mean"),

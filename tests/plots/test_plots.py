@@ -224,10 +224,7 @@ def test_caption_gives_parameters_of_law(results):
 
 def test_study_without_figures_has_one_per_swept_number(results):
     sheets = drawn(results(STUDY))
-    assert [name for name, _ in sheets] == [
-        "fig1-velocity-bpfo-vs-defect-length",
-        "fig2-velocity-bpfo-vs-load",
-    ]
+    assert [name for name, _ in sheets] == ["fig1-velocity-bpfo-vs-defect-length", "fig2-velocity-bpfo-vs-load"]
 
 
 def test_too_many_curves_become_panels(results):
@@ -398,11 +395,7 @@ def test_text_of_swept_value():
             "{by: housing, stiffness: 1e10 N/m/m, fit: -10 um}",
             "load path housing (stiffness 1e10 N/m², fit -10 µm)",
         ),
-        (
-            "contact.damping",
-            "{indentation_exponent: 0, law: general}",
-            "damping general (indentation exponent 0)",
-        ),
+        ("contact.damping", "{indentation_exponent: 0, law: general}", "damping general (indentation exponent 0)"),
         ("contact.damping", "{law: film, oil: VG 68}", "damping film (oil VG 68)"),
         ("rig.ring.bends", "false", "ring bending off"),
         ("contact.damping.beta", 1e-5, "damping time c/k 10 µs"),

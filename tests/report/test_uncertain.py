@@ -156,8 +156,7 @@ def test_offered_range_of_clearance_contains_that_of_the_study(results, clearanc
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
-    [(352851.0, "353000"), (1234.0, "1230"), (12.34, "12.3"), (999.6, "1000"), (2e6, "2e+06")],
+    ("value", "text"), [(352851.0, "353000"), (1234.0, "1230"), (12.34, "12.3"), (999.6, "1000"), (2e6, "2e+06")]
 )
 def test_numbers_have_three_significant_digits(value, text):
     assert significant(value) == text
@@ -185,8 +184,7 @@ def test_unit_of_a_range_is_printed_with_its_symbol(quantity, text):
 
 
 @pytest.mark.parametrize(
-    ("uncertainty", "nominal"),
-    [("{clearance: [0 um, 5 um]}", ["with nominal clearance<"]), ("none", [])],
+    ("uncertainty", "nominal"), [("{clearance: [0 um, 5 um]}", ["with nominal clearance<"]), ("none", [])]
 )
 def test_page_names_the_parameters_that_are_nominal(results, uncertainty, nominal):
     page = html(page_of(results(f"{STUDY}uncertainty: {uncertainty}\n")))

@@ -62,8 +62,7 @@ def test_check_of_a_given_step_leaves_the_record_unchanged(given_step: dict[str,
 
 
 @pytest.mark.parametrize(
-    "fields",
-    [{"step": "0.4 us", "step_check": False}, {"step_check": False}, {"model": "static"}],
+    "fields", [{"step": "0.4 us", "step_check": False}, {"step_check": False}, {"model": "static"}]
 )
 def test_step_is_not_checked_if_disabled_or_not_used(fields: dict[str, Any]) -> None:
     assert not choice.resolve(case(defect=SLOT, **fields)).checks_step

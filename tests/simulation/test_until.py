@@ -22,10 +22,7 @@ CHATTERING |= {"contact": {"damping": {"law": "kraemer", "beta": "1 us"}}}
 
 
 def test_a_record_ends_when_it_is_accurate_enough() -> None:
-    full, short = (
-        simulate(case(**CHATTERING)),
-        simulate(case(**CHATTERING, until="2 %")),
-    )
+    full, short = (simulate(case(**CHATTERING)), simulate(case(**CHATTERING, until="2 %")))
     assert full.info["passes_computed"] == full.info["passes"]
     assert ending.MIN_PASSES < float(short.info["passes_computed"]) < 0.7 * float(full.info["passes_computed"])
     for name, error in (("velocity@BPFO", "standard_error_line"), ("velocity.rms", "standard_error_rms")):

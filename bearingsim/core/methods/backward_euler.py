@@ -91,12 +91,4 @@ def _interpolate(method, fraction, h, y, n):
 
 register_adaptive(BackwardEuler, order=2.0, failure=NEWTON_FAILED, weight=0.0)
 
-KIND = MethodKind(
-    BackwardEuler,
-    evaluations=3,
-    fraction=1.0,
-    per_period=1,
-    cusp=1 / 2,
-    order=1,
-    lag=0.0,
-)
+KIND = MethodKind(BackwardEuler, evaluations=3, fraction=1.0, per_period=1, cusp=1 / 2, order=1, lag=0.0)

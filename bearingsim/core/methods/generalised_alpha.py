@@ -92,12 +92,4 @@ prepare.register(GeneralisedAlpha)(_prepare)
 step.register(GeneralisedAlpha)(_step)
 stability_ratio.register(GeneralisedAlpha)(no_limit)
 
-KIND = MethodKind(
-    GeneralisedAlpha,
-    evaluations=4,
-    fraction=1.0,
-    per_period=20,
-    cusp=1 / 2,
-    order=2,
-    lag=0.0,
-)
+KIND = MethodKind(GeneralisedAlpha, evaluations=4, fraction=1.0, per_period=20, cusp=1 / 2, order=2, lag=0.0)

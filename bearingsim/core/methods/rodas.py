@@ -173,12 +173,4 @@ def _interpolate(method, s, h, y, n):
 
 register_adaptive(Rodas, order=4.0, weight=0.0)
 
-KIND = MethodKind(
-    Rodas,
-    evaluations=STAGES + 1,
-    fraction=1.0,
-    per_period=1,
-    cusp=1 / 2,
-    order=4,
-    lag=0.0,
-)
+KIND = MethodKind(Rodas, evaluations=STAGES + 1, fraction=1.0, per_period=1, cusp=1 / 2, order=4, lag=0.0)

@@ -64,12 +64,7 @@ from bearingsim.core.models.planar_derivatives import planar_jacobian
 from bearingsim.core.models.planar_forces import tangential_forces
 from bearingsim.core.models.planar_form import add_form, load_contacts, load_formed_contacts
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.parts.cage import (
-    accelerate_cage,
-    cage_constraint,
-    pocket_stiffness,
-    sum_pocket_forces,
-)
+from bearingsim.core.parts.cage import accelerate_cage, cage_constraint, pocket_stiffness, sum_pocket_forces
 from bearingsim.core.parts.form import Smooth
 from bearingsim.core.parts.shaft import (
     accelerate_inner_ring,

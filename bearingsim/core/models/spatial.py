@@ -37,11 +37,7 @@ from bearingsim.core.laws.damping.interface import damping_bound, stiffness_boun
 from bearingsim.core.laws.friction.interface import mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged
 from bearingsim.core.models.bodies_in_space import accelerate_rings_and_cage, bodies, set_mounted_rings
-from bearingsim.core.models.differences import (
-    accelerate_bodies,
-    difference_jacobian,
-    is_free_coordinate,
-)
+from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, is_free_coordinate
 from bearingsim.core.models.extremes import update_largest_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -57,10 +53,7 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import cage_constraint, orbit_drag, pocket_stiffness
-from bearingsim.core.parts.cage_in_space import (
-    axial_stiffness,
-    pocket_forces_in_space,
-)
+from bearingsim.core.parts.cage_in_space import axial_stiffness, pocket_forces_in_space
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
 from bearingsim.core.parts.form import Smooth
 from bearingsim.core.parts.form_in_space import read_form
@@ -74,10 +67,7 @@ from bearingsim.core.parts.races_in_space import (
     slip_relaxation,
     update_line_load,
 )
-from bearingsim.core.parts.shaft import (
-    damper_per_mass,
-    spring_per_mass,
-)
+from bearingsim.core.parts.shaft import damper_per_mass, spring_per_mass
 from bearingsim.core.sums import sum_loads
 
 

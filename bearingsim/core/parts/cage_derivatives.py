@@ -269,10 +269,7 @@ def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, 
         normal_force(guide.law, distance - guide.play, rate),
         derivatives(guide.law, distance - guide.play, rate),
     )
-    mu_value, (mu_v, mu_u) = (
-        mu(guide.friction, slip, rolling),
-        mu_derivative(guide.friction, slip, rolling),
-    )
+    mu_value, (mu_v, mu_u) = (mu(guide.friction, slip, rolling), mu_derivative(guide.friction, slip, rolling))
     f = mu_value * N
 
     distance_1, angle_1 = p[0] * c + p[1] * s, (p[1] * c - p[0] * s) / distance

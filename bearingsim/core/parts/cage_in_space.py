@@ -144,12 +144,7 @@ def pocket_axes(body, pc, ps, ce, se):
     b_r, b_t = p_r * ce + p_t * se, p_t * ce - p_r * se
     h = 1.0 / (1.0 + body.a_z)
     u, q = p_r * h, p_t * h
-    return (
-        (ce - u * b_r, -se - u * b_t, -p_r),
-        (se - q * b_r, ce - q * b_t, -p_t),
-        (b_r, b_t),
-        q,
-    )
+    return ((ce - u * b_r, -se - u * b_t, -p_r), (se - q * b_r, ce - q * b_t, -p_t), (b_r, b_t), q)
 
 
 @jit

@@ -12,13 +12,7 @@ from bearingsim.core.methods.interface import step
 from bearingsim.core.methods.symplectic_euler import SymplecticEuler
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models import by_roller
-from bearingsim.core.models.by_roller import (
-    NoUpdate,
-    accelerate_roller,
-    accelerate_shared,
-    load_roller,
-    shared,
-)
+from bearingsim.core.models.by_roller import NoUpdate, accelerate_roller, accelerate_shared, load_roller, shared
 from bearingsim.core.models.interface import accelerations, begin, degrees_of_freedom, state_width
 from bearingsim.core.parameters import Bearing, lanes
 from bearingsim.core.sums import sum_loads

@@ -256,10 +256,9 @@ def test_impulses_occur_when_a_roller_is_over_the_defect(race, angle, start, len
         j, s = nearest_roller(packed, 0, theta_c, BEARING.omega_i * t, BEARING.omega_b * t, BEARING.Z)
         assert s == pytest.approx(0.0, abs=1e-12)
         assert cos(theta_c + 2 * pi * j / BEARING.Z - angle_k) == pytest.approx(1.0, abs=1e-12)
-    rate = {
-        "outer": BEARING.Z * BEARING.omega_c,
-        "inner": BEARING.Z * (BEARING.omega_i - BEARING.omega_c),
-    }.get(race, BEARING.omega_b)
+    rate = {"outer": BEARING.Z * BEARING.omega_c, "inner": BEARING.Z * (BEARING.omega_i - BEARING.omega_c)}.get(
+        race, BEARING.omega_b
+    )
     assert abs(len(times) - rate / (2 * pi) * length) <= 1.0
 
 

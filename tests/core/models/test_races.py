@@ -59,11 +59,7 @@ def wrapped(angle):
 
 
 @given(
-    theta_c=ANGLES,
-    theta_i=ANGLES,
-    angle=ANGLES,
-    Z=st.integers(3, 64),
-    on=st.sampled_from([ON_OUTER, ON_INNER]),
+    theta_c=ANGLES, theta_i=ANGLES, angle=ANGLES, Z=st.integers(3, 64), on=st.sampled_from([ON_OUTER, ON_INNER])
 )
 def test_the_roller_nearest_to_a_race_defect(theta_c, theta_i, angle, Z, on):
     """Over all rollers: the arc from the defect (rotating with the ring, if on the inner race) to each contact."""
