@@ -113,11 +113,12 @@ def show(
     from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
     from bearingsim.measured import MeasuredError, MissingError, read
     from bearingsim.measured.checks import dropout, refuse_unusable
-    from bearingsim.plots.measured import check_path
     from bearingsim.study import load_rolling_parts
 
     if figure is not None:
-        check_path(figure)
+        from bearingsim.plots import measured
+
+        measured.check_path(figure)
     try:
         recording = read(file, request, needs_speed=True)
     except MissingError as error:
@@ -138,9 +139,8 @@ def show(
         results[name] = diagnose(values, fs, parts, shaft, tolerance, chosen), image, chosen
     clearest = max(results, key=lambda name: _margin(results[name][0]))
     if figure is not None:
-        from bearingsim.plots.measured import draw
-
-        draw(recording, clearest, *results[clearest], parts.name or bearing, figure)
+        canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
+        measured.write(canvas, figure)
     dropouts = (dropout(name, values, fs) for name, values in recording.channels.items())
     for text in (*recording.remarks, *filter(None, dropouts)):
         say(text, err=True)

@@ -55,10 +55,11 @@ def show(
     """
     from bearingsim.diagnosis.comparison import common_band, compare
     from bearingsim.measured.checks import dropout
-    from bearingsim.plots.measured import check_path, draw_comparison
 
     if figure is not None:
-        check_path(figure)
+        from bearingsim.plots import measured as figures
+
+        figures.check_path(figure)
     pair = _pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
     standing, remark = _standing(pair)
@@ -70,7 +71,8 @@ def show(
         rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
     if figure is not None:
         names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
-        draw_comparison(pair.simulated, pair.measured, pair.race, band, names, pair.unit, factor, figure)
+        signals = pair.simulated, pair.measured
+        figures.write(figures.comparison_figure(*signals, pair.race, band, names, pair.unit, factor), figure)
     remark_on_rest = dropout(pair.channels[1], pair.measured.series, pair.measured.fs)
     for text in filter(None, (*pair.recording.remarks, remark_on_rest)):
         say(text, err=True)

@@ -36,6 +36,11 @@ class Line(NamedTuple):
     cage: int = 0
     shaft: int = 0
 
+    def frequency(self, outer: float, inner: float, spin: float, cage: float, shaft: float) -> float:
+        """Return the frequency of the line from those of its terms, in one unit."""
+        races = self.outer * outer + self.inner * inner
+        return races + self.spin * spin + self.cage * cage + self.shaft * shaft
+
 
 HARMONICS = (1, 2, 3, 4, 5)
 """Harmonics of BPFO whose amplitudes are computed."""

@@ -83,13 +83,7 @@ def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
     Z, shaft = int(parameters["bearing.rollers"]), omega / (2.0 * pi)
     cage = fundamental_train_frequency(omega, D_w, d_m)
     spin = ball_spin_frequency(omega, D_w, d_m)
-    return float(
-        line.outer * Z * cage
-        + line.inner * Z * (shaft - cage)
-        + line.spin * spin
-        + line.cage * cage
-        + line.shaft * shaft
-    )
+    return float(line.frequency(Z * cage, Z * (shaft - cage), spin, cage, shaft))
 
 
 def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:

@@ -5,15 +5,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
+from bearingsim.diagnosis import NONE, Diagnosis
+from bearingsim.diagnosis.thresholds import decibels
 from bearingsim.plots.labels import PlotError
+from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.plot import FORMATS, MADE_BY, is_replaceable
+from bearingsim.plots.style import COLOURS, PAGE_IN, drawing, take_literally
+from bearingsim.signals import band_pass, envelope_spectrum, spectrum
+from bearingsim.store import write_bytes
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Canvas
-
-    from bearingsim.diagnosis import Diagnosis
     from bearingsim.diagnosis.comparison import Signal
     from bearingsim.diagnosis.kurtogram import Kurtogram
     from bearingsim.measured import Recording
@@ -52,35 +57,16 @@ def check_path(path: Path) -> None:
         raise PlotError(f"{path} is not a figure of this program; name another file")
 
 
-def draw(
+@drawing()
+def diagnosis_figure(
     recording: "Recording",
     channel: str,
-    diagnosis: "Diagnosis",
+    diagnosis: Diagnosis,
     image: "Kurtogram",
     band: tuple[float, float],
     bearing: str,
-    path: Path,
-) -> Path:
-    """Write the figure of a channel in the format of the file's suffix; return the file."""
-    from bearingsim.plots.style import drawing
-
-    with drawing():
-        return _write(figure(recording, channel, diagnosis, image, band, bearing), path)
-
-
-def figure(
-    recording: "Recording",
-    channel: str,
-    diagnosis: "Diagnosis",
-    image: "Kurtogram",
-    band: tuple[float, float],
-    bearing: str,
-) -> "Canvas":
+) -> Figure:
     """Draw the four panels; bearing: its name in the title."""
-    from matplotlib.figure import Figure
-
-    from bearingsim.plots.style import PAGE_IN
-
     canvas = Figure(figsize=(PAGE_IN, 0.8 * PAGE_IN), layout="constrained")
     (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
     values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
@@ -94,10 +80,8 @@ def figure(
     return canvas
 
 
-def _title(diagnosis: "Diagnosis") -> str:
+def _title(diagnosis: Diagnosis) -> str:
     """Return the verdict with the frequency that it rests on."""
-    from bearingsim.diagnosis import NONE
-
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
         return f"{TITLES[NONE]}; strongest other rhythm {diagnosis.rival.frequency:.2f} Hz"
     frequency = {"none": None, "other rhythm": diagnosis.rival.frequency}.get(
@@ -107,10 +91,8 @@ def _title(diagnosis: "Diagnosis") -> str:
     return f"{TITLES[diagnosis.verdict]}{healthy}{f', {frequency:.2f} Hz' if frequency else ''}"
 
 
-def _draw_time(ax: "Axes", values: np.ndarray, fs: float, diagnosis: "Diagnosis", label: str) -> None:
+def _draw_time(ax: Axes, values: np.ndarray, fs: float, diagnosis: Diagnosis, label: str) -> None:
     """Draw some passes around the largest sample."""
-    from bearingsim.plots.style import COLOURS
-
     count = min(len(values), int(SHOWN_PASSES * fs / diagnosis.findings[diagnosis.best].comb.frequency))
     start = int(np.clip(np.argmax(np.abs(values - values.mean())) - count // 2, 0, len(values) - count))
     ax.plot(1e3 * np.arange(start, start + count) / fs, values[start : start + count], color=COLOURS[0], lw=0.7)
@@ -119,10 +101,7 @@ def _draw_time(ax: "Axes", values: np.ndarray, fs: float, diagnosis: "Diagnosis"
     ax.margins(x=0.0)
 
 
-def _draw_spectrum(ax: "Axes", values: np.ndarray, fs: float, label: str) -> None:
-    from bearingsim.plots.style import COLOURS
-    from bearingsim.signals import spectrum
-
+def _draw_spectrum(ax: Axes, values: np.ndarray, fs: float, label: str) -> None:
     frequency, amplitude = spectrum(values, fs)
     group = max(1, len(frequency) // MOST_POINTS)
     count = len(frequency) // group * group
@@ -139,13 +118,9 @@ def _floor(amplitude: np.ndarray) -> float:
     return max(0.5 * float(np.quantile(amplitude, 0.01)), LEAST_SHOWN * float(amplitude.max()))
 
 
-def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
+def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) -> None:
     """Draw the first front in dB, with the harmonics of each race or of a stronger rhythm, the sidebands of the
     named race, and the height of three equal harmonics at the threshold."""
-    from bearingsim.diagnosis.thresholds import decibels
-    from bearingsim.plots.marks import MARK_COLOURS
-    from bearingsim.plots.style import COLOURS
-
     front = diagnosis.fronts[0]
     height = 10.0 * np.log10(np.maximum(front.height[1:], 1e-9))
     ax.plot(front.frequency[1:], height, color=COLOURS[0], lw=0.6)
@@ -183,10 +158,8 @@ def _draw_envelope(ax: "Axes", diagnosis: "Diagnosis", band: tuple[float, float]
     )
 
 
-def _draw_kurtogram(ax: "Axes", image: "Kurtogram", band: tuple[float, float]) -> None:
+def _draw_kurtogram(ax: Axes, image: "Kurtogram", band: tuple[float, float]) -> None:
     """Draw kurtosis by level and band, the edges of the analysed band, and a frame around the largest kurtosis."""
-    from matplotlib.patches import Rectangle
-
     levels = np.arange(len(image.kurtosis) + 1) - 0.5
     mesh = ax.pcolormesh(
         1e-3 * image.edges, levels, np.maximum(image.kurtosis, 0.0), cmap="viridis", rasterized=True
@@ -210,7 +183,8 @@ def _draw_kurtogram(ax: "Axes", image: "Kurtogram", band: tuple[float, float]) -
 # A simulation and a measurement
 
 
-def draw_comparison(
+@drawing()
+def comparison_figure(
     simulated: "Signal",
     measured: "Signal",
     race: str,
@@ -218,35 +192,13 @@ def draw_comparison(
     names: tuple[str, str],
     unit: str,
     factor: float | None,
-    path: Path,
-) -> Path:
-    """Write the figure of two signals; return the file.
+) -> Figure:
+    """Draw time signals around their largest samples, spectra and envelope spectra, one over the other.
 
     names: of the simulated and the measured signal; unit: of both, empty if it is not stated; band: of the
     envelope (Hz); factor: by which the simulated signal was multiplied. If None, both are drawn relative to their
     largest samples over time.
     """
-    from bearingsim.plots.style import drawing
-
-    with drawing():
-        return _write(_comparison(simulated, measured, race, band, names, unit, factor), path)
-
-
-def _comparison(
-    simulated: "Signal",
-    measured: "Signal",
-    race: str,
-    band: tuple[float, float],
-    names: tuple[str, str],
-    unit: str,
-    factor: float | None,
-) -> "Canvas":
-    """Draw time signals around their largest samples, spectra and envelope spectra, one over the other."""
-    from matplotlib.figure import Figure
-
-    from bearingsim.plots.style import COLOURS, PAGE_IN
-    from bearingsim.signals import band_pass, envelope_spectrum, spectrum
-
     canvas = Figure(figsize=(PAGE_IN, 1.15 * PAGE_IN), layout="constrained")
     time, whole, envelope = canvas.subplots(3, 1)
     if factor is not None:
@@ -298,13 +250,10 @@ def _largest(
     return edges[:-1] + 0.5 * width, np.maximum.reduceat(amplitude, starts)[:-1]
 
 
-def _write(canvas: "Canvas", path: Path) -> Path:
+@drawing()
+def write(canvas: Figure, path: Path) -> None:
     """Write a figure in the format of the file's suffix."""
-    from bearingsim.plots.style import take_literally
-    from bearingsim.store import write_bytes
-
     take_literally(canvas)
     content, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(content, format=kind, metadata=MADE_BY[kind])
     write_bytes(path, content.getvalue())
-    return path

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
-from bearingsim.text.numbers import percent, significant
+from bearingsim.text.numbers import percent, significant, span
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,8 +136,7 @@ def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> s
 
     if is_rounding(name, float(values.abs().max())):
         return ROUNDING_NOTE
-    low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
-    return f"{low} to {high} {unit}".strip() if low != high else f"{low} {unit}".strip()
+    return f"{span(factor * float(values.min()), factor * float(values.max()), significant)} {unit}".strip()
 
 
 def _describe(results: "Results", name: str) -> str:

@@ -17,7 +17,7 @@ from bearingsim.report.influence import Influence
 from bearingsim.report.measured import MeasuredTable, measured_tables
 from bearingsim.report.statements import FailedJob, assumption_texts, failures_of, plain
 from bearingsim.report.studied import Fact, studied, subject
-from bearingsim.text.numbers import significant
+from bearingsim.text.numbers import significant, span
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -196,8 +196,8 @@ def _computed(results: "Results") -> Iterator[Fact]:
     if "method" in info and len(info):
         yield "Methods", _tally(info["method"])
     if "step_s" in info and info["step_s"].notna().any():
-        low, high = (significant(1e6 * value) for value in (info["step_s"].min(), info["step_s"].max()))
-        yield "Time step", f"{low} µs" if low == high else f"{low} to {high} µs"
+        steps = 1e6 * info["step_s"]
+        yield "Time step", f"{span(steps.min(), steps.max(), significant)} µs"
     if "cpu_s" in info and len(info):
         yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {len(info)} runs"
     for unit in next(([unit] for unit in results.table()["unit"] if unit), []):

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.config.rules import damping
 from bearingsim.config.sections.clearance import class_limits
+from bearingsim.text.numbers import span
 
 if TYPE_CHECKING:
     from bearingsim.store import Results
@@ -42,8 +43,7 @@ def _values(results: "Results", path: str) -> str:
     from bearingsim.plots.labels import value_text
 
     values, units = results.parameters()[path].dropna(), SMALL | dict(results.plan["units"])
-    ends = (float(values.min()), float(values.max()))
-    return " to ".join(dict.fromkeys(value_text(path, end, units) for end in ends))
+    return span(float(values.min()), float(values.max()), lambda end: value_text(path, end, units))
 
 
 def plain(text: str) -> str:

@@ -9,7 +9,7 @@ from bearingsim.plots.caption import CAPTION_FIELDS, SMALL, defect_values, machi
 from bearingsim.plots.lines import FAMILIES, SHAFT, frequency
 from bearingsim.study import stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
-from bearingsim.text.numbers import significant
+from bearingsim.text.numbers import significant, span
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,8 +112,8 @@ def _bearing(parameters: "pd.DataFrame", units: dict[str, str], uncertain_cleara
 
 
 def _span(path: str, parameters: "pd.DataFrame", units: dict[str, str]) -> str:
-    ends = (float(parameters[path].min()), float(parameters[path].max()))
-    return " to ".join(dict.fromkeys(labels.value_text(path, end, units) for end in ends))
+    values = parameters[path]
+    return span(float(values.min()), float(values.max()), lambda end: labels.value_text(path, end, units))
 
 
 def _frequencies(parameters: "pd.DataFrame") -> Iterator[str]:

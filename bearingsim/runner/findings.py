@@ -21,7 +21,7 @@ from bearingsim.study.uncertainty import (
     damping_remark,
     sweeps_damping,
 )
-from bearingsim.text.numbers import percent
+from bearingsim.text.numbers import percent, span
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -227,8 +227,7 @@ def periodicity_notes(info: "pd.DataFrame") -> Iterator[str]:
 
 
 def _range_text(values: "pd.Series[float]", template: str) -> str:
-    low, high = template.format(values.min()), template.format(values.max())
-    return low if low == high else f"{low} to {high}"
+    return span(values.min(), values.max(), template.format)
 
 
 def assumption_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

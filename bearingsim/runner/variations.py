@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.store import default_ranges, relative_range
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
+from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,11 +56,7 @@ class _Effect(NamedTuple):
         if self.unknown == self.cases:
             return f"{self.feature} by an unknown amount"
         exception = f" (range unknown in {self.unknown} of {self.cases} cases)" if self.unknown else ""
-        return f"{self.feature} by {_percent(self.change)}{exception}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
+        return f"{self.feature} by {percent(self.change)}{exception}"
 
 
 def _variations(plan: Mapping[str, Any], quantity: str) -> list[str]:

@@ -146,13 +146,7 @@ def _band_value(signal: MeasuredSignal, feature: BandFeature, end: float) -> flo
 
 def frequency_of(line: Line, lines: Lines) -> float:
     """Return the frequency (Hz) of a spectral line of a bearing."""
-    return (
-        line.outer * lines.outer
-        + line.inner * lines.inner
-        + 0.5 * line.spin * lines.roller
-        + line.cage * lines.cage
-        + line.shaft * lines.shaft
-    )
+    return line.frequency(lines.outer, lines.inner, 0.5 * lines.roller, lines.cage, lines.shaft)
 
 
 def _amplitude(frequency: np.ndarray, amplitude: np.ndarray, expected: float) -> float:

@@ -1,5 +1,6 @@
 """Numbers as text, for tables and messages."""
 
+from collections.abc import Callable
 from math import isfinite
 
 
@@ -9,6 +10,11 @@ def significant(value: float, digits: int = 3) -> str:
         return "-"
     rounded = float(f"{value:.{digits}g}")
     return f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
+
+
+def span(low: float, high: float, form: Callable[[float], str]) -> str:
+    """Format a range as `0.31 to 0.42`, or as one number if both ends read alike."""
+    return " to ".join(dict.fromkeys((form(low), form(high))))
 
 
 def percent(share: float, digits: int = 2) -> str:

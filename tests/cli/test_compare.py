@@ -166,7 +166,7 @@ def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp
 def test_both_curves_are_seen_over_time(factor, heights):
     t = np.arange(25600) / 25600.0
     high, low = (Signal(height * np.cos(2.0 * np.pi * 3000.0 * t), 25600.0, LINES) for height in (20.0, 0.2))
-    canvas = measured._comparison(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
+    canvas = measured.comparison_figure(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
     curves = canvas.axes[0].get_lines()
     assert [np.abs(curve.get_ydata()).max() for curve in curves] == pytest.approx(heights, rel=0.05)
     places, heights = (np.asarray(values) for values in canvas.axes[1].get_lines()[0].get_data())

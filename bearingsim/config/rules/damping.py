@@ -8,6 +8,8 @@ from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
+from bearingsim.text.numbers import span
+
 PLAUSIBLE_RANGE = (0.3e-6, 25e-6)
 """s; range of c/k of a lubricated contact, from measurements and theory."""
 CROSSING_SHARE = 0.1
@@ -65,8 +67,7 @@ def result_remarks(info: Any) -> Iterator[str]:
 
 
 def _range(values: Sequence[float]) -> str:
-    low, high = (f"{pick(values):.3g}" for pick in (min, max))
-    return low if low == high else f"{low} to {high}"
+    return span(min(values), max(values), "{:.3g}".format)
 
 
 def _count_text(selected: Sequence[JobDamping], jobs: Sequence[JobDamping]) -> str:
