@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+from collections.abc import Iterator
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -24,19 +25,21 @@ settings.register_profile("bearingsim", deadline=None, derandomize=bool(os.envir
 settings.load_profile("bearingsim")
 
 
+FILES = {path.stem.removeprefix("test_"): path for path in Path(__file__).parent.rglob("test_*.py")}
 LONG = (ROOT / "tests/long.txt").read_text().split()
 """Files that take more than about 2 s, most of it to compile, the longest first."""
-assert {f"test_{name}" for name in LONG} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
+assert set(LONG) <= FILES.keys()
 
 
-SAMPLED = (ROOT / "tests/sampled.txt").read_text().split()
-"""Tests that compute for long, `file::test`: of their cases `SAMPLE=4` runs a quarter, drawn by the commit."""
+SAMPLED = dict(line.partition("@")[::2] for line in (ROOT / "tests/sampled.txt").read_text().split())
+"""Tests that compute for long, `file::test`; after an `@` the parameters that decide what is compiled. Of the
+groups of cases with equal values (without `@`: of the cases) ``SAMPLE=4`` runs a quarter, drawn by the commit."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """The long files come first, so that no process is left alone with one of them; all of them are slow."""
-    deselected = [item for item in items if is_left_out(item.path.stem, item.name)]
-    config.hook.pytest_deselected(items=deselected)
+    deselected = set(left_out(items))
+    config.hook.pytest_deselected(items=list(deselected))
     items[:] = [item for item in items if item not in deselected]
     order = {f"test_{name}": index for index, name in enumerate(LONG)}
     items.sort(key=lambda item: order.get(item.path.stem, len(order)))
@@ -52,12 +55,25 @@ def commit() -> str:
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
 
-def is_left_out(file: str, name: str) -> bool:
-    """Check if a test is not drawn for this commit."""
+def left_out(items: list[pytest.Item]) -> Iterator[pytest.Item]:
+    """Yield the tests that are not drawn for this commit: of every ``SAMPLE`` successive groups all but one."""
     fraction = int(os.environ.get("SAMPLE") or 1)
-    if f"{file.removeprefix('test_')}::{name.partition('[')[0]}" not in SAMPLED:
-        return False
-    return int(sha256(f"{commit()} {file} {name}".encode()).hexdigest(), 16) % fraction != 0
+    groups: dict[str, dict[str, int]] = {}
+    for item in items:
+        test = f"{item.path.stem.removeprefix('test_')}::{item.name.partition('[')[0]}"
+        if test in SAMPLED:
+            places = groups.setdefault(test, {})
+            place = places.setdefault(group(item, SAMPLED[test]), len(places))
+            draw = int(sha256(f"{commit()} {test}".encode()).hexdigest(), 16)
+            if (place + draw) % fraction != 0:
+                yield item
+
+
+def group(item: pytest.Item, parameters: str) -> str:
+    """Name the group of a test's case: the values of ``parameters``, else the case itself."""
+    if not parameters:
+        return item.name
+    return str([item.callspec.params[name] for name in parameters.split(",")])  # type: ignore[attr-defined]
 
 
 @pytest.fixture
