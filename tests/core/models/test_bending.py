@@ -14,7 +14,7 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
-from bearingsim.core.models.interface import accelerations, read_sensor, state_width
+from bearingsim.core.models.interface import read_sensor, state_width
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import bending as core
 from bearingsim.simulation import simulate
@@ -106,7 +106,7 @@ def random_scene(bearing_case: Case, seed: int, t: float = 0.0, spread: float = 
         cells += [row + i for i in range(H) if model.bending.harmonic_table[mass, i] > 0.0]
     y[[lay.POSITION + c for c in cells]] += spread * rng.normal(size=len(cells))
     y[[lay.VELOCITY + c for c in cells]] = 1e-3 * rng.normal(size=len(cells))
-    accelerations(model, t, y)
+    start_at_rest(model, t, y)
     return Scene(model, y, t)
 
 
@@ -241,7 +241,7 @@ def test_influence_coefficients_are_symmetric(load):
         """Return forces on the ring (N), approaches (m) and outer contact forces (N) of the rollers."""
         state = y.copy()
         state[lay.POSITION + cell] += displacement
-        accelerations(model, scene.t, state)
+        start_at_rest(model, scene.t, state)
         forces = state[[lay.ACCELERATION + c for c in cells]] / np.array(per_mass)
         return forces, state[lay.DELTA_O : lay.DELTA_O + Z], state[lay.Q_O : lay.Q_O + Z]
 
@@ -309,7 +309,7 @@ def test_the_step_limit_includes_the_coupling_of_rollers(bearing, harmonics):
             for displacement in (-step, step):
                 state = y.copy()
                 state[block + cell] += displacement
-                accelerations(model, 0.0, state)
+                start_at_rest(model, 0.0, state)
                 sides.append(state[[lay.ACCELERATION + c for c in cells]])
             columns.append((sides[1] - sides[0]) / (2.0 * step))
         largest = np.abs(np.linalg.eigvals(np.array(columns))).max()

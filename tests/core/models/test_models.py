@@ -8,13 +8,12 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.defects.closed_forms import roller_drop
 from bearingsim.core.defects.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import NOT_FINITE
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
@@ -97,7 +96,7 @@ def test_momentum_balances_at_any_state(seed):
     model = assemble.model(case(defect=SLOT, clearance="1 um"))
     b, s = model.bearing, model.support
     y = random_state(model, seed)
-    accelerations(model, 0.3e-3, y)
+    start_at_rest(model, 0.3e-3, y)
     e = np.array([y[lay.COS : lay.COS + 13], y[lay.SIN : lay.SIN + 13]])
     r = (b.R_o + b.R_i) / 2 + y[lay.RADIAL : lay.RADIAL + 13]
     rate = b.m_r * (e @ (y[lay.RADIAL_A : lay.RADIAL_A + 13] - b.omega_c**2 * r))
@@ -113,7 +112,7 @@ def test_a_free_roller_flies_straight():
     model = model._replace(support=model.support._replace(F=0.0, k_b=0.0))
     b = model.bearing
     y = assemble.empty_buffer(model)
-    accelerations(model, 0.0, y)
+    start_at_rest(model, 0.0, y)
     drive(model, RungeKutta4(1e-6), 200, y)
     r0, t = (b.R_o + b.R_i) / 2, 200e-6
     assert y[lay.RADIAL : lay.RADIAL + 13] == pytest.approx(r0 * (np.cosh(b.omega_c * t) - 1), rel=1e-6)
@@ -134,7 +133,7 @@ def test_the_approach_rate_is_the_derivative_of_the_approach():
         approaches.append(
             state[lay.RADIAL] - u_r - min(rim**2 / (2 * model.defects.head[0, REDUCED_RADIUS]), 0.05e-3)
         )
-    accelerations(model, 0.0, y)
+    start_at_rest(model, 0.0, y)
     rate, delta = (approaches[1] - approaches[0]) / (2 * h), (approaches[0] + approaches[1]) / 2
     assert y[lay.Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
 
@@ -144,7 +143,7 @@ def ring_over_defect(defect):
     model = assemble.model(case(model="ring", defect=defect, start_angle=0.003))
     y = at_rest(model)
     y[lay.VELOCITY : lay.VELOCITY + 2] = 0.02, -0.01
-    accelerations(model, 0.0, y)
+    start_at_rest(model, 0.0, y)
     b, u, w, theta = model.bearing, y[lay.POSITION : lay.POSITION + 2], y[lay.VELOCITY : lay.VELOCITY + 2], 0.003
     e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
     Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
+from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.excitations import Envelope
 from bearingsim.core.defects.on_roller import is_masked
 from bearingsim.core.defects.pairs import (
@@ -30,7 +31,6 @@ from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.stiffness.power_laws import iso16281
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
-from bearingsim.core.models.interface import accelerations
 from bearingsim.core.parameters import kinematic_angles
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.simulate import simulate
@@ -157,7 +157,7 @@ def test_the_closing_rate_is_the_derivative_of_the_approach(carrier, offset):
         return race - rim**2 / (2 * R)
 
     rate, delta = (approach(dt) - approach(-dt)) / (2 * dt), approach(0.0)
-    accelerations(model, 0.0, y)
+    start_at_rest(model, 0.0, y)
     expected = normal_force(model.outer, delta, rate)
     assert y[lay.Q_O if side == OUTER else lay.Q_I] == pytest.approx(expected, rel=1e-5, abs=1e-3)
     assert expected > 1000.0
