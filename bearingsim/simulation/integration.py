@@ -7,7 +7,8 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from math import exp, factorial, hypot, nan
+from itertools import islice
+from math import exp, factorial, hypot, inf, nan
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -42,8 +43,12 @@ STEADY_TOLERANCE = 0.01  # fraction of the closeness of periodic passes below wh
 
 @dataclass
 class Pace:
-    """CPU time (s) of the integrator so far, and the number of steps until the clock is read again."""
+    """CPU time (s) of the integrator so far, and number of steps until the clock is read again.
 
+    max_cpu: CPU time (s) after which a run with an automatic step ends.
+    """
+
+    max_cpu: float
     cpu_s: float = 0.0
     steps: int = FIRST_STEPS
 
@@ -91,6 +96,51 @@ class Inspection(NamedTuple):
         return self.enough(raw)
 
 
+class Run:
+    """Run of a case, computed and recorded by ball passes: a pilot may be continued as the run it begins.
+
+    setup: as given; y: the buffer; pace: its CPU time; passes: number computed so far.
+    """
+
+    def __init__(self, setup: Setup, y: np.ndarray, pace: Pace) -> None:
+        """Begin a run. y: the buffer at t = 0 (``_start``)."""
+        self.setup, self.y, self.pace, self.passes = setup, y, pace, 0
+        self.recording = Recording(setup.case, setup.grid, setup.model.bearing.Z, y)
+        self._initial_passages = _defect_passages(setup, 0.0, y)
+        self._windows = _ball_passes(setup, self.recording.samples, y, self.recording.cells, pace)
+
+    @classmethod
+    def at_rest(cls, setup: Setup) -> "Run":
+        """Return the run of a setup before its first step, at static equilibrium."""
+        return cls(setup, _start(setup, 0.0), Pace(setup.max_cpu))
+
+    def ball_passes(self) -> Iterator[np.ndarray]:
+        """Compute and record the ball passes that follow; yield the window (C, tail + steps) of each."""
+        for window in self._windows:
+            self.recording.add_pass(self.passes, window, self.y)
+            self.passes += 1
+            yield window
+
+    def beginning(self, passes: int, max_cpu: float) -> RawRecord:
+        """Compute the run until ``passes`` and return its record, within ``max_cpu`` (s).
+
+        Raises like ``integrate``.
+        """
+        self.pace.max_cpu = max_cpu
+        for _ in islice(self.ball_passes(), max(0, passes - self.passes)):
+            pass
+        return self.raw_record()
+
+    def raw_record(self, period: int = 0, difference: float = nan) -> RawRecord:
+        """Return the record so far. Raises ``MethodFailure`` if its end is not finite or steps missed a defect."""
+        _check_end(self.setup, self._initial_passages, self.y, self.passes)
+        return self.recording.raw_record(Repetition(self.passes, period, difference), self.y)
+
+    def inspected_record(self) -> RawRecord:
+        """Return the record so far, its end unchecked."""
+        return self.recording.raw_record(Repetition(self.passes, 0, nan), self.y)
+
+
 def integrate(
     setup: Setup,
     perturbation: float = 0.0,
@@ -99,6 +149,7 @@ def integrate(
     patience: int = 0,
     max_passes: int | None = None,
     inspector: Inspector | None = None,
+    begun: Run | None = None,
 ) -> RawRecord:
     """Integrate the ball passes and record fine samples (and raw values if the case needs them).
 
@@ -106,36 +157,37 @@ def integrate(
     number of periods (so that a run started from its end is in phase). perturbation: initial perturbation of the
     ring, relative to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static
     equilibrium; patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never;
-    max_passes: largest number of ball passes; inspector: inspections that may end the run.
+    max_passes: largest number of ball passes; inspector: inspections that may end the run; begun: the same run
+    from rest, of which some passes are computed. It is continued if the motion cannot be periodic and no end of
+    the run lies within them.
     """
-    case, grid, pace = setup.case, setup.grid, Pace()
-    y = _start(setup, perturbation, _find_steady_start(setup, pace, start, closeness, max_passes))
-    recording = Recording(case, grid, setup.model.bearing.Z, y)
-    search, period, difference = _search(setup, recording.cells, closeness), 0, nan
-    passes = 0
-    initial_passages = _defect_passages(setup, 0.0, y)
-    for p, window in enumerate(_ball_passes(setup, recording.samples, y, recording.cells, pace)):
-        recording.add_pass(p, window, y)
-        passes = p + 1
+    run, search = begun, None
+    inspected: Collection[int] = () if inspector is None else inspector.passes
+    if run is None or run.passes >= min((*inspected, max_passes or inf)):
+        pace = Pace(setup.max_cpu)
+        steady_start = _find_steady_start(setup, pace, start, closeness, max_passes)
+        run = Run(setup, _start(setup, perturbation, steady_start), pace)
+        search = _search(setup, run.recording.cells, closeness)
+    run.pace.max_cpu = setup.max_cpu
+    period, difference = 0, nan
+    for window in run.ball_passes():
+        passes = run.passes
         if search is not None and period == 0:
-            period, difference = search.add_pass(window, y, recording.peaks[p])
+            period, difference = search.add_pass(window, run.y, run.recording.peaks[passes - 1])
         if (period > 0 and passes % period == 0) or passes == max_passes:
             break
-        is_inspected = inspector is not None and period == 0 and passes in inspector.passes
-        if (
-            inspector is not None
-            and is_inspected
-            and inspector.ends(recording.raw_record(Repetition(passes, 0, nan), y))
-        ):
+        is_inspected = period == 0 and passes in inspected
+        if inspector is not None and is_inspected and inspector.ends(run.inspected_record()):
             break
         if passes == patience:
-            raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", passes / grid.rate)
-    _check_end(setup, initial_passages, y, passes)
-    raw = recording.raw_record(Repetition(passes, period, difference), y)
-    if period > 0 and recording.stores_raw_values:
-        recording.fill_repeated_passes(raw.repetition)
-    if MODELS[case.model].memoryless:  # the motion does not start from rest
-        extend_back(case, raw)
+            raise NotPeriodic(
+                f"no ball pass of {passes} repeats another", "name a `method`", passes / setup.grid.rate
+            )
+    raw = run.raw_record(period, difference)
+    if period > 0 and run.recording.stores_raw_values:
+        run.recording.fill_repeated_passes(raw.repetition)
+    if MODELS[setup.case.model].memoryless:  # the motion does not start from rest
+        extend_back(setup.case, raw)
     return raw
 
 
@@ -271,7 +323,7 @@ def _record_steps(
         _TOTAL.steps += count
         _TOTAL.cpu_s += seconds
         cpu_time.check()
-        if outcome == outcomes.SUCCESS and pace.cpu_s > setup.max_cpu and setup.case.step == "auto":
+        if outcome == outcomes.SUCCESS and pace.cpu_s > pace.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
         if outcome != outcomes.SUCCESS:
             raise run_failure(setup, outcome, body, (start + n) * setup.grid.step)

@@ -2,26 +2,30 @@
 
 The first step is twice the automatic one. For a periodic motion whole runs are refined, each started on the orbit
 of the previous one. Otherwise pilots are refined, and the run gets the longest step whose error bound holds: that
-of the coarser of two pilots if they hardly differ, else that of the finer one.
+of the coarser of two pilots if they hardly differ, else that of the finer one. Where a pilot is the beginning of a
+run, the run continues it.
 """
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.simulation import choice
+from bearingsim.errors import Refused
+from bearingsim.simulation import channels, choice
 from bearingsim.simulation.comparison import RunSignals, steady_time
-from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.integration import Run, integrate
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.repetition import searches_for_period
+from bearingsim.simulation.repetition import may_be_periodic, searches_for_period
 from bearingsim.simulation.run_setup import NotPeriodic, Setup, StepRefused, set_up
 from bearingsim.simulation.settling import decay_time, extrapolation_passes
 from bearingsim.simulation.step_check import (
     COARSE_BOUNDS,
     FINER_BOUNDS,
+    MAX_COST_RATIO,
     SECOND_PILOT,
     StepCheck,
     check_on_orbit,
@@ -30,18 +34,51 @@ from bearingsim.simulation.step_check import (
     refusal,
 )
 from bearingsim.simulation.sufficiency import Inspections
-from bearingsim.simulation.time_grid import SAFETY, requested_step
+from bearingsim.simulation.time_grid import MAX_CPU, SAFETY, requested_step
 
 INITIAL_FACTOR = 2.0
 """First step of a refinement, in automatic steps; the second is 0.89 automatic steps."""
 
 
 class Refinement(NamedTuple):
-    """Run with an accepted step: its setup, its record (None if not yet computed), and its check."""
+    """Run with an accepted step: its setup, its record (None if not yet computed), and its check.
+
+    begun: the run as far as its pilot; None if that was not its beginning.
+    """
 
     setup: Setup
     raw: RawRecord | None
     check: StepCheck
+    begun: Run | None = None
+
+
+class PilotRuns:
+    """Runs of a case that begin with its pilots, by fraction of the automatic step."""
+
+    def __init__(self, case: Case) -> None:
+        """Begin no run yet. case: with a named method and `settle` as a time."""
+        self.case = case
+        self.begun: dict[float, Run] = {}
+
+    def run_of(self, pilot_setup: Setup) -> Run | None:
+        """Return the run that begins with a pilot; None if it does not or may not be as long."""
+        if not begins_with_pilot(self.case):
+            return None
+        fraction = pilot_setup.step_fraction
+        if fraction not in self.begun:
+            with suppress(Refused):
+                self.begun[fraction] = Run.at_rest(set_up(self.case, fraction, MAX_COST_RATIO * MAX_CPU))
+        run = self.begun.get(fraction)
+        return None if run is None or run.setup.grid.passes < pilot_setup.grid.passes else run
+
+
+def begins_with_pilot(case: Case) -> bool:
+    """Check if a run of a case begins with its pilots, step by step.
+
+    A pilot of a ramp runs at the highest speed; one of a motion that may be periodic starts at rest; raw values
+    are sampled from the end of `settle` on.
+    """
+    return not (case.ramp is not None or may_be_periodic(case) or channels.stores_raw_values(case))
 
 
 def refine_step(case: Case, step_fraction: float, patience: int = 0) -> Refinement:
@@ -102,20 +139,25 @@ def _refine_on_pilots(coarse: Setup, is_stable: bool) -> Refinement:
     tolerance, because its error may not change with the tolerance: a force 1.4 % off changed by 0.06 %.
     """
     case, step_fraction, factor = Inspections(coarse).earliest.case, coarse.step_fraction, 1.0
+    runs = PilotRuns(coarse.case)
     previous: tuple[Setup, RunSignals] | None = None
+
+    def refinement(fraction: float, check: StepCheck) -> Refinement:
+        return Refinement(set_up(coarse.case, fraction), None, check, runs.begun.get(fraction))
+
     while True:
         pilot_run = pilot(case, factor)
-        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous)
+        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous, runs.run_of)
         if is_doubtful and factor < SECOND_PILOT and pilot(case, SECOND_PILOT) != pilot_run:
             factor, previous = SECOND_PILOT, None
             continue
         coarse_check = replace(check, bounds=COARSE_BOUNDS)
         may_be_coarse = not assemble.is_adaptive(case) and (is_stable or step_fraction < coarse.step_fraction)
         if may_be_coarse and coarse_check.holds:
-            return Refinement(set_up(coarse.case, step_fraction), None, coarse_check)
+            return refinement(step_fraction, coarse_check)
         check = replace(check, bounds=FINER_BOUNDS)
         if _is_last(finer[0], check):
-            return Refinement(set_up(coarse.case, finer[0].step_fraction), None, check)
+            return refinement(finer[0].step_fraction, check)
         step_fraction, previous = finer[0].step_fraction, finer
 
 

@@ -172,9 +172,9 @@ def _simulate(attempt: choice.Attempt, start: Usage) -> Record:
     case, step_fraction, patience = attempt
     if not (case.checks_step and choice.has_automatic_step(case)):
         return _record(*_unrefined(case, step_fraction, patience), start)
-    setup, refined_raw, check = refine_step(case, step_fraction, patience)
+    setup, refined_raw, check, begun = refine_step(case, step_fraction, patience)
     inspections = Inspections(setup)
-    raw = integrate(setup, inspector=inspections) if refined_raw is None else refined_raw
+    raw = integrate(setup, inspector=inspections, begun=begun) if refined_raw is None else refined_raw
     if case.step_check == "strict":
         step_check.refuse_short_record(setup, check)
     return _record(inspections, raw, check, start)
@@ -207,12 +207,12 @@ def _try_out(
     """Compute the first passes of a case by one attempt, and its record if the passes complete it."""
     case, step_fraction, _ = attempt
     needs_record = case.step_check not in ("strict", False)
-    setup, refined_raw, check = set_up(case, step_fraction), None, None
+    setup, refined_raw, check, begun = set_up(case, step_fraction), None, None, None
     may_end = reference_values is not None and bool(Inspections(setup).passes)
     if needs_record and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
         refinement = refine_step(case, step_fraction) if may_end else refine_periodic(case, step_fraction)
         if refinement is not None:
-            setup, refined_raw, check = refinement
+            setup, refined_raw, check, begun = refinement
     inspections = Inspections(setup)
     if refined_raw is not None and check is not None:
         return trial.read_trial(setup, refined_raw, requested, passes, turn), _record(
@@ -225,7 +225,8 @@ def _try_out(
         else _trial_inspection(setup, requested, turn, reference_values)
     )
     if may_end:
-        raw = integrate(setup, max_passes=max(max_passes, min(inspections.passes)), inspector=inspections)
+        max_passes = max(max_passes, min(inspections.passes))
+        raw = integrate(setup, max_passes=max_passes, inspector=inspections, begun=begun)
         passes = min(passes, recording.whole_passes(inspections.ended_setup(raw).case, setup.grid))
     else:
         raw = integrate(setup, max_passes=max_passes, inspector=inspection)

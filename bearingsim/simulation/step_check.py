@@ -15,7 +15,7 @@ A step given by the case is used for the run. An automatic step is refined (``re
 the finer of the two runs that agree.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
@@ -28,7 +28,7 @@ from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.comparison import RunSignals, compare, orbit_signals, pilot_signals, steady_time
-from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.integration import Run, integrate
 from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pilot
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, rotate_state
@@ -247,8 +247,13 @@ def check_on_pilot(
     pilot_case: Case,
     passes: int,
     previous: tuple[Setup, RunSignals] | None = None,
+    run_of: Callable[[Setup], Run | None] = lambda pilot_setup: None,
 ) -> PilotCheck:
-    """Check the step of a case by a pilot of ``passes``; previous: its coarse run, if already computed."""
+    """Check the step of a case by a pilot of ``passes``.
+
+    previous: its coarse run, if already computed; run_of: returns the run that begins with the pilot of a setup,
+    or None.
+    """
     allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
     pilot_case = pilot_case.model_copy(update={"periodic": False})
     coarse = previous[0] if previous is not None else set_up(pilot_case, step_fraction, allowed)
@@ -257,8 +262,8 @@ def check_on_pilot(
         step_fraction * step_ratio(coarse.grid.decimation),
         MAX_COST_RATIO * allowed,
     )
-    coarse_run = previous[1] if previous is not None else run_pilot(coarse, passes)
-    fine_run = run_pilot(fine, passes)
+    coarse_run = previous[1] if previous is not None else run_pilot(coarse, passes, run=run_of(coarse))
+    fine_run = run_pilot(fine, passes, run=run_of(fine))
     finer = fine, fine_run
     check = StepCheck(*compare(coarse_run, fine_run))
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
@@ -293,9 +298,10 @@ def check_on_pilot(
     )
 
 
-def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0) -> RunSignals:
-    """Run a pilot; return its compared signals."""
-    return pilot_signals(setup, integrate(setup, perturbation), passes)
+def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0, run: Run | None = None) -> RunSignals:
+    """Run a pilot; return its compared signals. run: the run that it begins, if that is to be continued."""
+    raw = integrate(setup, perturbation) if run is None else run.beginning(setup.grid.passes, setup.max_cpu)
+    return pilot_signals(setup, raw, passes)
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:

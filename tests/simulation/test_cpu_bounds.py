@@ -127,7 +127,7 @@ def test_extreme_job_stops_at_the_cpu_limit(tmp_path: Path, extreme: str) -> Non
 
 
 def test_pace_starts_with_few_steps() -> None:
-    pace = Pace()
+    pace = Pace(max_cpu=60.0)
     pace.add(1.0, pace.steps)  # eight steps, a second
     assert pace.steps == 1
     pace.add(1e-6, 1)

@@ -370,22 +370,25 @@ def test_job_fails_with_a_reason_if_no_step_is_accurate() -> None:
 def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[str, Any]) -> None:
     """After two inaccurate steps: four orbits, of which the last is the record, or four pilots."""
     small, large = StepCheck(line=1e-3, rms=4.5e-3), StepCheck(line=0.05, rms=2e-3)
-    checks, runs, real_integrate = iter([large, large, small]), [], integrate
+    checks, fractions = iter([large, large, small]), []
+    real_integrate, real_pilot, real_check = integrate, step_check.run_pilot, step_check.check_on_pilot
 
-    def recording_integrate(setup: Any, *args: Any, **options: Any) -> Any:
-        raw = real_integrate(setup, *args, **options)
-        runs.append((setup.step_fraction, raw))
-        return raw
+    def recorded_integrate(setup: Any, *args: Any, **options: Any) -> Any:
+        fractions.append(setup.step_fraction)
+        return real_integrate(setup, *args, **options)
 
-    real_check = step_check.check_on_pilot
+    def recorded_pilot(setup: Any, *args: Any, **options: Any) -> Any:
+        fractions.append(setup.step_fraction)
+        return real_pilot(setup, *args, **options)
+
     with (
         mock.patch.object(refinement, "check_on_orbit", side_effect=checks),
         mock.patch.object(refinement, "check_on_pilot", lambda *a: real_check(*a)._replace(check=next(checks))),
-        mock.patch.object(step_check, "integrate", recording_integrate),
-        mock.patch.object(refinement, "integrate", recording_integrate),
+        mock.patch.object(step_check, "run_pilot", recorded_pilot),
+        mock.patch.object(refinement, "integrate", recorded_integrate),
+        mock.patch.object(step_check, "integrate", recorded_integrate),
     ):
         record = simulate(case(model="rollers", method="verlet", **overrides))
-    fractions = [fraction for fraction, _ in runs]
     assert fractions[:4] == sorted(set(fractions), reverse=True)
     assert len(fractions) == 4
     assert np.allclose(np.divide(fractions[1:], fractions[:-1]), 5**-0.5, rtol=0.2)
@@ -393,6 +396,39 @@ def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[s
     assert float(record.info["steps_taken"]) > 1.5 * float(record.info["steps"])
     assert record.features["step_error.line"] == pytest.approx(2.0 * 0.5 * 4.5e-3 + 1e-4)
     assert record.features["step_error.rms"] == pytest.approx(2.0 * 4.5e-3 + 1e-4)
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [{}, {"until": "1 %", "duration": "1.5 s", "record": []}, {"method": "dormand-prince"}],
+    ids=["full", "until", "adaptive"],
+)
+def test_a_run_continues_its_pilot(overrides: dict[str, Any]) -> None:
+    """The record is that of a run from rest, and the steps of the pilot are taken once."""
+    test_case = case(model="rollers", defect=SLOT | {"race": "inner"}, **overrides)
+    record = simulate(test_case)
+    with mock.patch.object(refinement, "begins_with_pilot", return_value=False):
+        from_rest = simulate(test_case)
+    assert record.features.keys() == from_rest.features.keys()
+    assert np.array_equal([*record.features.values()], [*from_rest.features.values()], equal_nan=True)
+    assert record.info["passes_computed"] == from_rest.info["passes_computed"]
+    saved_steps = float(from_rest.info["steps_taken"]) - float(record.info["steps_taken"])
+    steps_per_pass = float(record.info["steps"]) / float(record.info["passes_computed"])
+    assert saved_steps > 3.0 * steps_per_pass
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"defect": SLOT},  # may be periodic
+        {"record": ["roller.1.outer_force"]},
+        {"model": "planar", "ramp": {"to": "3600 rpm", "time": "50 ms"}},
+    ],
+)
+def test_a_run_that_does_not_begin_with_its_pilot_is_computed_from_rest(fields: dict[str, Any]) -> None:
+    base = {"model": "rollers", "method": "verlet", "defect": SLOT | {"race": "inner"}}
+    assert refinement.begins_with_pilot(choice.resolve(case(**base)))
+    assert not refinement.begins_with_pilot(choice.resolve(case(**base | fields)))
 
 
 @pytest.mark.parametrize("change", [3.9e-3, 4.1e-3])
