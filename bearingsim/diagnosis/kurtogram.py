@@ -29,7 +29,7 @@ def kurtogram(series: np.ndarray, fs: float, levels: int = LEVELS) -> Kurtogram:
     kurtosis <|c|^4>/<|c|^2>^2 - 2, 0 for Gaussian noise (Antoni, Fast computation of the kurtogram for the
     detection of transient faults, Mech. Syst. Signal Process. 21, 2007, 108-124, by Fourier bands in place of
     filters). Level 0, the whole band, is not a candidate. Bands have no overlap, so a resonance on an edge counts
-    in two halves.
+    in two halves. A band without a line, of a very short series, has 0.
     """
     transform = np.fft.rfft(series - series.mean())
     limit = 2 * FLAT * (len(transform) - 1)
@@ -37,7 +37,8 @@ def kurtogram(series: np.ndarray, fs: float, levels: int = LEVELS) -> Kurtogram:
     for level in range(levels + 1):
         edges = np.linspace(0, limit, 2**level + 1).astype(int)
         for band, (low, high) in enumerate(pairwise(edges)):
-            power = np.abs(np.fft.ifft(transform[low:high])) ** 2
+            part = transform[low:high]
+            power = np.abs(np.fft.ifft(part)) ** 2 if len(part) else np.zeros(1)
             mean = power.mean()
             repeat = 2 ** (levels - level)
             values[level, band * repeat : (band + 1) * repeat] = np.mean(power**2) / mean**2 - 2.0 if mean else 0.0

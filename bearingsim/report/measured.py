@@ -1,9 +1,11 @@
 """Table of measured beside simulated features."""
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import labels
+from bearingsim.study.measured_values import listed
 from bearingsim.text.numbers import significant
 
 if TYPE_CHECKING:
@@ -50,18 +52,42 @@ def _table(results: "Results", entry: "MeasuredSet") -> MeasuredTable:
 
 
 def _title(entry: "MeasuredSet") -> str:
-    scaled = "" if entry.factor == 1.0 else f", measured signal times {entry.factor:.4g}, the median of the ratios"
+    scaled = "" if entry.factor == 1.0 else f", measured values times {entry.factor:.4g}, the median of the ratios"
     return f"measured: {entry.label}{scaled}"
 
 
 def _remarks(entry: "MeasuredSet") -> list[str]:
-    compared = {(item.place, item.feature) for item in entry.comparisons}
-    values = [(point["place"], feature) for point in entry.points for feature in point["features"]]
-    lost = sum(value not in compared for value in values)
     between = any(not item.job for item in entry.comparisons)
     more = len(entry.comparisons) - MAX_ROWS
     return [
         *([f"and {more} more"] if more > 0 else []),
         *([f"{BETWEEN}: interpolated linearly between two cases"] if between else []),
-        *([f"{lost} of {len(values)} measured values have no simulated value beside them"] if lost else []),
+        *_unmatched(entry),
+        *([] if entry.points else ["no point is at the fixed values of the study: `bearingsim check` names them"]),
+        *(["`scale: true` without effect: no ratio to a simulated value"] if _lacks_factor(entry) else []),
+    ]
+
+
+def _lacks_factor(entry: "MeasuredSet") -> bool:
+    return entry.is_scaled and not any(item.measured > 0.0 < item.simulated for item in entry.comparisons)
+
+
+def _key(place: str, parameters: Mapping[str, float | str]) -> str:
+    return f"{place} {sorted(parameters.items())}"  # a file of signals may have several places in a study
+
+
+def _unmatched(entry: "MeasuredSet") -> list[str]:
+    """Return remarks on measured values without a simulated one: features that the jobs lack, and other points."""
+    compared: dict[str, set[str]] = {}
+    for item in entry.comparisons:
+        compared.setdefault(_key(item.place, item.parameters), set()).add(item.feature)
+    features = [compared.get(_key(point["place"], point["parameters"]), set()) for point in entry.points]
+    pairs = list(zip(entry.points, features, strict=True))
+    lacking = list(
+        dict.fromkeys(name for point, some in pairs if some for name in point["features"] if name not in some)
+    )
+    places = list(dict.fromkeys(point["place"] for point, some in pairs if not some))
+    return [
+        *([f"without a simulated value: {listed(lacking)}"] if lacking else []),
+        *([f"no finished case is at {listed(places)}, or on both sides in one parameter"] if places else []),
     ]

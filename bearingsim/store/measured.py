@@ -35,12 +35,16 @@ class Comparison(NamedTuple):
 
 
 class MeasuredSet(NamedTuple):
-    """Points of one source as in the plan, their comparisons, and the factor on measured values (1: none)."""
+    """Points of one source as in the plan, their comparisons, and the factor on measured values (1: none).
+
+    is_scaled: whether the study asks for a factor.
+    """
 
     label: str
     points: Sequence[Mapping[str, Any]]
     comparisons: list[Comparison]
     factor: float
+    is_scaled: bool = False
 
     def scaled(self, feature: str, value: float) -> float:
         """Apply the factor to a measured feature."""
@@ -64,7 +68,7 @@ def measured_sets(plan: Mapping[str, Any], table: "pd.DataFrame") -> list[Measur
     for entry in sets:
         compared = [item for point in entry["points"] for item in _compare(point, groups)]
         factor = _factor(compared) if entry["scale"] else 1.0
-        result.append(MeasuredSet(entry["label"], entry["points"], compared, factor))
+        result.append(MeasuredSet(entry["label"], entry["points"], compared, factor, entry["scale"]))
     return result
 
 

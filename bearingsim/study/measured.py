@@ -13,16 +13,16 @@ Points are rows of parameters and features, in the file or in a table whose head
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from os.path import isfile
+from os.path import isdir, isfile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from bearingsim.config import FEATURES, Case
-from bearingsim.config.fields import Path
+from bearingsim.config.fields import Path, Section
 from bearingsim.measured import MeasuredError, Request
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.study.measured_table import table_rows
-from bearingsim.study.measured_values import SAME, MeasuredPoint, MeasuredSet, same
+from bearingsim.study.measured_values import SAME, MeasuredPoint, MeasuredSet, listed, same
 from bearingsim.study.paths import dimension, value_at
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, parse, show, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
@@ -31,6 +31,8 @@ KEYS = ("points", "signals", "label", "scale")
 SIGNAL_KEYS = ("file", "at", "rate", "speed", "unit", "channel", "full_scale")
 MOST_SIGNALS = 100
 """Limit of the signals of an entry."""
+SIGNED = (".phase", "-healthy", "cage.slip.mean")
+"""Endings of the features that can be negative."""
 
 
 class Cases(NamedTuple):
@@ -59,7 +61,7 @@ def parse_measured(
         return (), ()
     reader = _Reader(folder, cases, problems)
     sets = [reader.read(entry, number) for number, entry in enumerate(section.items, 1)]
-    return tuple(entry for entry in sets if entry is not None and entry.points), tuple(reader.remarks)
+    return tuple(entry for entry in sets if entry is not None), tuple(reader.remarks)
 
 
 class _Reader:
@@ -68,6 +70,7 @@ class _Reader:
     def __init__(self, folder: FilePath, cases: Cases, problems: list[Problem]) -> None:
         self.folder, self.cases, self.problems = folder, cases, problems
         self.remarks: list[str] = []
+        self.labels: list[str] = []
 
     def read(self, entry: Node, number: int) -> MeasuredSet | None:
         """Read an entry; None, with problems, if it is invalid."""
@@ -86,6 +89,11 @@ class _Reader:
         named = entry.mapping.get("label")
         default = FilePath(points.value).stem if points is not None and isinstance(points.value, str) else ""
         label = named.text if named is not None else default or f"measured{f' {number}' * (number > 1)}"
+        if not label.strip() or label in self.labels:
+            reason = f"two sources have the label `{label}`" if label.strip() else "the label is empty"
+            mark = entry.mark if named is None else named.mark
+            self.fail(mark, f"measured: {reason}", "give it another one, as in `label: test rig`")
+        self.labels.append(label)
         return MeasuredSet(label, scale, tuple(self.inside(label, read)))
 
     def fail(self, mark: Mark, message: str, hint: str | None = None) -> None:
@@ -117,7 +125,10 @@ class _Reader:
         path = next(filter(isfile, candidates), None)
         if path is None:
             places = " and ".join(dict.fromkeys(str(candidate.absolute().parent) for candidate in candidates))
-            self.fail(node.mark, f"measured: no file `{node.value}`", f"searched in {places}")
+            if any(map(isdir, candidates)):
+                self.fail(node.mark, f"measured: `{node.value}` is a folder", "name a file in it")
+            else:
+                self.fail(node.mark, f"measured: no file `{node.value}`", f"searched in {places}")
         return path
 
     # Points
@@ -126,9 +137,13 @@ class _Reader:
         """Yield the points of a table, or of a list of rows in the study."""
         if isinstance(node.value, str):
             path = self.find(node)
-            rows = [] if path is None else list(table_rows(path, self.problems))
+            rows = [] if path is None else list(table_rows(path, self.problems, self.check_head))
         else:
-            rows = [(f"{item.mark.file}:{item.mark.line}", item) for item in node.items]
+            marks = [item.mark for item in node.items]
+            rows = [
+                (f"{FilePath(m.file).name}:{m.line}:{m.column}", item)
+                for m, item in zip(marks, node.items, strict=True)
+            ]
             if not rows:
                 self.fail(
                     node.mark, "measured: expected a file, or a list of rows", "as in `[{load: 150 N, ...}]`"
@@ -137,6 +152,15 @@ class _Reader:
             point = self.point(place, row)
             if point is not None:
                 yield point
+
+    def check_head(self, name: str, number: str, mark: Mark) -> None:
+        """Add a problem for a head that is no feature or path, and for a number ("": none) in a wrong unit."""
+        node = Node(number, mark, mark)
+        if name not in FEATURES:
+            if self.is_path(name, node) and number:
+                self.converted({name: node})
+        elif number:
+            self.feature(name, node)
 
     def point(self, place: str, row: Node) -> MeasuredPoint | None:
         """Read a row of parameters and features; None, with problems, if it is invalid."""
@@ -163,19 +187,30 @@ class _Reader:
         factor = factor_to(unit, written)
         if factor is None:
             units = ", ".join(filter(None, FACTORS.get(unit, {unit: 1.0}))) or "none"
-            self.fail(node.mark, f"measured: `{written}` is no unit of {name}", f"units: {units}")
+            reason = f"`{written}` is no unit of {name}" if written else f"the unit of {name} is missing"
+            self.fail(node.mark, f"measured: {reason}", f"units: {units}")
             return None
+        if float(number) < 0.0 and not name.endswith(SIGNED):
+            self.fail(node.mark, f"measured: {name} is never negative, got `{node.text}`")
         return factor * float(number)
+
+    def is_path(self, path: str, node: Node) -> bool:
+        """Check if a path is one of a case; add a problem, at its key, if it is not."""
+        try:
+            self.cases.locate(path)
+        except ValueError as error:
+            hint = suggestion(path, list(FEATURES)) if "@" in path or "." in path else ""
+            if not hint and "(" not in str(error):
+                hint = "expected a parameter as in `sweep`, or a feature"
+            self.fail(node.key or node.mark, f"measured: {error}", hint or None)
+            return False
+        return True
 
     def converted(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
         """Convert parameters to SI, by the spelling of their paths in the sweep; words stay."""
         values: dict[str, float | str] = {}
         for path, node in entries.items():
-            try:
-                self.cases.locate(path)
-            except ValueError as error:
-                features = suggestion(path, list(FEATURES)) if "@" in path or "." in path else ""
-                self.fail(node.key or node.mark, f"measured: {error}", features or None)
+            if not self.is_path(path, node):
                 continue
             spelling, kind = self.cases.spelling(path), dimension(path)
             if kind is None or node.text in self.ranges.get(spelling, ()):
@@ -200,7 +235,7 @@ class _Reader:
 
     def signal(self, node: Node) -> Iterator[MeasuredPoint]:
         """Yield the point of one signal, unless it is invalid."""
-        from bearingsim.study.measured_signals import signal_point
+        from bearingsim.study.measured_signals import signal_point, with_keys
 
         entries, count = node.mapping, len(self.problems)
         if "file" not in entries:
@@ -224,9 +259,9 @@ class _Reader:
         try:
             signal, features, remarks = signal_point(path, request, case, self.cases.features)
         except MeasuredError as error:
-            self.fail(entries["file"].mark, f"measured: {error}")
+            self.fail(entries["file"].mark, f"measured: {with_keys(str(error))}")
             return
-        self.remarks += remarks
+        self.remarks += map(with_keys, remarks)
         yield MeasuredPoint(parameters, features, path.name, signal)
 
     def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
@@ -267,12 +302,13 @@ class _Reader:
                 point, parameters={path: value for path, value in point.parameters.items() if path not in fixed}
             )
         for path, places in left_out.items():
-            value = _shown(path, self.fixed_value(path))
-            self.remarks.append(f"measured `{label}`: left out {_listed(places)}: the study has {path} {value}")
+            value = self.fixed_value(path)
+            fixed_value = f"no {path}" if value is None else f"{path} {_shown(path, value)}"
+            self.remarks.append(f"measured `{label}`: left out {listed(places)}: the study has {fixed_value}")
         for path, places in beyond.items():
             numbers = [value for value in self.ranges[path] if not isinstance(value, str)]
             ends = [_shown(path, pick(numbers)) for pick in (min, max)] if numbers else map(str, self.ranges[path])
-            text = f"measured `{label}`: {_listed(places)} outside the sweep of {path} ({' to '.join(ends)})"
+            text = f"measured `{label}`: {listed(places)} outside the sweep of {path} ({' to '.join(ends)})"
             self.remarks.append(text)
 
     @cached_property
@@ -285,8 +321,15 @@ class _Reader:
         return {path: list(values) for path, values in ranges.items()}
 
     def fixed_value(self, path: str) -> Any:
-        """Return the value of a path that is not swept, in SI."""
-        return value_at(self.cases.swept[0][0], self.cases.locate(path))
+        """Return the value of a path that is not swept, in SI; of a section its name or law."""
+        steps = self.cases.locate(path)
+        try:
+            value = value_at(self.cases.swept[0][0], steps[:-1] if steps[-1] == "law" else steps)
+        except AttributeError:  # a key of another law or shape
+            return None
+        if isinstance(value, Section):
+            return next((getattr(value, key) for key in ("name", "law", "shape") if hasattr(value, key)), None)
+        return ", ".join(map(str, value)) if isinstance(value, tuple) else value
 
 
 def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
@@ -300,11 +343,6 @@ def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
 
 def _shown(path: str, value: Any) -> str:
     kind = dimension(path)
-    if kind is None or isinstance(value, str) or value is None:
+    if kind is None or isinstance(value, str):
         return str(value)
     return show(float(value), DISPLAY[kind], kind)
-
-
-def _listed(places: Sequence[str]) -> str:
-    more = f" and {len(places) - 3} more" if len(places) > 3 else ""
-    return ", ".join(places[:3]) + more

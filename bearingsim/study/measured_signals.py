@@ -1,5 +1,6 @@
 """Features of measured signals: level, shape and spectral lines, in the band of the simulated ones."""
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -27,6 +28,10 @@ LEAST_RATIO = 1.2
 """Least ratio of sampling rates from which the low-pass of the slower one, zero at 0.6 of it, can be applied."""
 SAME = 1e-3
 """Relative difference up to which sampling rates are equal."""
+LEAST_PASSES = 20
+"""Ball passes below which a remark is made: level and lines of fewer depend on where the record begins."""
+OPTIONS = re.compile(r"`(--[a-z][^`]*)`")
+"""Options of commands, quoted in a message."""
 LEAST_BINS = 3.0
 """Least distance of a line from zero, in lines of the spectrum."""
 
@@ -59,9 +64,37 @@ def signal_point(
             f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {case.sampling:g} Hz: "
             "RMS, peak and shape of the two do not compare"
         )
+    remarks += _remarks_on_passes(path, signal, case)
     values = dict(_features(signal, case.sampling, features))
     file = SignalFile(str(path.absolute()), signal.channel, signal.unit, request._asdict())
     return file, {name: value for name, value in values.items() if np.isfinite(value)}, remarks
+
+
+def _remarks_on_passes(path: Path, signal: MeasuredSignal, case: Case) -> Iterator[str]:
+    """Yield remarks on a record of few ball passes, and on a speed that is not the case's."""
+    slowest, seconds = min(signal.lines.outer, signal.lines.inner), len(signal.series) / signal.fs
+    if seconds * slowest < LEAST_PASSES:
+        yield (
+            f"{path.name} lasts {seconds:.3g} s, under {LEAST_PASSES} ball passes: its values depend on where it "
+            f"begins; {LEAST_PASSES / slowest:.3g} s are enough"
+        )
+    speed = case.speed / (2.0 * np.pi)
+    if abs(signal.lines.shaft - speed) > TOLERANCE * speed:
+        yield (
+            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, the case it is compared with turns "
+            f"at {60.0 * speed:.6g} rpm: levels depend on the speed"
+        )
+
+
+def with_keys(text: str) -> str:
+    """Write the options of commands in a message as keys of a signal: `--rate '5 kHz'` as `rate: 5 kHz`."""
+    return OPTIONS.sub(lambda match: f"`{', '.join(_keys(match[1]))}`", text)
+
+
+def _keys(options: str) -> Iterator[str]:
+    """Yield the key of each option, with its value if one is given."""
+    for name, *values in (part.split(maxsplit=1) for part in options.split("--") if part):
+        yield ": ".join([name.replace("-", "_"), *(value.strip().strip("'") for value in values)])
 
 
 def read_series(file: SignalFile) -> tuple[np.ndarray, float]:

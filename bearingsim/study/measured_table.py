@@ -1,6 +1,6 @@
 """Tables of measured points: a head with units, and rows of parameters and features."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 
@@ -14,10 +14,14 @@ MOST_BYTES = MAX_CHARACTERS
 COMMENT = "#"
 
 
-def table_rows(path: FilePath, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
+def table_rows(
+    path: FilePath, problems: list[Problem], check_head: Callable[[str, str, Mark], None]
+) -> Iterator[tuple[str, Node]]:
     """Yield place and entries of each row of a table in a text file; values have the unit of their head.
 
-    Columns are separated by a semicolon, tab, comma or bar. Mistakes are added to ``problems``.
+    Columns are separated by a semicolon, tab, comma or bar. ``check_head`` adds a problem for a wrong name of a
+    column, or number with its unit ("" for a column of words), at a place; rows below wrong heads are not read.
+    Mistakes are added to ``problems``.
     """
 
     def fail(mark: Mark, message: str, hint: str | None = None) -> None:
@@ -38,19 +42,31 @@ def table_rows(path: FilePath, problems: list[Problem]) -> Iterator[tuple[str, N
         return
     (head_line, head), *rows = numbered
     separator = next((mark for mark in SEPARATORS if mark in head), ",")
-    heads = [HEAD.match(text) for text, _ in _cells(head, separator)]
+    cells_of_head = _cells(head, separator)
+    heads = [HEAD.match(text) for text, _ in cells_of_head]
     names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in heads]
     columns = [name for name, _ in names]
-    twice = next((name for name in columns if columns.count(name) > 1), None)
+    twice = next((name for name in columns if name and columns.count(name) > 1), None)
     if twice is not None:
         fail(Mark(str(path), head_line, 1, head), f"has two columns `{twice}`", "remove one of them")
         return
-    for number, line in rows:
-        cells = _cells(line, separator)
+    count, table = len(problems), [_cells(line, separator) for _, line in rows]
+    for index, ((name, unit), (_, column)) in enumerate(zip(names, cells_of_head, strict=True)):
+        texts = [cells[index][0] for cells in table if index < len(cells) and cells[index][0]]
+        has_numbers = unit or (texts and all(is_number(text.replace(",", ".")) for text in texts))
+        if name:
+            check_head(name, f"1 {unit}".strip() if has_numbers else "", Mark(str(path), head_line, column, head))
+    if len(problems) > count:
+        return
+    for (number, line), cells in zip(rows, table, strict=True):
         mark = Mark(str(path), number, 1, line)
         if len(cells) != len(names):
-            message = f"has {len(cells)} values for the {len(names)} heads of line {head_line}"
-            fail(mark, message, "is the separator right?")
+            values, hint = f"{len(cells)} value{'s' * (len(cells) != 1)}", "is the separator right?"
+            fail(mark, f"has {values} for the {len(names)} heads of line {head_line}", hint)
+            return
+        headless = [column for name, (text, column) in zip(columns, cells, strict=True) if text and not name]
+        if headless:
+            fail(replace(mark, column=headless[0]), "has a value in a column without a head", "name the column")
             return
         yield f"{path.name}:{number}", Node(dict(_entries(names, cells, mark, separator)), mark)
 

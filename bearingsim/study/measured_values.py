@@ -1,5 +1,6 @@
 """Measured values of a study: points, and the signals whose features they are."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isclose
 from typing import Any
@@ -43,4 +44,10 @@ def same(value: Any, other: float | str) -> bool:
     """Check if two parameters are equal, up to the rounding of a table."""
     if isinstance(value, int | float) and isinstance(other, int | float):
         return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
-    return str(value) == str(other)
+    return str(value).lower() == str(other).lower()
+
+
+def listed(names: Sequence[str]) -> str:
+    """List up to three names, and the number of the others."""
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return ", ".join(names[:3]) + more

@@ -81,6 +81,15 @@ def test_a_short_channel_beside_a_long_one_is_refused_with_the_option_for_the_ot
     assert "verdict: outer race" in type_(*words, "--channel", "a")[0]
 
 
+@pytest.mark.parametrize("count", [2, 60])
+def test_a_signal_of_a_few_samples_is_refused(tmp_path, count):
+    np.savez(tmp_path / "a.npz", x=impacts(LINES.outer)[:count], fs=RATE)
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--speed", "1500 rpm"]
+    err = type_(*words, "--band", "kurtogram", code=2)[1]
+    assert "a.npz" in err
+    assert "under 20 periods of the slowest line" in err or "has no signal" in err
+
+
 def test_a_dropout_is_printed(tmp_path):
     signal = impacts(LINES.outer, slip=0.005)
     words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--json"]

@@ -91,7 +91,8 @@ def test_show_prints_measured_beside_simulated(results):
     text = CliRunner().invoke(app, ["show", str(results.path), "--measured"]).output
     assert "measured: test rig" in text
     assert "between: interpolated linearly" in text
-    assert "1 of 4 measured values have no simulated value beside them" in text
+    assert "no finished case is at rig.yaml:17:9, or on both sides in one parameter" in text
+    assert "without a simulated value: acceleration@2BSF" in text
     rows = json.loads(CliRunner().invoke(app, ["show", str(results.path), "--measured", "--json"]).output)
     row = next(row for row in rows if row["job"] and row["parameters"]["load"] == 150.0)
     simulated = results.table().set_index("job").loc[row["job"], "velocity@BPFO"]
@@ -124,3 +125,17 @@ def test_measurements_change_without_computing_anew(results):
     again = bs.run(bs.load_study(folder / "rig2.yaml"), jobs=1, out=folder / "out")
     assert again.table()["unit"].tolist() == before
     assert again.measured[0].points[0]["features"]["velocity@BPFO"] == pytest.approx(13e-6)
+
+
+def test_sources_without_a_point_or_a_factor_say_so(results):
+    folder = results.path.parent
+    rows = ["{load: 900 N, velocity@BPFO: 1 um/s}", "{speed: 900 rpm, velocity@BPFO: 1 um/s}"]
+    entries = [f"{{points: [{row}], label: {name}, scale: true}}" for row, name in zip(rows, "ab", strict=True)]
+    text = STUDY + SECTION.split("measured:")[0] + f"measured: [{', '.join(entries)}]\n"
+    (folder / "rig3.yaml").write_text(text)
+    bs.run(bs.load_study(folder / "rig3.yaml"), jobs=1, out=folder / "out")
+    output = CliRunner().invoke(app, ["show", str(folder / "out"), "--measured"]).output
+    assert "no point is at the fixed values of the study: `bearingsim check` names them" in output
+    assert output.count("`scale: true` without effect: no ratio to a simulated value") == 2
+    (_, canvas), *_ = drawn(bs.open_results(folder / "out"))
+    assert "b" not in {label.get_text() for label in canvas.legends[0].get_texts()}

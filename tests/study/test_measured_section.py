@@ -95,7 +95,11 @@ MISTAKES = {
     "measured: [{points: []}]": ("expected a file, or a list of rows", 9),
     "measured: [{points: [{load: 150 N}]}]": ("the row has no feature", 9),
     "measured: [{points: [{load: 150, velocity@BPFO: 1 um/s}]}]": ("the unit is missing", 9),
-    "measured: [{points: [{load: 150 N, velocity@BPFO: 1}]}]": ("no unit of velocity@BPFO", 9),
+    "measured: [{points: [{load: 150 N, velocity@BPFO: 1}]}]": ("the unit of velocity@BPFO is missing", 9),
+    "measured: [{points: [{load: 150 N, velocity@BPFO: -1 um/s}]}]": ("velocity@BPFO is never negative", 9),
+    "measured: [{points: [{load: 150 N, note: a, velocity@BPFO: 1 um/s}]}]": ("expected a parameter as in", 9),
+    "measured: [{points: .}]": ("`.` is a folder (name a file in it)", 9),
+    "measured: [{points: [{velocity@BPFO: 1 um/s}], label: ''}]": ("the label is empty", 9),
     "measured: [{points: [{load: 150 N, velocity@BPFO: 1 g}]}]": ("units: m/s, mm/s", 9),
     "measured: [{points: [{load: 150 N, velocity@BPFI0: 1 um/s}]}]": ("did you mean `velocity@BPFI", 9),
     "measured: [{points: [{lod: 150 N, velocity@BPFO: 1 um/s}]}]": ("no such path `lod`", 9),
@@ -110,12 +114,17 @@ MISTAKES = {
     "measured: [{signals: [{file: run.npz, unit: N}]}]": ("give `unit`, one of", 9),
     "measured: [{signals: [{file: run.npz, unit: g, channel: b}]}]": ("has no channel `b`", 9),
     "measured: [{signals: []}]": ("expected a list of up to", 9),
+    "measured: [{signals: [{file: rest.npz, unit: g}]}]": ("or name a `channel`", 9),
+    "measured: [{signals: [{file: no-rate.npz, unit: g}]}]": ("such as `rate: 51.2 kHz`", 9),
 }
 
 
 @pytest.mark.parametrize("section", MISTAKES)
 def test_mistakes_are_located_in_the_study(tmp_path, section):
-    np.savez(tmp_path / "run.npz", a=np.random.default_rng(1).normal(size=4096), fs=10240.0)
+    noise = np.random.default_rng(1).normal(size=4096)
+    np.savez(tmp_path / "run.npz", a=noise, fs=10240.0)
+    np.savez(tmp_path / "rest.npz", a=np.ones(4096), fs=10240.0)
+    np.savez(tmp_path / "no-rate.npz", a=noise)
     message, line = MISTAKES[section]
     text = problem_of(tmp_path, section + "\n")
     assert message in text
@@ -126,19 +135,64 @@ def test_mistakes_are_located_in_the_study(tmp_path, section):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ("load [N],velocity@BPFO [um/s]\n150\n", "line.csv:2:1: has 1 values for the 2 heads of line 1"),
+        ("load [N],velocity@BPFO [um/s]\n150\n", "line.csv:2:1: has 1 value for the 2 heads of line 1"),
         ("load [N],velocity@BPFO [um/s]\n150,1\nx,2\n", "line.csv:3:1: measured: load: expected a force"),
         ("load [N],velocity@BPFO [um/s]\n150,x\n", "line.csv:2:5: measured: velocity@BPFO"),
-        ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:2:5: measured: `Pa` is no unit of velocity@BPFO"),
+        ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:1:10: measured: `Pa` is no unit of velocity@BPFO"),
+        ("load [g],velocity@BPFO [um/s]\n150,1\n", "line.csv:1:1: measured: load: expected a force"),
+        ("load [N],velocity@BPFO\n150,1\n", "line.csv:1:10: measured: the unit of velocity@BPFO is missing"),
+        ("load [N],velocity@BPFO [um/s]\n150,-1\n", "line.csv:2:5: measured: velocity@BPFO is never negative"),
+        ("load [N],velocity@BPFO [um/s],\n150,1,x\n", "line.csv:2:7: has a value in a column without a head"),
         ("load [N],velocity@BPFO [um/s],load [kN]\n1,1,1\n", "line.csv:1:1: has two columns `load`"),
         ("load [N],velocity@BPFO [um/s]\n150,inf\n", "line.csv:2:5: measured: velocity@BPFO: expected a number"),
         ("load [N],velocity@BPFO [um/s]\n", "has no row below a line of heads"),
-        ("load [N],lode\n150,1\n", "no such path `lode`"),
+        ("load [N],lode\n150,1\n", "line.csv:1:10: measured: no such path `lode`"),
+        ("load [N],note,velocity@BPFO [um/s]\n150,a,1\n", "line.csv:1:10: measured: no such path `note`"),
     ],
 )
 def test_mistakes_are_located_in_the_table(tmp_path, table, message):
     (tmp_path / "line.csv").write_text(table)
     assert message in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+
+
+def test_a_mistake_in_a_head_is_reported_once(tmp_path):
+    (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [Pa]\n" + "150,1\n" * 100)
+    assert problem_of(tmp_path, "measured: [{points: line.csv}]\n").count("no unit of velocity@BPFO") == 1
+
+
+def test_columns_without_head_may_be_empty(tmp_path):
+    (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s],,\n150,1,,\n300,2,,\n")
+    (entry,) = load(tmp_path, "measured: [{points: line.csv}]\n").measured
+    assert [point.features for point in entry.points] == [{"velocity@BPFO": 1e-6}, {"velocity@BPFO": 2e-6}]
+
+
+@pytest.mark.parametrize("labels", [("a", "a"), ("line", None)])
+def test_two_sources_with_one_label_are_refused(tmp_path, labels):
+    (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s]\n150,1\n")
+    entries = [f"{{points: line.csv{f', label: {label}' if label else ''}}}" for label in labels]
+    assert f"two sources have the label `{labels[0]}`" in problem_of(
+        tmp_path, f"measured: [{', '.join(entries)}]\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "note"),
+    [
+        ("bearing: nf308", ""),
+        ("bearing: nu206", "the study has bearing NF308"),
+        ("contact.damping: kraemer", ""),
+        ("contact.stiffness.law: palmgren", ""),
+        ("contact.damping.law: film", "the study has contact.damping.law kraemer"),
+        ("contact.damping.oil: VG 68", "the study has no contact.damping.oil"),
+        ("friction: traction", "the study has no friction"),
+        ("defect.race: outer", ""),
+        ("defect: elliptical", "the study has defect rectangular"),
+    ],
+)
+def test_fixed_words_are_compared_by_the_name_of_their_section(tmp_path, value, note):
+    study = load(tmp_path, f"measured: [{{points: [{{load: 150 N, {value}, velocity@BPFO: 1 um/s}}]}}]\n")
+    assert len(study.measured[0].points) == (not note)
+    assert note in "".join(study.notes)
 
 
 BPFO, SHAFT = 13 * 15.0 * (1 - 12 / 65), 30.0
@@ -184,6 +238,27 @@ def test_a_signal_sampled_more_slowly_than_the_record_gives_a_remark(tmp_path):
     np.savez(tmp_path / "run.npz", a=signal(1.0, 6400.0), fs=6400.0)
     study = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n")
     assert "sampled at 6400 Hz, the simulated record at 10240 Hz" in study.notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "speed", "remark"),
+    [
+        (0.05, 1790, "run.npz lasts 0.05 s, under 20 ball passes"),
+        (4.0, 3600, "run.npz was measured at 3600 rpm, the case it is compared with turns at 1800 rpm"),
+        (4.0, 1790, None),
+    ],
+)
+def test_a_short_signal_and_one_at_another_speed_give_a_remark(tmp_path, seconds, speed, remark):
+    np.savez(tmp_path / "run.npz", a=signal(3.0, 10240.0, seconds), fs=10240.0)
+    entry = f"{{file: run.npz, unit: m/s^2, speed: {speed} rpm}}"
+    notes = load(tmp_path, f"measured: [{{signals: [{entry}]}}]\n").notes
+    assert notes == () if remark is None else remark in notes[-1]
+
+
+def test_a_remark_on_a_signal_names_keys_of_the_study(tmp_path):
+    np.savez(tmp_path / "run.npz", a=signal(3.0, 10240.0), fs=10240.0)
+    notes = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2, rate: 5 kHz}]}]\n").notes
+    assert "`rate`, 5000 Hz, is used in its place" in notes[0]
 
 
 def test_integer_samples_need_their_unit_and_full_scale(tmp_path):
