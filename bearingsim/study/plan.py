@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, reduce
+from functools import reduce
 from pathlib import Path as FilePath
 
 from bearingsim.catalogue import DEFAULT_MODEL
@@ -23,12 +23,14 @@ from bearingsim.study.sweep import (
     Axis,
     drop_paths,
     is_sweep,
+    is_word,
     named_paths,
     parse_sweep,
     repeat_axes,
     replace_axis,
     rows_of,
     single_axis,
+    unit_of,
 )
 from bearingsim.study.used import is_random
 from bearingsim.study.words import (
@@ -40,7 +42,6 @@ from bearingsim.study.words import (
     remove_path,
     update_setting,
 )
-from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
 
@@ -366,10 +367,10 @@ class Plan:
         values: SweptValues = {}
         for path, node in row:
             value, kind = value_at(case, self.key_paths[path]), dimension(path)
-            if value is None and kind and not _is_word(path, node):
+            if value is None and kind and not is_word(path, node):
                 value = quantity(node.text, kind)  # in an omitted section, as at zero misalignment
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            values[path] = float(value) if is_number and not _is_word(path, node) else node.text
+            values[path] = float(value) if is_number and not is_word(path, node) else node.text
         return values
 
     def entries(self) -> dict[str, Node]:
@@ -383,7 +384,7 @@ class Plan:
             path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)
         }
         derived = {relation.path: relation.unit for relation in self.relations.derived}
-        return {path: _unit(path, node) for path, node in first_values.items()} | derived
+        return {path: unit_of(path, node) for path, node in first_values.items()} | derived
 
     def all_problems(self) -> list[Problem]:
         """List all problems, except for missing values with an invalid sweep."""
@@ -391,20 +392,3 @@ class Plan:
         return self.problems + [
             p for (_, path, kind), p in problems if not (kind == "missing" and path in invalid)
         ]
-
-
-def _unit(path: str, node: Node) -> str:
-    return split(node.text)[1] if dimension(path) and not _is_word(path, node) else ""
-
-
-def _is_word(path: str, node: Node) -> bool:
-    """Return True for a word instead of a quantity, such as `auto` or a clearance class."""
-    return _is_text(path, node.text)
-
-
-@lru_cache(maxsize=1 << 12)
-def _is_text(path: str, text: str) -> bool:
-    try:
-        return dimension(path) is not None and not split(text)
-    except UnitError:
-        return True

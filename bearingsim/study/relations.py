@@ -10,16 +10,8 @@ from graphlib import CycleError, TopologicalSorter
 from bearingsim.config.fields import Path
 from bearingsim.study.paths import dimension, node_at, put
 from bearingsim.study.words import SweepSettings
-from bearingsim.text.expressions import (
-    DIMENSIONLESS,
-    TRUTH,
-    Expression,
-    ExpressionError,
-    Kind,
-    kind_of,
-    kind_text,
-    read,
-)
+from bearingsim.text.algebra import DIMENSIONLESS, TRUTH, Kind, kind_of, kind_text
+from bearingsim.text.expressions import Expression, ExpressionError, read
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse
 from bearingsim.text.yamlfile import Node, Problem, problem
 

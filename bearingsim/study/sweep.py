@@ -4,12 +4,12 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import product
 
 from bearingsim.config.fields import describe_value
 from bearingsim.designs import KINDS
-from bearingsim.study.paths import normal_form
+from bearingsim.study.paths import dimension, normal_form
 from bearingsim.study.words import SWEEP_SETTINGS, assigned_paths
 from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
@@ -252,3 +252,21 @@ _EXAMPLES = {
     "logspace": "[0.05 um, 50 um, 7]",
     "range": "[0 deg, 60 deg, 10 deg]",
 }
+
+
+def unit_of(path: str, node: Node) -> str:
+    """Return the unit in which a value is written; empty for a word."""
+    return split(node.text)[1] if dimension(path) and not is_word(path, node) else ""
+
+
+def is_word(path: str, node: Node) -> bool:
+    """Return True for a word instead of a quantity, such as `auto` or a clearance class."""
+    return _is_text(path, node.text)
+
+
+@lru_cache(maxsize=1 << 12)
+def _is_text(path: str, text: str) -> bool:
+    try:
+        return dimension(path) is not None and not split(text)
+    except UnitError:
+        return True

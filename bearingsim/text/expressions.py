@@ -7,59 +7,19 @@ replaced by names of the same length, so that the columns of errors are those of
 
 import ast
 import math
-import operator
 import re
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import NamedTuple
 
-from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, split, suggestion
+from bearingsim.text import algebra
+from bearingsim.text.algebra import DIMENSIONLESS, MAX_CHARACTERS, MAX_DEPTH, TRUTH, Kind, kind_text
+from bearingsim.text.units import UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node
 
-MAX_CHARACTERS, MAX_DEPTH = 400, 100
-"""Limits of the characters and the nesting of a formula, for Python's parser and for recursion."""
 MAX_EXPONENT = 10
 """Largest exponent of a quantity with a unit."""
-
-EQUALITY_TOLERANCE = 1e-11
-"""Relative tolerance of equality, because 3 * 10 um differs from 30 um by rounding."""
-
-Kind = tuple[Fraction, ...]
-"""Kind of a value: its exponents of m, kg, s, K and rad; empty for a truth value."""
-TRUTH: Kind = ()
-
-_BASES = ("m", "kg", "s", "K", "rad")
-_SYMBOLS: dict[str, tuple[int, ...]] = {
-    "m": (1, 0, 0, 0, 0),
-    "kg": (0, 1, 0, 0, 0),
-    "s": (0, 0, 1, 0, 0),
-    "K": (0, 0, 0, 1, 0),
-    "rad": (0, 0, 0, 0, 1),
-    "N": (1, 1, -2, 0, 0),
-    "Pa": (-1, 1, -2, 0, 0),
-    "Hz": (0, 0, -1, 0, 0),
-}
-DIMENSIONLESS: Kind = (Fraction(0),) * len(_BASES)
-
-
-def kind_of(dimension: Dimension) -> Kind:
-    """Return the exponents of a dimension's SI unit; shares and numbers are dimensionless."""
-    unit = next((unit for unit, factor in UNITS[dimension].items() if factor == (1, False, 0)), "")
-    numerator, *denominators = unit.replace("^2", "2").replace("^3", "3").split("/")
-    powers = list(DIMENSIONLESS)
-    for sign, factors in ((1, numerator), *((-1, denominator) for denominator in denominators)):
-        for factor in factors.replace("1", "").split():
-            symbol, power = factor.rstrip("23"), int(factor[-1]) if factor[-1] in "23" else 1
-            powers = [p + sign * power * exponent for p, exponent in zip(powers, _SYMBOLS[symbol], strict=True)]
-    return tuple(powers)
-
-
-_DIMENSIONS: dict[str, Dimension] = {word: dimension for dimension in UNITS for word in UNITS[dimension] if word}
-"""Dimension of each unit. `Hz` is a frequency; speeds in formulas need rpm or rad/s."""
-_KINDS = {dimension: kind_of(dimension) for dimension in UNITS}
-_KIND_DIMENSIONS = {kind: dimension for dimension, kind in _KINDS.items()}
 
 
 class ExpressionError(Exception):
@@ -70,56 +30,12 @@ class ExpressionError(Exception):
         super().__init__(message)
 
 
-class _Function(NamedTuple):
-    """Function available in formulas: limits of the number of arguments, value, and kind of the value."""
-
-    min_arguments: int
-    max_arguments: int
-    call: Callable[..., float]
-    kind: Callable[[Kind], Kind] = lambda argument: argument
-
-
-_FUNCTIONS = {
-    "sqrt": _Function(1, 1, math.sqrt, lambda argument: _scale(argument, Fraction(1, 2))),
-    "abs": _Function(1, 1, abs),
-    "min": _Function(2, MAX_CHARACTERS, min),
-    "max": _Function(2, MAX_CHARACTERS, max),
-}
-_CONSTANTS = {"pi": math.pi}
-_SUMS: dict[type[ast.operator], Callable[[float, float], float]] = {ast.Add: operator.add, ast.Sub: operator.sub}
-_PRODUCTS: dict[type[ast.operator], Callable[[float, float], float]] = {
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-}
-_BINARY = _SUMS | _PRODUCTS | {ast.Pow: operator.pow}
-_OPERATION_NAMES: dict[type[ast.operator], str] = {
-    ast.Add: "a sum",
-    ast.Sub: "a difference",
-    ast.Mult: "a product",
-    ast.Div: "a quotient",
-    ast.Pow: "a power",
-}
 _CELSIUS = ("C", "degC")
-_SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
-
-
-def _is_close(a: float, b: float) -> bool:
-    return math.isclose(a, b, rel_tol=EQUALITY_TOLERANCE, abs_tol=0.0)
-
-
-_COMPARISONS: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
-    ast.Lt: lambda a, b: a < b and not _is_close(a, b),
-    ast.LtE: lambda a, b: a < b or _is_close(a, b),
-    ast.Gt: lambda a, b: a > b and not _is_close(a, b),
-    ast.GtE: lambda a, b: a > b or _is_close(a, b),
-    ast.Eq: _is_close,
-    ast.NotEq: lambda a, b: not _is_close(a, b),
-}
 _SYNTAX_HINT = (
     "possible are numbers with their units, paths, `+ - * / **`, comparisons, `and`, `or`, `not`, and "
-    + ", ".join(f"`{name}`" for name in (*_FUNCTIONS, *_CONSTANTS))
+    + ", ".join(f"`{name}`" for name in (*algebra.FUNCTIONS, *algebra.CONSTANTS))
 )
-_UNITS = "|".join(re.escape(word) for word in sorted((*_DIMENSIONS, "°"), key=len, reverse=True))
+_UNITS = "|".join(re.escape(word) for word in sorted((*algebra.DIMENSIONS, "°"), key=len, reverse=True))
 _QUANTITY_OR_PATH = re.compile(
     rf"(?<![\w.])(?P<quantity>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\d.]) *(?:{_UNITS})(?![\w.^]))"
     r"|(?<![\w.])(?P<path>[A-Za-z_]\w*(?:\.\w+)+)",
@@ -170,32 +86,34 @@ class Expression:
                 return DIMENSIONLESS
             case ast.Name():
                 return self._kind_of_name(node, path_kind)
-            case ast.UnaryOp(op=op) if type(op) in _SIGNS:
+            case ast.UnaryOp(op=op) if type(op) in algebra.SIGNS:
                 return self._check_number(node.operand, kinds[0])
             case ast.UnaryOp(op=ast.Not()):
                 return self._check_truth(node.operand, kinds[0])
-            case ast.BinOp(op=op) if type(op) in _BINARY:
+            case ast.BinOp(op=op) if type(op) in algebra.BINARY:
                 return self._kind_of_operation(node, *kinds)
             case ast.BoolOp():
                 for operand, kind in zip(node.values, kinds, strict=True):
                     self._check_truth(operand, kind)
                 return TRUTH
-            case ast.Compare() if all(type(op) in _COMPARISONS for op in node.ops):
+            case ast.Compare() if all(type(op) in algebra.COMPARISONS for op in node.ops):
                 self._check_same_kind(_operands(node), kinds)
                 self._reject_celsius_with_difference(_operands(node))
                 return TRUTH
-            case ast.Call(func=ast.Name(id=name), keywords=[]) if name in _FUNCTIONS:
-                return self._kind_of_call(node, _FUNCTIONS[name], kinds)
-            case ast.Call(func=ast.Name(id=name) as function) if name not in _FUNCTIONS:
-                raise self._error(function, f"no function `{name}`", suggestion(name, _FUNCTIONS) or _SYNTAX_HINT)
+            case ast.Call(func=ast.Name(id=name), keywords=[]) if name in algebra.FUNCTIONS:
+                return self._kind_of_call(node, algebra.FUNCTIONS[name], kinds)
+            case ast.Call(func=ast.Name(id=name) as function) if name not in algebra.FUNCTIONS:
+                raise self._error(
+                    function, f"no function `{name}`", suggestion(name, algebra.FUNCTIONS) or _SYNTAX_HINT
+                )
         raise self._error(node, "not allowed in a formula", _SYNTAX_HINT)
 
     def _kind_of_name(self, node: ast.Name, path_kind: Callable[[str], Kind]) -> Kind:
-        if node.id in _CONSTANTS:
+        if node.id in algebra.CONSTANTS:
             return DIMENSIONLESS
         if node.col_offset in self.quantities:
             return self._kind_of_quantity(node, self.quantities[node.col_offset])
-        if node.id in _FUNCTIONS:
+        if node.id in algebra.FUNCTIONS:
             raise self._error(node, f"`{node.id}` has no argument", f"as in `{node.id}(...)`")
         try:
             return path_kind(self._path(node))
@@ -204,18 +122,20 @@ class Expression:
 
     def _kind_of_quantity(self, node: ast.Name, text: str) -> Kind:
         try:
-            parse(text, _dimension(text))
+            parse(text, algebra.dimension(text))
         except UnitError as error:
             raise self._error(node, error.hint or str(error)) from None
-        return _KINDS[_dimension(text)]
+        return algebra.KINDS[algebra.dimension(text)]
 
     def _kind_of_operation(self, node: ast.BinOp, left: Kind, right: Kind) -> Kind:
         self._check_number(node.left, left)
         self._check_number(node.right, right)
-        if type(node.op) in _SUMS:
+        if type(node.op) in algebra.SUMS:
             self._check_same_kind([node.left, node.right], [left, right])
-        self._reject_celsius(f"{_OPERATION_NAMES[type(node.op)]} with degrees Celsius", node.left, node.right)
-        if type(node.op) in _SUMS:
+        self._reject_celsius(
+            f"{algebra.OPERATION_NAMES[type(node.op)]} with degrees Celsius", node.left, node.right
+        )
+        if type(node.op) in algebra.SUMS:
             return left
         if isinstance(node.op, ast.Pow):
             return self._kind_of_power(node, left, right)
@@ -233,7 +153,7 @@ class Expression:
         power = self._value(node.right, _reject_path)
         if abs(power) > MAX_EXPONENT:
             raise self._error(node.right, f"the exponent of {kind_text(base)} is at most {MAX_EXPONENT}")
-        return _scale(base, Fraction(power).limit_denominator(1000))
+        return algebra.scale(base, Fraction(power).limit_denominator(1000))
 
     def _check_brackets(self, node: ast.BinOp) -> None:
         """Reject a power of a quantity without brackets, because `3 mm**2` may mean 9 mm^2 or 3 mm^2."""
@@ -244,7 +164,7 @@ class Expression:
             quantity = self.quantities[base.col_offset]
             number, unit = split(quantity)
             power = ast.unparse(exponent) if isinstance(exponent, ast.Constant) else "(...)"
-            is_unit = f"{unit}^{power}" in _DIMENSIONS
+            is_unit = f"{unit}^{power}" in algebra.DIMENSIONS
             alternative = f"{number} {unit}^{power}" if is_unit else f"{number} * (1 {unit})**{power}"
             raise self._error(
                 node,
@@ -252,7 +172,7 @@ class Expression:
                 f"write `({quantity})**{power}` or `{alternative}`",
             )
 
-    def _kind_of_call(self, node: ast.Call, function: _Function, kinds: list[Kind]) -> Kind:
+    def _kind_of_call(self, node: ast.Call, function: algebra.Function, kinds: list[Kind]) -> Kind:
         if not function.min_arguments <= len(kinds) <= function.max_arguments:
             count = "one value" if function.max_arguments == 1 else "two values or more"
             raise self._error(node, f"expected {count}, got {len(kinds)}")
@@ -309,10 +229,10 @@ class Expression:
             case ast.UnaryOp():
                 if text := self._celsius(node):
                     return parse(text, "temperature")
-                return _SIGNS[type(node.op)](self._value(node.operand, path_value))
+                return algebra.SIGNS[type(node.op)](self._value(node.operand, path_value))
             case ast.BinOp():
                 left, right = self._value(node.left, path_value), self._value(node.right, path_value)
-                return self._evaluate(node, lambda: _BINARY[type(node.op)](left, right))
+                return self._evaluate(node, lambda: algebra.BINARY[type(node.op)](left, right))
             case ast.BoolOp(op=ast.And()):
                 return all(self._value(operand, path_value) for operand in node.values)
             case ast.BoolOp():
@@ -321,15 +241,15 @@ class Expression:
                 return self._compare(node, path_value)
             case ast.Call(func=ast.Name(id=name)):
                 arguments = [self._value(operand, path_value) for operand in node.args]
-                return self._evaluate(node, lambda: _FUNCTIONS[name].call(*arguments))
+                return self._evaluate(node, lambda: algebra.FUNCTIONS[name].call(*arguments))
         raise AssertionError("`kind` has let this pass")
 
     def _value_of_name(self, node: ast.Name, path_value: Callable[[str], float]) -> float:
-        if node.id in _CONSTANTS:
-            return _CONSTANTS[node.id]
+        if node.id in algebra.CONSTANTS:
+            return algebra.CONSTANTS[node.id]
         if node.col_offset in self.quantities:
             text = self.quantities[node.col_offset]
-            return parse(text, _dimension(text))
+            return parse(text, algebra.dimension(text))
         try:
             return path_value(self._path(node))
         except ValueError as error:
@@ -340,7 +260,7 @@ class Expression:
         left = self._value(node.left, path_value)
         for op, operand in zip(node.ops, node.comparators, strict=True):
             right = self._value(operand, path_value)
-            if not _COMPARISONS[type(op)](left, right):
+            if not algebra.COMPARISONS[type(op)](left, right):
                 return False
             left = right
         return True
@@ -364,7 +284,7 @@ class Expression:
 
     def _is_builtin(self, node: ast.Name) -> bool:
         """Check if a name is not a path of the study."""
-        return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
+        return node.id in algebra.CONSTANTS or node.id in algebra.FUNCTIONS or node.col_offset in self.quantities
 
     def _celsius(self, node: ast.expr) -> str | None:
         """Return a quantity in degrees Celsius with its sign, because `-5 C` is not -278.15 K; None for others."""
@@ -445,27 +365,6 @@ def _operands(node: ast.expr) -> list[ast.expr]:
         case ast.Call(func=ast.Name()):
             return node.args
     return []
-
-
-def _scale(kind: Kind, power: Fraction) -> Kind:
-    return tuple(power * exponent for exponent in kind)
-
-
-def kind_text(kind: Kind) -> str:
-    """Describe a kind in words: `a length`, `in m^2`, `true or false`."""
-    if kind == TRUTH:
-        return "true or false"
-    if kind == DIMENSIONLESS:
-        return "a plain number"
-    if kind in _KIND_DIMENSIONS:
-        return EXPECTED[_KIND_DIMENSIONS[kind]].split(" such as ")[0]
-    powers = [(base, power) for base, power in zip(_BASES, kind, strict=True) if power]
-    return "in " + " ".join(base if power == 1 else f"{base}^{power}" for base, power in powers)
-
-
-def _dimension(quantity: str) -> Dimension:
-    """Return the dimension of a written quantity."""
-    return _DIMENSIONS[split(quantity)[1]]
 
 
 def _reject_path(path: str) -> float:

@@ -12,8 +12,8 @@ from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError
 from bearingsim.plots.line_load import LoadAlong, instants
 from bearingsim.plots.plot import drawn
-from tests.config.test_scan import bowl, write_grid
 from tests.plots.test_plots import only, results
+from tests.scenes.scan_files import bowl, write_grid
 
 __all__ = ["results"]
 

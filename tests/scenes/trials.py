@@ -14,7 +14,8 @@ import numpy as np
 from bearingsim import cli, runner, selection
 from bearingsim.config import Case
 from bearingsim.runner import Engine
-from bearingsim.selection import TrialRequest
+from bearingsim.selection import Choice, TrialRequest, candidates
+from bearingsim.selection.choices import key
 from bearingsim.simulation.trial import ReferenceValues, Trial
 from bearingsim.study import Study, load_study
 from tests.scenes.study_text import Write
@@ -54,6 +55,12 @@ MODEL_FACTORS = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
 """What each model makes of a line, over what the reference does."""
 FRICTION = 0.002
 """By what share a free cage changes that."""
+FAR = {"planar": 1.0, "rollers": 1.5, "ring": 1.5, "static": 2.0}
+SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
+OFFSET = TEXT.replace("length: 12 mm", "length: 3 mm, offset: 2 mm")
+BENDS = "rig: {ring: {bends: true}}\n"
+RING = "{bends: true, harmonics: 16}"
+SAID, HALF, QUARTER, SIXTH = candidates.SLICES
 
 
 def accuracy_study(write: Write, text: str = TEXT) -> Study:
@@ -141,3 +148,10 @@ def main() -> None:
     import_module("bearingsim.runner.running").BEARINGSIM = ENGINE  # type: ignore[attr-defined]
     runner.run = partial(runner.run, engine=ENGINE)
     cli.main()
+
+
+def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
+    """Return the choice for each case of a study."""
+    numbers = range(len(study.cases()))
+    result = selection.ModelSelector(study, numbers).decide(run_trials(study, evaluate)).choices
+    return [result[key(study, case)] for case in study.cases()]

@@ -16,7 +16,7 @@ from bearingsim.store.names import case_of
 from bearingsim.study import Study, load_study
 from bearingsim.study.jobs import case_id
 from tests.config.test_roundness import EVEN, heights, write
-from tests.config.test_scan import bowl, write_grid
+from tests.scenes.scan_files import bowl, write_grid
 
 TEXT = """\
 study: scans
