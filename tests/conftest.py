@@ -1,11 +1,13 @@
 """Settings and fixtures of all tests."""
 
 import os
+import resource
 import subprocess
 from collections.abc import Iterator
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -46,6 +48,32 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.path.stem in order:
             item.add_marker("slow")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """A worker reports its CPU time (s), with that of its processes, and its largest memory (GB)."""
+    own, children = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["cpu_s"] = sum(use.ru_utime + use.ru_stime for use in (own, children))
+        session.config.workeroutput["memory_gb"] = own.ru_maxrss * 1024e-9
+
+
+USES: list[tuple[float, float]] = []
+"""CPU time (s) and largest memory (GB) of each worker."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any, error: Any) -> None:
+    """Collect what a worker reported."""
+    if "cpu_s" in getattr(node, "workeroutput", {}):
+        USES.append((node.workeroutput["cpu_s"], node.workeroutput["memory_gb"]))
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Print the CPU time of all workers, and the largest memory of one."""
+    if USES:
+        seconds, memories = zip(*USES, strict=True)
+        terminalreporter.write_line(f"CPU time {sum(seconds):.0f} s; memory of a worker {max(memories):.2f} GB")
 
 
 @lru_cache(maxsize=1)
