@@ -170,8 +170,8 @@ class TestAccuracy:
         accuracy.costs_of(self.runs("verlet", [np.nan, 1e-4], [np.nan, 4.0], True), "scene", 1.0, (1e-3,), section)
         assert section.curves[0].errors == [1e-4]
 
-    def test_best_automatic_method_is_one_that_auto_takes(self) -> None:
-        assert accuracy.best_automatic({"SciPy LSODA": 1.0, "rk4": 2.0, "verlet": 3.0}) == ("verlet", 3.0)
+    def test_cheapest_own_method_is_no_peer(self) -> None:
+        assert accuracy.cheapest_own({"SciPy LSODA": 1.0, "rk4": 2.0, "verlet": 3.0}) == ("rk4", 2.0)
 
 
 class TestPeers:
