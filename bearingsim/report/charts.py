@@ -12,8 +12,13 @@ DIGITS = 6
 COLOURS = 7
 """Number of colours of curves in the style sheet, `curve0` and so on."""
 SYMBOLS = ("circle", "rect", "triangle", "diamond", "pin", "arrow", "roundRect")
-OPEN_SYMBOLS = ("emptyDiamond", "emptyRect", "emptyTriangle")
-"""Symbols of simulated and of measured points, in ECharts."""
+"""Symbols of simulated points, in ECharts."""
+OPEN_SYMBOLS = {
+    "emptyDiamond": "M14 1l5 5-5 5-5-5z",
+    "emptyRect": "M9.5 1.5h9v9h-9z",
+    "emptyTriangle": "M14 1l5 10h-10z",
+}
+"""Symbols of measured points, in ECharts, and their outlines (SVG path) in the legend."""
 DASHES = ((), (6, 3), (2, 2), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
 """Lengths (px) of strokes and gaps of the lines of curves."""
 

@@ -12,6 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from bearingsim.report.charts import OPEN_SYMBOLS
 from bearingsim.report.page import Page
 
 MAX_BYTES = 2_000_000
@@ -63,6 +64,7 @@ def _render(page: Page, reload_s: float | None) -> str:
     return template.render(
         page=page,
         mark=MARK,
+        outlines=OPEN_SYMBOLS,
         policy=policy([echarts, script], [style]),
         data=Markup(embedded({"charts": [asdict(chart) for chart in page.charts], "reload": reload_s})),
         echarts=Markup(echarts),

@@ -260,7 +260,7 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
                     if scaled is not None:
                         panel.columns["y"][-1] = rounded([scaled])[0]
         if len(shared.x) > count:
-            curves.append(Curve(entry.legend, "ink", (), OPEN_SYMBOLS[number % len(OPEN_SYMBOLS)], True))
+            curves.append(Curve(entry.legend, "ink", (), [*OPEN_SYMBOLS][number % len(OPEN_SYMBOLS)], True))
     return curves
 
 

@@ -116,6 +116,7 @@ def test_report_has_the_table_and_the_marks(results):
     assert "test rig" in page
     assert '"measured":true' in page
     assert "emptyDiamond" in page
+    assert '<path class="ink open" stroke="ink" d="M14 1l5 5-5 5-5-5z"' in page
 
 
 def test_measurements_change_without_computing_anew(results):

@@ -90,7 +90,8 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
 /** Return the series of a panel. */
 function seriesOf(chart, panel, { x, lists, hidden, shares, trend, width }) {
   const level = (list) => `${list.map((i) => [x[i], panel.columns.healthy?.[i]])}`;
-  const shared = new Set(lists.filter((list) => list.length).map(level)).size < 2;
+  const simulated = lists.filter((list, k) => list.length && !chart.curves[k].measured);
+  const shared = new Set(simulated.map(level)).size < 2;
   const drawn = chart.curves.map((curve, k) => [curve, lists[k]])
     .filter(([curve, list]) => list.length && !hidden.has(curve));
   const groups = panel.trends[trend] ?? [];
