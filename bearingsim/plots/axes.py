@@ -250,6 +250,7 @@ def letter(ax: "Axes", number: int, count: int, text: str) -> None:
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
 
 
+EDGE = 0.03  # least distance of a curve from the edge of its axes, over their height
 COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
 
 
@@ -259,5 +260,16 @@ def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABL
         limits = [ax.get_ylim() for ax in stack]
         spans = [high - low for low, high in limits]
         if max(spans) <= comparable * min(spans):
+            low, high = min(low for low, _ in limits), max(high for _, high in limits)
+            if all(ax.get_yscale() == "linear" for ax in stack):
+                low, high = _with_margins(stack, low, high)
             for ax in stack:
-                ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+                ax.set_ylim(low, high)
+
+
+def _with_margins(stack: Sequence["Axes"], low: float, high: float) -> tuple[float, float]:
+    """Extend common limits so that no curve lies on an edge, except at a lower limit that is the least value."""
+    least = min(float(ax.dataLim.y0) for ax in stack)
+    largest = max(float(ax.dataLim.y1) for ax in stack)
+    margin = EDGE * (high - low)
+    return (min(low, least - margin) if low < least else low), max(high, largest + margin)

@@ -5,6 +5,7 @@ import itertools
 import pytest
 from matplotlib.figure import Figure
 
+from bearingsim.plots.axes import share_scales
 from bearingsim.plots.style import drawing
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 
@@ -41,3 +42,18 @@ def test_few_values_each_have_a_tick():
         linear_ticks(ax.xaxis, [3.0, 6.0, 9.0, 12.0])
         canvas.draw_without_rendering()
         assert [tick.get_text() for tick in ax.get_xticklabels()] == ["3", "6", "9", "12"]
+
+
+@pytest.mark.parametrize("bottom", [None, 0.0])
+def test_curves_are_off_the_edge_of_shared_axes(bottom):
+    """The margin of a nearly constant curve is small against the range that it shares."""
+    with drawing():
+        low, high = Figure().subplots(2, 1)
+        low.plot([0.0, 1.0], [0.0, 1.0])
+        high.plot([0.0, 1.0], [48.6, 48.7])
+        for ax in (low, high):
+            ax.set_ylim(bottom=bottom)
+        share_scales([[low], [high]], float("inf"))
+    assert low.get_ylim() == high.get_ylim()
+    assert low.get_ylim()[1] > 48.7 + 1.0
+    assert low.get_ylim()[0] == 0.0 if bottom == 0.0 else low.get_ylim()[0] < -1.0
