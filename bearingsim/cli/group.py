@@ -26,7 +26,7 @@ CAUSES = {
     errno.ENOTDIR: "a part of this path is a file, not a folder",
     errno.EACCES: "you are not allowed to read or write here",
     errno.EPERM: "you are not allowed to read or write here",
-    errno.EROFS: "the disk can only be read",
+    errno.EROFS: "the disk can only be read: name a place on another disk",
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "no more room is allowed on this disk",
     errno.EFBIG: "no file may grow so large here (`ulimit -f`)",

@@ -129,7 +129,11 @@ def temporary(folder: Path, name: str, suffix: str) -> Iterator[BinaryIO]:
 def _create_locked(folder: Path, name: str, suffix: str) -> BinaryIO:
     while True:
         path = folder / f"{name}.{writer_name()}-{secrets.token_hex(4)}.{suffix}"
-        file = path.open("xb")
+        try:
+            file = path.open("xb")
+        except OSError as error:
+            error.filename = str(folder / name)  # users do not know the temporary name
+            raise
         _lock_file(file, wait=True)
         if path.exists():
             return file

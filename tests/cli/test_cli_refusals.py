@@ -34,7 +34,7 @@ def test_results_folder_must_not_be_a_file(study_folder):
     ("number", "message"),
     [
         (errno.EACCES, "here/plan.json: you are not allowed to read or write here"),
-        (errno.EROFS, "here/plan.json: the disk can only be read"),
+        (errno.EROFS, "here/plan.json: the disk can only be read: name a place on another disk"),
         (errno.EIO, "here/plan.json: what the system says"),
     ],
 )

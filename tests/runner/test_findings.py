@@ -60,3 +60,14 @@ def test_longer_duration_is_advised_only_where_the_error_is_estimated(
     frame = pd.DataFrame([row], index=[JOB]).add_prefix("features/")
     [text] = scatter_warnings(frame, ["velocity@BPFO"])
     assert text == f"1 of 1 jobs chaotic: velocity@BPFO {statement}"
+
+
+def test_step_errors_of_chaotic_jobs_are_left_out() -> None:
+    """No step reproduces the line of a chaotic motion, so its step error is no error of the method."""
+    columns = {"chaotic": [1.0, 0.0], "step_error.line": [6.7, 0.002], "step_error.rms": [3.3, 0.001]}
+    frame = pd.DataFrame(columns, index=[JOB, "1" * 16]).add_prefix("features/").assign(status="done")
+    jobs = [{"job": job, "healthy": "", "twin": False, "variation": False, "swept": {}} for job in frame.index]
+    plan = {"jobs": jobs, "figures": [{"y": ["velocity@BPFO"], "x": "load"}], "units": {}, "accuracy": None}
+    assert "largest step errors: velocity line 0.2 %, velocity RMS 0.1 %" in findings(plan, frame).statements
+    frame["features/chaotic"] = 1.0
+    assert not any("largest step errors" in text for text in findings(plan, frame).statements)

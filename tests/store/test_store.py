@@ -533,3 +533,10 @@ def test_wait_for_a_lock_names_its_holder(
             f"waiting for another run (elsewhere-123), which holds {tmp_path / '.lock'}" in capsys.readouterr().err
         )
     thread.join()
+
+
+def test_an_error_names_the_file_instead_of_its_temporary_name(tmp_path):
+    path = tmp_path / f"{'a' * 250}.csv"  # the suffix of the temporary name exceeds the limit of 255 letters
+    with pytest.raises(OSError, match="too long") as caught:
+        write_bytes(path, b"")
+    assert caught.value.filename == str(path)
