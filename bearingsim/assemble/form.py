@@ -109,7 +109,7 @@ def spectrum_coefficients(spectrum: Any, generator: np.random.Generator, count: 
     heights = np.zeros(count, complex)
     low, high = spectrum.orders
     orders = np.arange(low, high + 1)
-    # phases are drawn from order 1, so that other orders keep theirs
+    # phases are drawn from order 1 on, so that the phase of an order does not depend on the lowest order
     phases = generator.uniform(0.0, 2.0 * pi, high)[low - 1 :]
     heights[orders] = spectrum.amplitude * orders ** -float(spectrum.exponent) * np.exp(1j * phases)
     return heights

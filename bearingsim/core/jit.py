@@ -117,7 +117,7 @@ def jit(function: Callable, **options: Any) -> Any:
 
 
 def guard_cache(dispatcher: Any) -> Any:
-    """Let one process at a time compile a function and save its code; compile anew if the cache cannot be read.
+    """Let one process at a time compile a function and save its code; recompile if the cache cannot be read.
 
     Compiling and loading are not charged to the job that needs the code.
 

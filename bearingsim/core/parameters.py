@@ -1,4 +1,4 @@
-"""Parameters of the models, in SI. Symbols are those of docs/model.md; fields are floats unless said otherwise.
+"""Parameters of the models, in SI. Symbols are those of docs/model.md; fields are floats unless noted otherwise.
 
 Every float must be a ``float``, because an ``int`` would compile a second copy of the core; ``build`` ensures it.
 """

@@ -129,7 +129,7 @@ def choice(case: Case) -> Choice:
             ranked[0], _speedup_text(ranked[0], prices, step_limits(with_method(case, EXPLICIT))), prices
         )
     if not may_repeat(with_method(periodic, EXPLICIT)):
-        return Choice(EXPLICIT, "no other method would take much less CPU time", prices)
+        return Choice(EXPLICIT, "no other method needs much less CPU time", prices)
     return Choice(EXPLICIT, "the response may be periodic", prices, _patience(case, costs))
 
 

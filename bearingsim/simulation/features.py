@@ -211,7 +211,7 @@ def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: Rec
     try:
         return float(value)
     except (TypeError, ValueError) as error:
-        message = f"`{feature.compute}` gives a {type(value).__name__}, not a number"
+        message = f"`{feature.compute}` returned a {type(value).__name__}, not a number"
         raise BrokenExtension(f"feature `{feature.name}`: {message}") from error
 
 

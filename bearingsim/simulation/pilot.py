@@ -14,7 +14,7 @@ PILOT_FRACTION = 1 / 16  # part of a run in a pilot; with its finer run, a fifth
 TURNS = 2.0  # turns of a defect through the load zone, since its passages differ
 DURATION_MARGIN = 1.5  # ratio of the advised duration to that of a pilot over ``TURNS``
 LENGTH_RATIO = 2.0  # length ratio of the advised pilot to one that was too short
-ROUNDING = 1e-9  # of a ball pass
+ROUNDING = 1e-9  # in ball passes
 
 
 def pilot(case: Case, factor: float = 1.0) -> tuple[Case, int]:

@@ -43,9 +43,9 @@ def prices() -> dict[tuple[str, str], float]:
         return {(row["what"], row["name"]): float(row["value"]) for row in csv.DictReader(file)}
 
 
-def price(what: str, name: str = DEFAULT) -> float:
+def price(operation: str, name: str = DEFAULT) -> float:
     """Return an entry of the table, or the default entry (``DEFAULT``) if there is none for ``name``."""
-    return prices().get((what, name), prices()[what, DEFAULT])
+    return prices().get((operation, name), prices()[operation, DEFAULT])
 
 
 def compile_time(case: Case) -> float:

@@ -1,9 +1,9 @@
 """Refinement of an automatic step by factors of 2.24, until two runs agree; the finer run is the result.
 
 The first step is twice the automatic one. For a periodic motion whole runs are refined, each started on the orbit
-of the previous one. Otherwise pilots are refined, and the run gets the longest step whose error bound holds: that
-of the coarser of two pilots if they hardly differ, else that of the finer one. Where a pilot is the beginning of a
-run, the run continues it.
+of the previous one. Otherwise pilots are refined, and the run gets the longest step whose error bound is small
+enough: that of the coarser of two pilots if they hardly differ, else that of the finer one. Where a pilot is the
+beginning of a run, the run continues it.
 """
 
 from contextlib import suppress

@@ -6,10 +6,10 @@ defect's line and of the RMS measure the error of the run. The factor is not 2 b
 cusp within a step determines size and sign of a first-order error: with half the step the cusp of a second defect
 could fall on the same fraction of a step, and its error would not show.
 
-If the two pilots diverge, a third pilot with its ring displaced by 1e-10 at the start tells chaos from step error.
-If it diverges as fast, the motion is chaotic: no step reproduces a line, and only the RMS is checked. If the
-displacement decays, the pilots differ only by their step error. Otherwise the result is doubtful, and the check
-is repeated on a longer pilot if the run is long enough for one.
+If the two pilots diverge, a third pilot with its ring displaced by 1e-10 at the start distinguishes chaos from
+step error. If it diverges as fast, the motion is chaotic: no step reproduces a line, and only the RMS is checked.
+If the displacement decays, the pilots differ only by their step error. Otherwise the result is doubtful, and the
+check is repeated on a longer pilot if the run is long enough for one.
 
 A step given by the case is used for the run. An automatic step is refined (``refinement.py``), and the result is
 the finer of the two runs that agree.
@@ -63,7 +63,7 @@ CONFIDENCE_PROBABILITY = 0.9938  # probability of a value below CONFIDENCE stand
 MIN_GROWTH = 3.0  # growth of a perturbation over the pilot
 DECAY = 0.01  # of ``PERTURBATION``, left at the end of a pilot: below, neighbouring motions converge
 MIN_CHANGE = 1e-4  # by a perturbation in any pass, relative to the RMS
-MIN_CHANGE_RATIO = 0.3  # of the change by the perturbation to that by the shorter step (or tighter tolerance)
+MIN_CHANGE_RATIO = 0.3  # change by the perturbation, relative to that by the shorter step (or tighter tolerance)
 MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
 SECOND_PILOT = 4.0  # length ratio of the second pilot, used if the first two runs diverge without chaos
 ORBIT_CLOSENESS = Closeness(1e-5, 1e-5, pass_count=1)

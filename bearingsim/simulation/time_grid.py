@@ -197,6 +197,6 @@ def _refuse_too_large(most_memory: float) -> None:
     needed, available = PROGRAM_BYTES + most_memory, memory.limit()
     if needed > available:
         raise Refused(
-            f"a job may take {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",
+            f"a job may need {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",
             "use a shorter `duration`, a lower `sampling`, or a shorter `record`",
         )

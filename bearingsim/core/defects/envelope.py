@@ -231,7 +231,7 @@ def pack_paths(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
 
 
 def _table(path: Path) -> np.ndarray:
-    """Return head, bins and rows of a path. A bin holds the number of the piece at its beginning."""
+    """Return head, bins and rows of a path. A bin contains the number of the piece at its beginning."""
     starts = path.pieces[:, S]
     begin, span = starts[0], path.end - starts[0]
     bins = int(min(max(BINS_PER_PIECE * len(starts), 8), MAX_BINS))

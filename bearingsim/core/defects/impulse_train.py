@@ -33,7 +33,7 @@ from bearingsim.core.parameters import Bearing
 
 WIDTH_SAMPLES = 200  # samples of the lost load over half a defect
 NEWTON_STEPS = 8  # steps; the function is convex and the iteration starts above its root
-MAX_STIFFNESS_SHARE = 0.5  # of kappa; a ring supported mainly by one roller would fall instead of vibrating
+MAX_STIFFNESS_SHARE = 0.5  # relative to kappa; a ring supported mainly by one roller would fall
 
 
 class LoadZone(NamedTuple):

@@ -31,7 +31,7 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import generic, jit
 
 PROBE = 1e-9  # m: distance to either side of a position for evaluating its jump
-LEAST_SHARPNESS = 0.05  # of a roller-defect pair's largest jump; smaller ones are left to the error control
+LEAST_SHARPNESS = 0.05  # relative to the largest jump of a pair; the error control handles smaller ones
 NEAR_JUMP = 1e-8  # m: below this distance the predicted time of a jump is not reduced
 MAX_JUMPS = 32  # per roller-defect pair; a rough defect has hundreds of small ones
 

@@ -14,10 +14,10 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 
-PASSAGE_STEPS = 400  # least number, from rim to rim
-PERIOD_STEP = 0.1  # of the time of one radian of contact oscillation
-STEPS_PER_CHECK = 4096  # steps between readings of the clock
-DECAY_TIMES = 10.0  # such times, and one more passage, simulated behind the defect
+PASSAGE_STEPS = 400  # least number of steps from rim to rim
+PERIOD_STEP = 0.1  # largest step of a passage, over sqrt(m/K), the time of one radian of the contact oscillation
+STEPS_PER_CHECK = 4096  # steps between two readings of the CPU clock
+DECAY_TIMES = 10.0  # time simulated after a passage, besides one more crossing, over sqrt(m/K) at rest
 
 
 @jit
@@ -55,15 +55,16 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
         K = stiffness_bound(outer, d_o, v_o) + stiffness_bound(inner, d_i, v_i)
         C = damping_bound(outer, d_o, v_o) + damping_bound(inner, d_i, v_i)
         h = min(h_max, PERIOD_STEP * sqrt(m / max(K, 1e-300)))
-        v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))  # implicit: dashpots may be stiff
+        # implicit, because dashpots may be stiff
+        v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))
         x += h * v
         t += h
     return peak
 
 
-FIRST_APPROACH = 1e-15  # m: approach at which an impact begins, so that a damping force that jumps at contact acts
-LONGEST_IMPACT_STEP = 1e-7  # s
-IMPACT_STEP = 0.2  # step of an impact, over the time in which damping alone would stop the roller
+FIRST_APPROACH = 1e-15  # m, initial approach of an impact; above 0, so that damping forces that jump act
+LONGEST_IMPACT_STEP = 1e-7  # s, largest step of an impact
+IMPACT_STEP = 0.2  # largest step of an impact, over m/C, the time in which damping alone would stop the roller
 
 
 @jit

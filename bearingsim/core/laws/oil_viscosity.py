@@ -45,9 +45,9 @@ def iso_viscosity(grade: int, celsius: float) -> float:
     below, oils depart from the straight line (wax, pour point), and above they oxidise.
     """
     if grade not in GRADES:
-        raise ValueError(f"ISO VG {grade} is no grade of ISO 3448, which has {', '.join(map(str, GRADES))}")
+        raise ValueError(f"ISO VG {grade} is not a grade of ISO 3448, which has {', '.join(map(str, GRADES))}")
     if not MIN_CELSIUS <= celsius <= MAX_CELSIUS:
-        raise ValueError(f"viscosity at {celsius} C: known from {MIN_CELSIUS:g} to {MAX_CELSIUS:g} C")
+        raise ValueError(f"viscosity at {celsius} C: defined from {MIN_CELSIUS:g} to {MAX_CELSIUS:g} C")
     return walther(*GRADES[grade], celsius) * 1e-6 * oil_density(celsius)
 
 

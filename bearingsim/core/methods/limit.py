@@ -15,10 +15,10 @@ import numpy as np
 from bearingsim.core.jit import jit
 
 NODES = 129
-TRIAL_SPACING = 0.1  # of h_c: spacing of trial steps for each node
-MAX_REACH = 0.8  # of h_c, times the square of the number of stages: above the limit of every method
+TRIAL_SPACING = 0.1  # spacing of trial steps for each node, relative to h_c
+MAX_REACH = 0.8  # relative to h_c and the square of the number of stages: above the limit of every method
 ROUNDING = 1e-9  # amplification below this counts as stable
-LIMIT_SAFETY = 0.999  # of the limit; margin for the error of linear interpolation between nodes
+LIMIT_SAFETY = 0.999  # relative to the limit; margin for the error of linear interpolation between nodes
 
 
 @jit

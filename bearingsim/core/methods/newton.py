@@ -25,7 +25,7 @@ BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
 FREE_BLOCKS = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
 
 MAX_ITERATIONS = 15
-STEP_TOLERANCE = 1e-2  # of the tolerance: the iteration ends with a Newton step below this
+STEP_TOLERANCE = 1e-2  # relative to the tolerance: the iteration ends with a Newton step below this
 ROUNDING = 1e-12  # relative bound of rounding errors of positions and their changes, with a margin
 
 

@@ -99,7 +99,7 @@ def evaluate_stages(rows, model, t, h, y, n):
 
 @inlined
 def estimate(weights_q, weights_v, h, y, n):
-    """Compute errors of positions and velocities by their weights (tuples); return the blocks that hold them."""
+    """Compute errors of positions and velocities by their weights (tuples); return their blocks."""
     h_2 = h * h
     for k in range(n):
         y[ERROR_Q + k] = h_2 * weighted_acceleration(weights_q, y, k)

@@ -33,10 +33,10 @@ from bearingsim.core.parts.form import RECESS_I, RECESS_O, fill_recesses, recess
 # of the outer contact (of the inner one, one row further): roller-defect pair of the contact (-1 if none), and its
 # distance from the middle of the defect
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent ring", "evaluation")
-RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 allowed at the start of a run
+RESIDUAL = 1e-10  # of the search, relative to the load; well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 200
 STEPS_PER_CHECK = 16  # steps between two checks of the CPU time and of the rounding error
-ROUNDING = 1e-14  # of the largest contact force: rounding error of a net force
+ROUNDING = 1e-14  # rounding error of a net force, relative to the largest contact force
 LONGEST_STEP = 1e-5  # m
 FIRST_APPROACH = 1e-8  # m: first approach of an unloaded roller
 FIRST_REACH = 1e-6  # m: width of the first bracket, outwards

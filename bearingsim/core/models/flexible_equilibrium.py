@@ -53,7 +53,7 @@ START, STEP, FORCE = declare(
 # matrix by rows, in memory of the Jacobian because implicit methods have no flexible ring
 (MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)
 LONGEST_STEP = 1e-4  # m
-# of a contact's stiffness: added so that the step stays finite if one roller supports the ring
+# relative to a contact's stiffness; keeps the step finite if one roller supports the ring
 ADDED_STIFFNESS = 1e-8
 
 

@@ -39,7 +39,7 @@ from bearingsim.core.models.spatial_residuals import (
     work_arrays,
 )
 
-RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 allowed at the start of a run
+RESIDUAL = 1e-10  # of the search, relative to the load; well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 100
 MAX_HALVINGS = 40  # largest number of halvings of a step
 # tolerance of the rollers, relative to RESIDUAL (at the end), to the rings' residual

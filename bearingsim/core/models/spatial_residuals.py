@@ -27,7 +27,7 @@ from bearingsim.core.parts.mounts import mount_load, mount_spring_rates
 from bearingsim.core.parts.races_in_space import side_loads
 from bearingsim.core.sums import sum_loads
 
-ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added so that Newton's step of an unloaded roller is finite
+ADDED_STIFFNESS = 1e-3  # relative to a contact's stiffness; keeps Newton's step of an unloaded roller finite
 CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 """Coordinates of the rings: position and tilt of the outer, axial position and tilt of the inner."""
 COORDINATES, FIRST_INNER = len(CELLS), 5  # number of coordinates, and index of the first of the inner ring
