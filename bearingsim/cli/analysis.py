@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 KURTOGRAM = "kurtogram"
 BAND = re.compile(r"^\s*(?P<low>[\d.]+)\s*(?P<unit>k?Hz)?\s*(?:-|\.\.)\s*(?P<high>[\d.]+)\s*(?P<last>k?Hz)\s*$")
 BEARING = "bearing", "--bearing 6205"
-"""Name of what `--bearing` states, and an example."""
+"""Option for the bearing, and an example."""
 LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 VERDICTS = {
     "outer": "outer race",
     "inner": "inner race",
     "roller": "rolling element",
-    "outer or roller": "outer race or rolling element (lines within the tolerance; sidebands cannot tell)",
+    "outer or roller": "outer race or rolling element (lines within the tolerance; sidebands inconclusive)",
 }
 
 Band = tuple[float, float] | str | None
@@ -35,7 +35,7 @@ Band = tuple[float, float] | str | None
 def request_of(
     rate: str | None, speed: str | None, unit: str | None, full_scale: float | None, channel: str | None
 ) -> "Request":
-    """Return what the options state in place of the file. Raises BadParameter."""
+    """Return the values of the options, which replace those of the file. Raises BadParameter."""
     from bearingsim.measured import Request
 
     if full_scale is not None and not full_scale > 0.0:
@@ -108,7 +108,7 @@ def show(
     Raises MissingError with all that is stated neither by the file nor by options, the bearing included.
     """
     from bearingsim.diagnosis import Lines, diagnose
-    from bearingsim.diagnosis.fronts import default_band
+    from bearingsim.diagnosis.envelopes import default_band
     from bearingsim.diagnosis.kurtogram import kurtogram
     from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
     from bearingsim.measured import MeasuredError, MissingError, read
@@ -122,7 +122,7 @@ def show(
     try:
         recording = read(file, request, needs_speed=True)
     except MissingError as error:
-        raise error if bearing is not None else error.beside(*BEARING) from None
+        raise error if bearing is not None else error.with_missing(*BEARING) from None
     if bearing is None:
         raise MissingError(file, dict([BEARING]))
     parts = load_rolling_parts(bearing)
@@ -168,19 +168,18 @@ def _margin(diagnosis: "Diagnosis") -> float:
 
 
 def verdict_text(diagnosis: "Diagnosis") -> str:
-    """Format the verdict of a channel, with the frequency that it rests on."""
+    """Format the verdict of a channel, with its frequency."""
     from bearingsim.diagnosis import NONE, RHYTHM
     from bearingsim.diagnosis.thresholds import decibels
 
     needed = f"{decibels(diagnosis.threshold):.1f} dB"
     if diagnosis.verdict == RHYTHM:
-        rhythm = f"a rhythm of {diagnosis.rival.frequency:.2f} Hz that is no line of this bearing at this speed"
-        return f"verdict: {rhythm}; check bearing and speed"
+        other = f"a periodicity of {diagnosis.rival.frequency:.2f} Hz"
+        return f"verdict: {other} that matches no line of this bearing at this speed; check bearing and speed"
     finding = diagnosis.findings[diagnosis.best]
     if diagnosis.verdict == NONE and finding.comb.score > diagnosis.threshold:
-        return (
-            f"verdict: none found; {100.0 * diagnosis.crowded:.0f} % of all rhythms of this record are as strong"
-        )
+        share = f"{100.0 * diagnosis.crowded:.0f} %"
+        return f"verdict: none found; {share} of all periodicities of this record are as strong"
     if diagnosis.verdict == NONE:
         return f"verdict: none found; a line would need {needed} over the local median"
     score = f"{decibels(finding.comb.score):.1f} dB, threshold {needed}"
@@ -211,7 +210,9 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     ]  # fmt: skip
     rows = []
     for race, finding in diagnosis.findings.items():
-        envelope, levelled = (", ".join(_whole(db(height)) for height in front) for front in finding.comb.heights)
+        envelope, levelled = (
+            ", ".join(_whole(db(height)) for height in heights) for heights in finding.comb.heights
+        )
         sidebands = (
             ", ".join(_whole(_db_of_log(value)) for value in values[1:])
             for values in (finding.shaft_sidebands, finding.cage_sidebands)
@@ -227,17 +228,24 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     low, high = band
     say(f"harmonics: envelope of {low / 1e3:.3g} to {high / 1e3:.3g} kHz; levelled: whole band, tones removed")
     rival = diagnosis.rival
-    crowd = f", {100.0 * diagnosis.crowded:.0f} % of all rhythms reach the score of {LINE_NAMES[diagnosis.best]}"
-    say(f"strongest other rhythm: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{crowd}")
+    share = (
+        f", {100.0 * diagnosis.crowded:.0f} % of all periodicities reach the score of {LINE_NAMES[diagnosis.best]}"
+    )
+    say(f"strongest other periodicity: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{share}")
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
         say(
-            "this rhythm is no line of this bearing at this speed: another part of the machine causes it, or the "
-            "bearing or the speed is wrong"
+            "this periodicity matches no line of this bearing at this speed: its cause is another part of the "
+            "machine, or the bearing or the speed is wrong"
         )
     elif diagnosis.verdict == NONE and diagnosis.threshold < rival.score < clear(diagnosis.threshold):
-        say("noise may cause it: the highest of many rhythms exceeds the threshold, which is for three lines")
+        say(
+            "noise may be its cause: the strongest of many periodicities exceeds the threshold, "
+            "which is for three lines"
+        )
     if diagnosis.is_sideband:
-        say("this rhythm is a sideband of BPFI: if bearing and speed are right, the inner race may be damaged")
+        say(
+            "this periodicity is a sideband of BPFI: if bearing and speed are right, the inner race may be damaged"
+        )
     if diagnosis.is_extrapolated:
         low, high = measured_turns()
         say(
@@ -246,7 +254,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
         )
     if diagnosis.may_be_doubled:
         half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
-        say(f"half of this line ({half}) is about as strong: the true speed may be half of the given one")
+        say(f"half of this line ({half}) is about as strong: the true speed may be half of the stated one")
     if diagnosis.size is not None:
         size = diagnosis.size
         say(
@@ -254,7 +262,10 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
             f"(entry to exit {1e3 * size.spacing:.3g} ms)"
         )
     if diagnosis.loose:
-        say("clearance alone gives BPFO, too, and no width was read: compare with a record of the healthy bearing")
+        say(
+            "clearance alone causes BPFO as well, and no width was found: "
+            "compare with a record of the healthy bearing"
+        )
 
 
 def _whole(value: float) -> str:

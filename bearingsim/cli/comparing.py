@@ -50,8 +50,9 @@ def show(
 ) -> None:
     """Print features of a job's channel and of a measured signal, and draw both.
 
-    request: what the user states in place of the file; y: the job's channel; scale: multiply the simulated signal
-    by a factor, to the measured RMS. Raises UserError for a channel, unit or speed that does not fit.
+    request: values of the options, which replace those of the file; y: the job's channel; scale: multiply the
+    simulated signal by a factor, to the measured RMS. Raises UserError for a channel, unit or speed that does not
+    fit.
     """
     from bearingsim.diagnosis.comparison import common_band, compare
     from bearingsim.measured.checks import dropout
@@ -62,8 +63,8 @@ def show(
         figures.check_path(figure)
     pair = _pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
-    standing, remark = _standing(pair)
-    has_line = standing is None or standing.objection is None
+    line_claim, remark = _line_claim(pair)
+    has_line = line_claim is None or line_claim.objection is None
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
     factor = rows[0].measured / rows[0].simulated if scale else None
     if factor is not None:
@@ -77,7 +78,7 @@ def show(
     for text in filter(None, (*pair.recording.remarks, remark_on_rest)):
         say(text, err=True)
     if as_json:
-        say(json.dumps(_as_dict(job, pair, band, factor, standing, rows), indent=1))
+        say(json.dumps(_as_dict(job, pair, band, factor, line_claim, rows), indent=1))
         return
     _print_signals(job, pair, band, factor)
     _print_features(rows)
@@ -113,17 +114,18 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     )
 
 
-def _standing(pair: Pair) -> "tuple[Claim | None, list[str]]":
-    """Return the claim of the race's line in the measured signal, None if it cannot be judged, and a remark."""
-    from bearingsim.diagnosis.comparison import standing
+def _line_claim(pair: Pair) -> "tuple[Claim | None, list[str]]":
+    """Compare the race's line with the rest of the measured signal; None if that is not possible. Also return a
+    remark."""
+    from bearingsim.diagnosis.comparison import line_claim
     from bearingsim.diagnosis.suitability import Unsuitable
     from bearingsim.diagnosis.thresholds import decibels
 
     line = LINE_NAMES[pair.race]
     try:
-        result = standing(pair.measured, pair.race)
+        result = line_claim(pair.measured, pair.race)
     except Unsuitable as error:
-        return None, [f"whether {line} stands out of the measured signal is not known: {error}"]
+        return None, [f"{line} of the measured signal cannot be assessed: {error}"]
     score, needed = (f"{decibels(value):.1f} dB" for value in (result.comb.score, result.threshold))
     values = f"score {score}, threshold {needed}"
     if result.objection is None:
@@ -131,9 +133,11 @@ def _standing(pair: Pair) -> "tuple[Claim | None, list[str]]":
     if not result.is_over:
         reason = f"no line over the threshold ({values})"
     elif result.is_crowded:
-        reason = f"not told apart, {100.0 * result.crowded:.0f} % of all rhythms are as strong ({values})"
+        reason = f"not significant, {100.0 * result.crowded:.0f} % of all periodicities are as strong ({values})"
     else:
-        reason = f"a rhythm of {result.rival.frequency:.2f} Hz is stronger ({decibels(result.rival.score):.1f} dB"
+        reason = (
+            f"a periodicity of {result.rival.frequency:.2f} Hz is stronger ({decibels(result.rival.score):.1f} dB"
+        )
         reason += f", {line} {score})"
     return result, [f"{line} of the measured signal: {reason}; check speed and bearing by `bearingsim analyze`"]
 
@@ -150,7 +154,7 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     )
     seconds = len(pair.measured.series) / rate.value
     say(f"{short_path(pair.recording.path)}: {name}, {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
-    advice = "; `--speed` gives another" if pair.recording.speed is None else ""
+    advice = "; to change it, use `--speed`" if pair.recording.speed is None else ""
     speed = f"{pair.measured.lines.shaft * 60.0:.6g} rpm"
     say(f"speed of the measurement: {speed} ({_source_of_speed(pair.recording)}{advice})")
     say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
@@ -178,7 +182,7 @@ def _as_dict(
     pair: Pair,
     band: tuple[float, float],
     factor: float | None,
-    standing: "Claim | None",
+    line_claim: "Claim | None",
     rows: "list[Row]",
 ) -> dict[str, Any]:
     """Return the values of `--json`."""
@@ -201,10 +205,10 @@ def _as_dict(
         "unit_source": recording.units[name].source,
         "band_hz": list(band),
         "scale": 1.0 if factor is None else factor,
-        "score_db": decibels(standing.comb.score) if standing else None,
-        "threshold_db": decibels(standing.threshold) if standing else None,
-        "objection": standing.objection if standing else None,
-        "rival": _rival(standing) if standing else None,
+        "score_db": decibels(line_claim.comb.score) if line_claim else None,
+        "threshold_db": decibels(line_claim.threshold) if line_claim else None,
+        "objection": line_claim.objection if line_claim else None,
+        "rival": _rival(line_claim) if line_claim else None,
         "features": {
             row.key: {"unit": row.unit, "simulated": _json(row.simulated), "measured": _json(row.measured)}
             for row in rows
@@ -212,12 +216,12 @@ def _as_dict(
     }
 
 
-def _rival(standing: "Claim") -> dict[str, float]:
-    """Return the strongest other rhythm, with the keys of `analyze --json`."""
+def _rival(line_claim: "Claim") -> dict[str, float]:
+    """Return the strongest other periodicity, with the keys of `analyze --json`."""
     from bearingsim.diagnosis.thresholds import decibels
 
-    rival = standing.rival
-    return {"hz": rival.frequency, "score_db": decibels(rival.score), "crowded": standing.crowded}
+    rival = line_claim.rival
+    return {"hz": rival.frequency, "score_db": decibels(rival.score), "crowded": line_claim.crowded}
 
 
 def only_job(results: "Results") -> str:

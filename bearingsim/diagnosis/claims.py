@@ -1,4 +1,4 @@
-"""Claim that a rhythm of a signal is the line of a race, against the other rhythms of the signal."""
+"""Comparison of the line of a race with all other periodicities of a signal."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -6,21 +6,22 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.diagnosis.combs import Comb, comb_at, rivals, share_of_rivals
-from bearingsim.diagnosis.fronts import Front
+from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import Lines
 
 RHYTHM, NONE = "other rhythm", "none"
-"""Objections: another rhythm is stronger; no line is over the threshold, or the record is full of lines."""
+"""Objections to a line: another periodicity is stronger; the line is not over the threshold, or the record is full
+of lines."""
 MOST_CROWDED = 0.2
-"""Share of other rhythms with a score as high as the claimed one, above which a record is full of lines. Damaged
-signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
+"""Share of other periodicities with a score as high as the claimed one, above which a record is full of lines.
+Damaged signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
 
 
 class Claim(NamedTuple):
-    """Comb claimed as the line of a race, the threshold of its score, and the other rhythms.
+    """Comb claimed as the line of a race, the threshold of its score, and the other periodicities.
 
-    rival: strongest other rhythm, or the comb itself if its peak lies beyond the tolerance; crowded: share of
-    other rhythms with a score as high as the claimed one.
+    rival: strongest other periodicity, or the comb itself if its peak lies beyond the tolerance; crowded: share of
+    other periodicities with a score as high as the claimed one.
     """
 
     comb: Comb
@@ -40,18 +41,18 @@ class Claim(NamedTuple):
 
     @property
     def objection(self) -> str | None:
-        """``NONE`` or ``RHYTHM``; None if the claim holds."""
+        """``NONE`` or ``RHYTHM``; None if there is no objection."""
         if not self.is_over or self.is_crowded:
             return NONE
         return RHYTHM if self.rival is self.comb or self.rival.score > self.comb.score else None
 
 
 def claim(
-    fronts: Sequence[Front], lines: Lines, race: str, comb: Comb, tolerance: float, threshold: float
+    spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, comb: Comb, tolerance: float, threshold: float
 ) -> Claim:
-    """Lay the comb of a race, with its refined frequency, beside the other rhythms of the fronts."""
-    others = rivals(fronts, lines, race, comb, tolerance)
-    rival = comb_at(fronts, float(others.fundamentals[np.argmax(others.scores)]))
+    """Compare the comb of a race, with its refined frequency, with the other periodicities of the spectra."""
+    others = rivals(spectra, lines, race, comb, tolerance)
+    rival = comb_at(spectra, float(others.fundamentals[np.argmax(others.scores)]))
     if abs(comb.frequency / lines.of_race(race) - 1.0) > tolerance:  # the peak is beyond the searched range
         rival = max(comb, rival, key=lambda other: other.score)
     return Claim(comb, threshold, rival, share_of_rivals(others, comb.score, tolerance))

@@ -1,20 +1,20 @@
-"""Scores of combs: three harmonics of one fundamental in two fronts, of which the lesser counts."""
+"""Scores of combs: three harmonics of one fundamental in two spectra, of which the lower counts."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.fronts import Front
+from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import Lines
 
 HARMONICS = 3
 STEPS_PER_BIN = 6
 """Fundamentals tried per bin: the third harmonic moves by half a bin."""
 RIVALS_FROM, RIVALS_TO = 1.2, 1.3
-"""Range of other rhythms: from 1.2 shaft orders to 1.3 times the highest line."""
+"""Range of other periodicities: from 1.2 shaft orders to 1.3 times the highest line."""
 SHAFT_SHARE = 0.01
-"""Relative half width of the shaft orders, which are no rhythms of their own."""
+"""Relative half width of the shaft orders, which do not count as other periodicities."""
 RELATIVE_SHARE, RELATIVE_BINS = 0.006, 2.0
 """Half width of the relatives of a claimed line: its share, and at least some bins."""
 RELATIVES = (1 / 3, 1 / 2, 2 / 3, 1.0, 3 / 2, 2.0, 3.0)
@@ -22,12 +22,12 @@ RELATIVES = (1 / 3, 1 / 2, 2 / 3, 1.0, 3 / 2, 2.0, 3.0)
 
 
 def highest_frequency(lines: Lines) -> float:
-    """Return the highest frequency (Hz) that is read from a front: the third harmonic of the highest rival."""
+    """Return the highest frequency (Hz) that is read from a spectrum: the third harmonic of the highest rival."""
     return 1.02 * HARMONICS * RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
 
 
 class Comb(NamedTuple):
-    """Comb of a fundamental (Hz): its score, that of each front, and the heights (fronts, harmonics)."""
+    """Comb of a fundamental (Hz): its score, that of each spectrum, and the heights (spectra, harmonics)."""
 
     frequency: float
     score: float
@@ -35,17 +35,19 @@ class Comb(NamedTuple):
     heights: tuple[tuple[float, ...], ...]
 
 
-def heights_at(front: Front, frequency: np.ndarray) -> np.ndarray:
-    """Return the heights (...) at frequencies (...) in Hz: that of the higher of two bins. 0 beyond the front."""
-    place = frequency / front.step
-    low = np.clip(place.astype(int), 0, len(front.height) - 2)
-    return np.where(place < len(front.height) - 1, np.maximum(front.height[low], front.height[low + 1]), 0.0)
+def heights_at(spectrum: EnvelopeSpectrum, frequency: np.ndarray) -> np.ndarray:
+    """Return the heights (...) at frequencies (...) in Hz: that of the higher of two bins. 0 beyond."""
+    bins = frequency / spectrum.step
+    low = np.clip(bins.astype(int), 0, len(spectrum.height) - 2)
+    return np.where(
+        bins < len(spectrum.height) - 1, np.maximum(spectrum.height[low], spectrum.height[low + 1]), 0.0
+    )
 
 
-def comb_scores(fronts: Sequence[Front], fundamentals: np.ndarray) -> np.ndarray:
-    """Compute the scores (fronts, n) of fundamentals (n,) in Hz: sums of log(1 + height) over three harmonics."""
+def comb_scores(spectra: Sequence[EnvelopeSpectrum], fundamentals: np.ndarray) -> np.ndarray:
+    """Compute the scores (spectra, n) of fundamentals (n,) in Hz: sums of log(1 + height) over three harmonics."""
     numbers = np.arange(1, HARMONICS + 1)[:, np.newaxis]
-    return np.array([np.log1p(heights_at(front, numbers * fundamentals)).sum(axis=0) for front in fronts])
+    return np.array([np.log1p(heights_at(spectrum, numbers * fundamentals)).sum(axis=0) for spectrum in spectra])
 
 
 def fundamentals_between(low: float, high: float, step: float) -> np.ndarray:
@@ -53,73 +55,77 @@ def fundamentals_between(low: float, high: float, step: float) -> np.ndarray:
     return np.linspace(low, high, max(2, int(np.ceil((high - low) / step * STEPS_PER_BIN)) + 1))
 
 
-def comb_at(fronts: Sequence[Front], frequency: float) -> Comb:
+def comb_at(spectra: Sequence[EnvelopeSpectrum], frequency: float) -> Comb:
     """Return the comb of one fundamental (Hz)."""
-    scores = comb_scores(fronts, np.array([frequency]))[:, 0]
+    scores = comb_scores(spectra, np.array([frequency]))[:, 0]
     numbers = np.arange(1, HARMONICS + 1)
-    heights = tuple(tuple(map(float, heights_at(front, numbers * frequency))) for front in fronts)
+    heights = tuple(tuple(map(float, heights_at(spectrum, numbers * frequency))) for spectrum in spectra)
     return Comb(float(frequency), float(scores.min()), tuple(map(float, scores)), heights)
 
 
-def best_comb(fronts: Sequence[Front], expected: float, tolerance: float) -> Comb:
-    """Find the comb with the highest lesser score whose fundamental is within a relative tolerance of ``expected``
+def best_comb(spectra: Sequence[EnvelopeSpectrum], expected: float, tolerance: float) -> Comb:
+    """Find the comb with the highest score whose fundamental is within a relative tolerance of ``expected``
     (Hz).
 
     Of fundamentals with the same score, which a bin may have, it is the middle one.
     """
-    fundamentals = fundamentals_between((1.0 - tolerance) * expected, (1.0 + tolerance) * expected, fronts[0].step)
-    scores = comb_scores(fronts, fundamentals).min(axis=0)
+    fundamentals = fundamentals_between(
+        (1.0 - tolerance) * expected, (1.0 + tolerance) * expected, spectra[0].step
+    )
+    scores = comb_scores(spectra, fundamentals).min(axis=0)
     best = int(np.argmax(scores))
     end = best + int(np.argmin(np.append(scores[best:] == scores[best], False))) - 1
-    return comb_at(fronts, float(fundamentals[(best + end) // 2]))
+    return comb_at(spectra, float(fundamentals[(best + end) // 2]))
 
 
-def refined(fronts: Sequence[Front], frequency: float) -> float:
+def refined(spectra: Sequence[EnvelopeSpectrum], frequency: float) -> float:
     """Refine a fundamental (Hz) by the peaks near its harmonics: parabolas through three logarithms of heights.
 
     Harmonics are weighted by their number and score.
     """
     estimates, weights = [], []
-    for front in fronts:
+    for spectrum in spectra:
         for number in range(1, HARMONICS + 1):
-            low = int(number * frequency / front.step)
-            window = front.height[max(low - 1, 1) : low + 3]
-            if len(window) < 4 or low + 3 >= len(front.height):
+            low = int(number * frequency / spectrum.step)
+            window = spectrum.height[max(low - 1, 1) : low + 3]
+            if len(window) < 4 or low + 3 >= len(spectrum.height):
                 continue
             peak = max(low - 1, 1) + int(np.argmax(window))
-            left, middle, right = np.log(np.maximum(front.height[peak - 1 : peak + 2], 1e-9))
+            left, middle, right = np.log(np.maximum(spectrum.height[peak - 1 : peak + 2], 1e-9))
             curvature = left - 2.0 * middle + right
             shift = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
-            estimates.append((peak + min(max(shift, -0.5), 0.5)) * front.step / number)
-            weights.append(number * np.log1p(front.height[peak]))
+            estimates.append((peak + min(max(shift, -0.5), 0.5)) * spectrum.step / number)
+            weights.append(number * np.log1p(spectrum.height[peak]))
     return float(np.average(estimates, weights=weights)) if np.sum(weights) > 0.0 else frequency
 
 
 class Rivals(NamedTuple):
-    """Fundamentals (n,) in Hz and their lesser scores (n,), 0 for relatives of the claimed line."""
+    """Fundamentals (n,) in Hz and the lower of their scores (n,), 0 for relatives of the claimed line."""
 
     fundamentals: np.ndarray
     scores: np.ndarray
 
 
-def rivals(fronts: Sequence[Front], lines: Lines, race: str, claimed: Comb, tolerance: float) -> Rivals:
-    """Score the rhythms that are neither the claimed line of a race nor its relatives, nor shaft orders.
+def rivals(
+    spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, claimed: Comb, tolerance: float
+) -> Rivals:
+    """Score the periodicities that are neither the claimed line of a race nor its relatives, nor shaft orders.
 
     Relatives are its multiples and fractions up to 3, and its sidebands at one and two times the frequencies of
-    shaft and cage. A sideband of the shaft that scores higher than the claimed line in both fronts is no relative:
-    the load zone modulates an inner-race defect less than fully, so a line exceeds its own sidebands, and the
-    claimed line is itself a sideband, of a line of another bearing.
+    shaft and cage. A sideband of the shaft that scores higher than the claimed line in both spectra is no
+    relative, because the load zone modulates an inner-race defect less than fully, so a line exceeds its own
+    sidebands, and the claimed line may itself be a sideband of a line of another bearing.
     """
     low, high = RIVALS_FROM * lines.shaft, RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
-    fundamentals = fundamentals_between(low, high, fronts[0].step)
-    scores = comb_scores(fronts, fundamentals)
+    fundamentals = fundamentals_between(low, high, spectra[0].step)
+    scores = comb_scores(spectra, fundamentals)
     order = np.round(fundamentals / lines.shaft) * lines.shaft
     is_own = np.abs(fundamentals - order) <= SHAFT_SHARE * order
     is_own |= np.abs(fundamentals / lines.of_race(race) - 1.0) <= tolerance
-    is_own |= _is_near(fundamentals, [share * claimed.frequency for share in RELATIVES], fronts[0].step)
-    is_own |= _is_near(fundamentals, _sidebands(claimed.frequency, lines.cage), fronts[0].step)
+    is_own |= _is_near(fundamentals, [share * claimed.frequency for share in RELATIVES], spectra[0].step)
+    is_own |= _is_near(fundamentals, _sidebands(claimed.frequency, lines.cage), spectra[0].step)
     is_weaker = np.any(scores <= np.array(claimed.scores)[:, np.newaxis], axis=0)
-    is_own |= is_weaker & _is_near(fundamentals, _sidebands(claimed.frequency, lines.shaft), fronts[0].step)
+    is_own |= is_weaker & _is_near(fundamentals, _sidebands(claimed.frequency, lines.shaft), spectra[0].step)
     return Rivals(fundamentals, np.where(is_own, 0.0, scores.min(axis=0)))
 
 
@@ -136,7 +142,8 @@ def _is_near(fundamentals: np.ndarray, relatives: Sequence[float], step: float) 
 
 
 def share_of_rivals(others: Rivals, score: float, tolerance: float) -> float:
-    """Compute the share of windows, each twice the relative tolerance wide, in which a rhythm reaches a score."""
+    """Compute the share of windows, each twice the relative tolerance wide, in which a periodicity reaches a
+    score."""
     low, high = np.log(others.fundamentals[[0, -1]])
     starts = np.searchsorted(others.fundamentals, np.exp(np.arange(low, high, 2.0 * tolerance)))
     return float(np.mean(np.maximum.reduceat(others.scores, np.unique(starts)) >= score))

@@ -1,4 +1,4 @@
-"""Simulated and measured signal of one bearing, laid side by side in a common band."""
+"""Comparison of a simulated and a measured signal of one bearing, in a common band."""
 
 import re
 from math import log10, nan
@@ -8,7 +8,7 @@ import numpy as np
 
 from bearingsim.diagnosis.claims import Claim, claim
 from bearingsim.diagnosis.combs import best_comb, highest_frequency, refined
-from bearingsim.diagnosis.fronts import default_band, envelope_front, fast_length, levelled_front
+from bearingsim.diagnosis.envelopes import band_spectrum, default_band, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
 from bearingsim.diagnosis.thresholds import threshold
@@ -44,18 +44,18 @@ class Row(NamedTuple):
         return re.sub(r"\W+", "_", self.name.lower())
 
 
-def standing(signal: Signal, race: str) -> Claim:
-    """Claim the line of a race in a signal as ``diagnose`` does, against all other rhythms of the signal.
+def line_claim(signal: Signal, race: str) -> Claim:
+    """Compare the line of a race with all other periodicities of a signal, as ``diagnose`` does.
 
     Raises Unsuitable for a record that cannot be judged.
     """
     series, fs, lines = signal
     refuse_unsuitable(len(series), fs, lines, default_band(fs))
     part, highest = series[: fast_length(len(series))], highest_frequency(lines)
-    fronts = envelope_front(part, fs, lines.shaft, highest), levelled_front(part, fs, lines.shaft, highest)
-    comb = best_comb(fronts, lines.of_race(race), TOLERANCE)
-    comb = comb._replace(frequency=refined(fronts, comb.frequency))
-    return claim(fronts, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
+    spectra = band_spectrum(part, fs, lines.shaft, highest), levelled_spectrum(part, fs, lines.shaft, highest)
+    comb = best_comb(spectra, lines.of_race(race), TOLERANCE)
+    comb = comb._replace(frequency=refined(spectra, comb.frequency))
+    return claim(spectra, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
 
 
 def common_band(*signals: Signal) -> tuple[float, float]:
@@ -66,11 +66,11 @@ def common_band(*signals: Signal) -> tuple[float, float]:
 def compare(
     simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, has_line: bool = True
 ) -> list[Row]:
-    """Compare two signals in a band (Hz): level, shape, and the rhythm of a race in the envelope.
+    """Compare two signals in a band (Hz): level, shape, and the line of a race in the envelope.
 
-    unit: SI unit of the series; has_line: whether the measured signal has a rhythm to be read. Harmonics of the
+    unit: SI unit of the series; has_line: whether the measured signal has such a line. Harmonics of the
     envelope are in dB relative to the fundamental; orders refer to the frequency of the shaft; the spacing of
-    entry and exit is in fractions of a pass, which the speed does not change.
+    entry and exit is in fractions of a pass, which do not depend on the speed.
     """
     values = [_features(simulated, race, band), _features(measured, race, band, has_line)]
     units = {"RMS": unit, "peak": unit, "line": "orders", "line over kinematic": ""}

@@ -27,7 +27,7 @@ def kurtogram(series: np.ndarray, fs: float, levels: int = LEVELS) -> Kurtogram:
 
     Bands are cut from the Fourier transform; the complex envelope of each, decimated to its width, has the
     kurtosis <|c|^4>/<|c|^2>^2 - 2, 0 for Gaussian noise (Antoni, Fast computation of the kurtogram for the
-    detection of transient faults, Mech. Syst. Signal Process. 21, 2007, 108-124, by Fourier bands in place of
+    detection of transient faults, Mech. Syst. Signal Process. 21, 2007, 108-124, by Fourier bands instead of
     filters). Level 0, the whole band, is not a candidate. Bands have no overlap, so a resonance on an edge counts
     in two halves. A band without a line, of a very short series, has 0.
     """

@@ -11,7 +11,7 @@ from bearingsim.signals.events import spacing
 DEPTH = 60e-6
 """m; depth up to which the far edge is struck early (docs/double_impulse.md, step 4)."""
 ENTRY_DROP = 1.5e-6
-"""m; drop behind the near rim at which the entry is felt: a ball of the 6205 has lost half of its force after
+"""m; drop behind the near rim at which the entry is detected: a ball of the 6205 has lost half of its force after
 0.12 mm (docs/double_impulse.md, step 1)."""
 MOST_DIFFERENCE = 0.05
 """Largest relative difference between the readings of both halves of a record."""
@@ -30,8 +30,8 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
 
     With s the spacing of entry and exit times the speed of the contact point, the width is from s to s + sqrt(2
     R_eff d) + sqrt(2 R_eff a): a roller on the floor, at a depth d up to 60 um, strikes the far edge that much
-    early, and the entry is felt up to a drop a of 1.5 um late. Returns None without two events, or if the readings
-    of both halves of the record differ by over 5 %.
+    early, and the entry is detected up to a drop a of 1.5 um late. Returns None without two events, or if the
+    readings of both halves of the record differ by over 5 %.
     """
     period = 1.0 / outer
     half = len(series) // 2

@@ -1,4 +1,4 @@
-"""Scores that one of a hundred healthy signals exceeds, by length and tolerance (benchmarks/diagnosis)."""
+"""Scores exceeded by 1 % of healthy signals, by length and tolerance (benchmarks/diagnosis)."""
 
 import csv
 from functools import cache

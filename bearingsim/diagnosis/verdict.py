@@ -1,4 +1,4 @@
-"""Verdict on a signal of a bearing: whose line stands out, whether another rhythm does, or none."""
+"""Verdict on a signal of a bearing: the damaged race, another periodicity, or none."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -18,7 +18,7 @@ from bearingsim.diagnosis.combs import (
     highest_frequency,
     refined,
 )
-from bearingsim.diagnosis.fronts import Front, envelope_front, fast_length, levelled_front
+from bearingsim.diagnosis.envelopes import EnvelopeSpectrum, band_spectrum, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import RACES, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
 from bearingsim.diagnosis.thresholds import clear, measured_turns, threshold
@@ -28,20 +28,22 @@ EITHER = "outer or roller"
 CAGE_RANGE, CAGE_STEPS = (0.98, 1.01), 25
 """Range of the cage's frequency over the kinematic one, and steps in it."""
 OUTER_MOST, ROLLER_LEAST = 0.55, 0.75
-"""Score of the cage's lines over that of the comb in the first front: at most that of an outer race, at least
-that of a roller. Simulated outer races have up to 0.38, rollers 0.76 and more from 0 dB on
+"""Score of the cage's lines over that of the comb, in the first envelope spectrum: largest of an outer race,
+smallest of a roller. Simulated outer races have up to 0.38, rollers 0.76 and more from 0 dB on
 (benchmarks/diagnosis), three measured outer races 0.16 to 0.65."""
 SAME_BINS = 2.0
 """Bins within which two combs share one fundamental."""
 STRONG_HALF = 0.8
-"""Score of the rhythm at half of a race's line over that of the line, from which the given speed may be twice the
-true one. Three measured outer races have 0.45 to 0.55 at their speed, and 0.89 to 1.10 at twice their speed."""
+"""Score of the periodicity at half of a race's line over that of the line, from which the given speed may be twice
+the true one. Three measured outer races have 0.45 to 0.55 at their speed, and 0.89 to 1.10 at twice their
+speed."""
 
 
 class Finding(NamedTuple):
     """Line of an element: expected and found frequency (Hz), comb, and scores of sidebands of shaft and cage.
 
-    Sidebands are heights log(1 + h) at the spacing itself, below and above the fundamental, in the first front.
+    Sidebands are heights log(1 + h) at the spacing itself, below and above the fundamental, in the first
+    spectrum.
     """
 
     expected: float
@@ -56,7 +58,7 @@ class Finding(NamedTuple):
 
 
 class Diagnosis(NamedTuple):
-    """Verdict, and its evidence: fronts, findings by element, and the claim of the best one.
+    """Verdict, and its evidence: spectra, findings by element, and the claim of the best one.
 
     verdict: a name of ``RACES``, "outer or roller", "other rhythm" or "none"; loose: whether clearance alone may
     give the line; turns: of the shaft.
@@ -69,28 +71,29 @@ class Diagnosis(NamedTuple):
     size: Size | None
     loose: bool
     turns: float
-    fronts: tuple[Front, Front]
+    spectra: tuple[EnvelopeSpectrum, EnvelopeSpectrum]
 
     @property
     def threshold(self) -> float:
-        """Score that one of a hundred healthy signals exceeds."""
+        """Score exceeded by 1 % of healthy signals."""
         return self.claim.threshold
 
     @property
     def rival(self) -> Comb:
-        """Strongest other rhythm."""
+        """Strongest other periodicity."""
         return self.claim.rival
 
     @property
     def crowded(self) -> float:
-        """Share of other rhythms with a score as high as the best race's."""
+        """Share of other periodicities with a score as high as the best race's."""
         return self.claim.crowded
 
     @property
     def has_other_rhythm(self) -> bool:
-        """True if a rhythm that is no line stands out: the verdict, or clearly over the threshold beside none.
+        """True if a periodicity other than a line is the verdict, or is clearly over the threshold without a
+        verdict.
 
-        Of 200 records of noise the strongest rhythm exceeds the threshold in 8, by 1.2 dB at most.
+        Of 200 records of noise the strongest periodicity exceeds the threshold in 8, by 1.2 dB at most.
         """
         is_full = self.claim.is_over and self.claim.is_crowded
         is_clear = self.verdict == NONE and self.rival.score >= clear(self.threshold) and not is_full
@@ -98,14 +101,14 @@ class Diagnosis(NamedTuple):
 
     @property
     def is_sideband(self) -> bool:
-        """True if the verdict is a rhythm at one or two frequencies of the shaft from the inner race's line.
+        """True if the verdict is a periodicity at one or two frequencies of the shaft from the inner race's line.
 
-        Then the inner race may be damaged all the same: 1.5 to 3 % of the damaged signals of the operating table,
+        The inner race may then be damaged nevertheless: 1.5 to 3 % of the damaged signals of the operating table,
         at 0 to 10 dB and diagnosed as the right bearing, have a sideband that scores higher than the line.
         """
         claimed = self.findings[INNER].comb.frequency
         step = abs(self.rival.frequency - claimed)
-        width = max(RELATIVE_SHARE * self.rival.frequency, RELATIVE_BINS * self.fronts[0].step)
+        width = max(RELATIVE_SHARE * self.rival.frequency, RELATIVE_BINS * self.spectra[0].step)
         is_beside = any(abs(step - number * self.lines.shaft) <= width for number in (1, 2))
         return self.verdict == RHYTHM and self.best == INNER and is_beside
 
@@ -123,11 +126,11 @@ class Diagnosis(NamedTuple):
     @property
     def half(self) -> Comb:
         """Comb at half of the line of the best element."""
-        return comb_at(self.fronts, self.findings[self.best].comb.frequency / 2.0)
+        return comb_at(self.spectra, self.findings[self.best].comb.frequency / 2.0)
 
     @property
     def may_be_doubled(self) -> bool:
-        """True if a race of a ring is named, and half of its line is about as strong a rhythm and no shaft order.
+        """True if a race of a ring is named, and half of its line is about as strong and no shaft order.
 
         Not for a rolling element, which may strike one of the races only, at BSF.
         """
@@ -147,46 +150,46 @@ def diagnose(
 ) -> Diagnosis:
     """Diagnose a bearing from a series (n,) sampled at ``fs`` (Hz), with the shaft at ``shaft`` (Hz).
 
-    tolerance: relative, of the lines; band: of the first front (Hz). A race is named if its comb exceeds the
-    threshold and lies within the tolerance, no other rhythm of the record scores higher, and the record is not
-    full of lines. Raises ValueError as ``envelope_front``.
+    tolerance: relative, of the lines; band: of the first envelope (Hz). A race is named if its comb exceeds the
+    threshold and is within the tolerance, no other periodicity of the record scores higher, and the record is not
+    full of lines. Raises ValueError as ``band_spectrum``.
     """
     lines = Lines.of(parts, shaft)
     part = series[: fast_length(len(series))]
     highest = highest_frequency(lines)
-    fronts = (envelope_front(part, fs, shaft, highest, band), levelled_front(part, fs, shaft, highest))
-    findings = {race: _finding(fronts, lines, race, tolerance) for race in RACES}
+    spectra = (band_spectrum(part, fs, shaft, highest, band), levelled_spectrum(part, fs, shaft, highest))
+    findings = {race: _finding(spectra, lines, race, tolerance) for race in RACES}
     turns = shaft * len(series) / fs
     limit = threshold(turns, tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)
     comb = findings[best].comb
-    best_claim = claim(fronts, lines, best, comb, tolerance, limit)
-    verdict = best_claim.objection or _race(fronts, findings, best)
+    best_claim = claim(spectra, lines, best, comb, tolerance, limit)
+    verdict = best_claim.objection or _race(spectra, findings, best)
     has_size = verdict == OUTER and comb.score >= clear(limit)
     size = outer_race_size(series, fs, parts, comb.frequency) if has_size else None
     loose = verdict in (OUTER, EITHER) and size is None
-    return Diagnosis(verdict, lines, findings, best_claim, size, loose, turns, fronts)
+    return Diagnosis(verdict, lines, findings, best_claim, size, loose, turns, spectra)
 
 
-def _finding(fronts: Sequence[Front], lines: Lines, race: str, tolerance: float) -> Finding:
-    comb = best_comb(fronts, lines.of_race(race), tolerance)
-    comb = comb._replace(frequency=refined(fronts, comb.frequency))
-    shaft = _sidebands(fronts[0], comb.frequency, np.array([lines.shaft]))
+def _finding(spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, tolerance: float) -> Finding:
+    comb = best_comb(spectra, lines.of_race(race), tolerance)
+    comb = comb._replace(frequency=refined(spectra, comb.frequency))
+    shaft = _sidebands(spectra[0], comb.frequency, np.array([lines.shaft]))
     cages = np.linspace(*CAGE_RANGE, CAGE_STEPS) * lines.cage
-    return Finding(lines.of_race(race), comb, shaft, _sidebands(fronts[0], comb.frequency, cages))
+    return Finding(lines.of_race(race), comb, shaft, _sidebands(spectra[0], comb.frequency, cages))
 
 
-def _sidebands(front: Front, frequency: float, spacings: np.ndarray) -> tuple[float, ...]:
+def _sidebands(spectrum: EnvelopeSpectrum, frequency: float, spacings: np.ndarray) -> tuple[float, ...]:
     """Return log(1 + height) at a spacing (Hz), and below and above a frequency (Hz), for the best spacing."""
-    heights = np.log1p(heights_at(front, np.array([spacings, frequency - spacings, frequency + spacings])))
+    heights = np.log1p(heights_at(spectrum, np.array([spacings, frequency - spacings, frequency + spacings])))
     return tuple(map(float, heights[:, np.argmax(heights.sum(axis=0))]))
 
 
-def _race(fronts: Sequence[Front], findings: dict[str, Finding], best: str) -> str:
+def _race(spectra: Sequence[EnvelopeSpectrum], findings: dict[str, Finding], best: str) -> str:
     """Return the race with the best comb, or ``EITHER`` if outer race and roller share it and the lines of the
     cage do not decide."""
     outer, roller = findings[OUTER], findings[ROLLER]
-    is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SAME_BINS * fronts[0].step
+    is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SAME_BINS * spectra[0].step
     if best == INNER or not is_shared:
         return best
     ratio = sum(findings[best].cage_sidebands) / findings[best].comb.scores[0]

@@ -1,4 +1,4 @@
-"""Files of measured signals: what they hold, and where its sampling rate, unit and speed come from."""
+"""Files of measured signals: channels, sampling rate, units and speed, with the source of each."""
 
 from bearingsim.measured.content import MeasuredError, MissingError, Recording, Request, Stated
 from bearingsim.measured.files import FORMATS, read

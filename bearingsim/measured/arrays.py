@@ -1,4 +1,4 @@
-"""Content of files with named arrays: which of them are signals, and which state rate, time and speed."""
+"""Sorting of the named arrays of a file into signals, time, sampling rate and speed."""
 
 from collections.abc import Mapping
 from math import pi
@@ -15,7 +15,7 @@ SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
 OWN_SPEED = "parameters.speed"
 """End of the name of a job's speed (rad/s) in an exported file."""
 LEAST_SAMPLES = 16
-"""Shorter arrays are no signals."""
+"""Smallest number of samples of a signal; shorter arrays are ignored."""
 MOST_CHANNELS = 256
 """Largest number of columns of a table of signals."""
 
@@ -23,8 +23,8 @@ MOST_CHANNELS = 256
 def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> Content:
     """Sort named arrays into signals, time, rate and speed.
 
-    Names are compared without case and separators, the last part of a path with dots. Raises MeasuredError for a
-    file without signals.
+    Only the letters and digits of a name are compared, in lower case, and only the part after its last dot. Raises
+    MeasuredError for a file without signals.
     """
     channels: dict[str, np.ndarray] = {}
     rates: list[Stated[float]] = []
@@ -62,7 +62,7 @@ def _advice(arrays: Mapping[str, np.ndarray]) -> str:
 
 
 def word_of(name: str) -> str:
-    """Return the letters and digits of the last part of a name with dots, in small letters."""
+    """Return the letters and digits of the last part of a name with dots, in lower case."""
     return "".join(letter for letter in name.rpartition(".")[2].lower() if letter.isalnum())
 
 
@@ -101,7 +101,7 @@ def _units(channels: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> dict
 def _listed(arrays: Mapping[str, np.ndarray]) -> str:
     shapes = [f"`{name}` {'x'.join(map(str, values.shape)) or '1'}" for name, values in arrays.items()]
     return (
-        f"it holds {', '.join(shapes[:6])}{', ...' if len(shapes) > 6 else ''}"
+        f"its arrays are {', '.join(shapes[:6])}{', ...' if len(shapes) > 6 else ''}"
         if shapes
-        else "it holds no numbers"
+        else "it contains no numbers"
     )

@@ -17,7 +17,7 @@ EXAMPLES = {
     "unit": "--unit g",
     "unit of integer samples": "--unit g --full-scale 50",
 }
-"""Options that state what a file does not, with an example."""
+"""Options for values that a file may lack, with an example."""
 
 
 class MeasuredError(UserError):
@@ -40,7 +40,7 @@ class MissingError(MeasuredError):
         super().__init__(path, f"states {listed}: give {advice}, such as `{' '.join(examples.values())}`")
         self.path, self.examples = path, dict(examples)
 
-    def beside(self, name: str, example: str) -> "MissingError":
+    def with_missing(self, name: str, example: str) -> "MissingError":
         """Return the error with one more missing value, which is named before the others."""
         return MissingError(self.path, {name: example, **self.examples})
 
@@ -63,7 +63,7 @@ def differ(value: float, other: float) -> bool:
 
 
 class Request(NamedTuple):
-    """Values that the user gives, each in place of the file's: rate (Hz), speed (rad/s), unit, and full scale of
+    """Values given by the user, which replace those of the file: rate (Hz), speed (rad/s), unit, and full scale of
     integer samples in this unit; channel: name of the only one to read."""
 
     rate: float | None = None

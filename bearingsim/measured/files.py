@@ -1,4 +1,4 @@
-"""Reading a file of signals: its format by the suffix, its rate, speed and units, and what is refused."""
+"""Reader of files of signals: format by suffix, sampling rate, speed and units, and checks of the samples."""
 
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
@@ -26,7 +26,7 @@ from bearingsim.measured.tables import read_csv, read_parquet
 MOST_BYTES = 1 << 30
 """Largest file, and largest content of a compressed one (bytes)."""
 INFLATION = 20.0
-"""Largest plausible ratio of an array to the file that holds it; noise does not compress."""
+"""Largest plausible ratio of the size of an array to that of its file; noise does not compress."""
 LEAST_MOST = 1 << 22
 """Memory (bytes) that an array of any file may take."""
 OF_FULL_SCALE = "of full scale"
@@ -49,7 +49,7 @@ def read_npz(path: Path, most: float) -> Content:
 
 
 def _array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """Return an array of an NPZ file. Raises MeasuredError if it holds Python objects."""
+    """Return an array of an NPZ file. Raises MeasuredError if it contains Python objects."""
     try:
         return archive[name]
     except ValueError as error:
@@ -80,10 +80,10 @@ def read(
     needs_speed: bool = False,
     needs_unit: bool = False,
 ) -> Recording:
-    """Read the channels of a file, with what the user requests in place of what the file states.
+    """Read the channels of a file; values of the request take precedence over those of the file.
 
     needs_speed: refuse a file without a speed unless the request gives it; needs_unit: name a missing unit, too,
-    where something else is missing.
+    if another value is missing.
     Raises MissingError with all options that state what is missing; MeasuredError with the reason and the remedy:
     an unknown or damaged format, a gap in time, a channel that is not there. OSError if the file cannot be opened.
     """
@@ -148,7 +148,7 @@ def _recording(path: Path, content: Content, request: Request) -> Recording:
 
 
 def _contradictions(path: Path, content: Content, request: Request) -> Iterator[str]:
-    """Yield the statements of a file that differ from the request, which holds."""
+    """Yield the values of a file that contradict the request, which takes precedence."""
     times = None if content.time is None or _is_coarse(content.time.value) else content.time
     rates = content.rate, None if times is None else _rate_of_times(path, times)
     statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
@@ -159,7 +159,7 @@ def _contradictions(path: Path, content: Content, request: Request) -> Iterator[
         if requested is not None and stated is not None and differ(requested, stated.value):
             yield (
                 f"{path.name} states {factor * stated.value:.6g} {unit} ({stated.source}): "
-                f"`{option}`, {factor * requested:.6g} {unit}, is used in its place"
+                f"`{option}`, {factor * requested:.6g} {unit}, is used instead"
             )
 
 
@@ -226,13 +226,14 @@ def _rate_of_times(path: Path, time: Stated[np.ndarray]) -> Stated[float]:
         raise MeasuredError(
             path,
             f"has {len(gaps)} gap{'s' * (len(gaps) != 1)} in {time.source}, the first after {begin:.6g} s "
-            f"({step:.4g} ms instead of {expected:.4g} ms): export an even part of it",
+            f"({step:.4g} ms instead of {expected:.4g} ms): export a part without gaps",
         )
     mean = (time.value[-1] - time.value[0]) / len(steps)
     deviation = np.abs(time.value - time.value[0] - mean * np.arange(len(time.value))).max()
     if deviation > UNEVEN * mean:
         raise MeasuredError(
-            path, f"has uneven times in {time.source}, up to {1e3 * deviation:.4g} ms off: resample it"
+            path,
+            f"has unevenly spaced times in {time.source} (deviation up to {1e3 * deviation:.4g} ms): resample it",
         )
     return Stated(float(1.0 / mean), time.source)
 
@@ -248,9 +249,9 @@ def _scale(content: Content, request: Request) -> tuple[float, str | None]:
 def _unit(own: str | None, request: Request, scale_unit: str | None) -> Stated[str]:
     """Return the unit of a channel, and its source."""
     if scale_unit is not None:
-        return Stated(scale_unit, "integer samples; `--unit` and `--full-scale` give them a unit")
+        return Stated(scale_unit, "integer samples; set their unit by `--unit` and `--full-scale`")
     if request.unit is not None:
         return Stated(request.unit, "--unit")
     if own:
         return Stated(own, "the file")
-    return Stated("", "not stated; `--unit` gives it")
+    return Stated("", "not stated; set it by `--unit`")

@@ -69,11 +69,11 @@ def read_hdf5(path: Path, most: float) -> Content:
 def _datasets(file: Hdf5, group: str, depth: int = 0) -> Iterator[str]:
     """Yield the paths of the datasets in a group."""
     for name in file.names(group):
-        place = f"{group}/{name}" if group else name
-        if not file.is_group(place):
-            yield place
+        path = f"{group}/{name}" if group else name
+        if not file.is_group(path):
+            yield path
         elif depth < MOST_DEPTH and not name.startswith("#"):
-            yield from _datasets(file, place, depth + 1)
+            yield from _datasets(file, path, depth + 1)
 
 
 def _unit(path: Path, file: Hdf5) -> Content:

@@ -19,14 +19,14 @@ UNKNOWN = re.compile(r"Unknown wave file format: (\w+)")
 def read_wav(path: Path) -> Content:
     """Read a WAV file, 8 to 64 bit or float; chunks without samples are skipped. Integer samples have no unit.
 
-    Their range is given to the content.
+    The content contains their range.
     """
     from scipy.io import wavfile
 
     with path.open("rb") as file:
         mark, size = file.read(4), file.read(4)
     if mark not in MARKS:
-        raise MeasuredError(path, "is no WAV file, which begins with `RIFF`: export the signal as WAV or CSV")
+        raise MeasuredError(path, "is not a WAV file, which begins with `RIFF`: export the signal as WAV or CSV")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", wavfile.WavFileWarning)
@@ -48,7 +48,8 @@ def read_wav(path: Path) -> Content:
         samples = np.empty(0)
     if samples.size == 0:
         raise MeasuredError(
-            path, "has no samples by its header, which streaming programs leave empty: save it as a file of WAV"
+            path,
+            "declares no samples in its header (streaming programs leave it empty): save the signal again as WAV",
         )
     columns = samples.reshape(len(samples), -1)
     integer = columns.dtype.kind in "iu"

@@ -1,4 +1,4 @@
-"""Statements of sampling rate, speed and unit in the lines above a table of numbers, and in heads of columns."""
+"""Statements of sampling rate, speed and unit in the lines above a table of numbers, and in column headers."""
 
 import re
 from collections.abc import Sequence
@@ -9,8 +9,8 @@ from bearingsim.measured.arrays import RATES, SPEEDS, STEPS, word_of
 from bearingsim.measured.content import Stated
 from bearingsim.measured.si import FACTORS
 
-HEAD = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
-"""Head of a column: name, and unit in brackets."""
+HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
+"""Header of a column: name, and unit in brackets."""
 MARKS = "#%/ \t'\""
 """Characters that begin a line of comment, and quotes."""
 STATEMENT = re.compile(
@@ -25,10 +25,10 @@ SECONDS |= dict.fromkeys(("us", "µs", "μs", "usec", "microseconds"), 1e-6)
 HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "1/s": 1.0, "khz": 1e3, "ks/s": 1e3, "mhz": 1e6}
 TURNS = dict.fromkeys(("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min"), pi / 30.0)
 TURNS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
-"""Factors to s, Hz and rad/s, by unit in small letters."""
+"""Factors to s, Hz and rad/s, by unit in lower case."""
 SPEED_WORDS = (*SPEEDS, "speed", "shaftspeed", "rotationalspeed", "rotationspeed", "rotatingspeed", "drehzahl")
 MOST_LENGTH = 40
-"""Letters of a line that are printed as a source."""
+"""Largest number of characters of a line that is printed as a source."""
 
 
 class Statements(NamedTuple):
@@ -40,18 +40,18 @@ class Statements(NamedTuple):
 
 
 def statements(lines: Sequence[str]) -> Statements:
-    """Read the first statement of each value in lines of text; unknown units are no statements."""
+    """Read the first statement of each value in lines of text; lines with unknown units are ignored."""
     rate = speed = unit = None
     for line in (line.strip(MARKS) for line in lines):
         unit_match = UNIT.match(line)
         if unit_match and unit is None and any(unit_match["unit"] in units for units in FACTORS.values()):
             unit = unit_match["unit"]
         match = STATEMENT.match(line)
-        head = HEAD.match(match["name"]) if match else None
-        if match is None or head is None:
+        header = HEADER.match(match["name"]) if match else None
+        if match is None or header is None:
             continue
-        word, value = word_of(head["name"]), float(match["value"])
-        own_unit, source = (head["unit"] or match["unit"] or "").lower(), f"the line `{line[:MOST_LENGTH]}`"
+        word, value = word_of(header["name"]), float(match["value"])
+        own_unit, source = (header["unit"] or match["unit"] or "").lower(), f"the line `{line[:MOST_LENGTH]}`"
         if word in RATES and own_unit in HERTZ:
             rate = rate or Stated(HERTZ[own_unit] * value, source)
         elif word in STEPS and own_unit in SECONDS and value > 0.0:
@@ -62,7 +62,8 @@ def statements(lines: Sequence[str]) -> Statements:
 
 
 def is_speed(word: str, unit: str) -> bool:
-    """Check if a word names a speed of the shaft, with a known unit in small letters, or none and `rpm` in it."""
+    """Check if a word names a speed of the shaft, with a known unit in lower case, or contains `rpm` and has no
+    unit."""
     return word in SPEED_WORDS and (unit in TURNS or (not unit and "rpm" in word))
 
 

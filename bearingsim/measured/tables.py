@@ -11,51 +11,51 @@ import numpy as np
 from bearingsim.measured.arrays import TIMES, word_of
 from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.measured.si import FACTORS
-from bearingsim.measured.statements import HEAD, MARKS, SECONDS, Statements, is_speed, speed_factor, statements
+from bearingsim.measured.statements import HEADER, MARKS, SECONDS, Statements, is_speed, speed_factor, statements
 from bearingsim.text.numbers import is_number
 
 SEPARATORS = (";", "\t", ",", "|")
 FIRST_BYTES = 1 << 16
-"""Bytes in which separator and heads are sought."""
+"""Bytes searched for the separator and the column headers."""
 BYTE_ORDERS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 """Encodings by the first two bytes of a file."""
 WESTERN = "cp1252"
-"""Encoding of other files: that of Windows in western Europe, in which nearly every byte is a letter."""
+"""Encoding of other files: that of Windows in western Europe, in which nearly every byte is a character."""
 MOST_ROWS = 50
-"""Lines at the end of the first ones in which a decimal comma is sought."""
+"""Lines, the last of the first bytes, searched for a decimal comma."""
 COMMA = re.compile(r"\d,\d")
 DECIMAL_COMMAS = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?(?:\s+[+-]?\d+,\d+(?:[eE][+-]?\d+)?)+\s*")
 """Row of several numbers with decimal commas, separated by blanks."""
 GROUPED = re.compile(r"[+-]?\d{1,3}(?:(?P<thousands>[.,])\d{3})(?:(?P=thousands)\d{3})*(?P<decimal>[.,])\d+")
-"""Number with a thousands separator and a decimal sign, which are two signs."""
+"""Number with a thousands separator and a different decimal sign."""
 CLOCK = re.compile(r"\d:\d\d")
 UNITS = {unit for unit in SECONDS if unit} | {unit for units in FACTORS.values() for unit in units}
-"""Units by which a second line of heads is recognised."""
+"""Units by which a second header line is recognised."""
 TIME_UNIT = re.compile(r"^(?P<name>t|time)[ _](?P<unit>s|ms|us)$", re.IGNORECASE)
-"""Head of a column of time with its unit, such as `time_ms`."""
+"""Header of a column of time with its unit, such as `time_ms`."""
 REMARK_HEADS = ("", "comment")
-"""Heads of columns behind the last one with numbers."""
+"""Headers of columns behind the last one with numbers."""
 MOST_CHANGE = 0.01
 """Largest relative change of a speed that counts as constant."""
 
 
 class Layout(NamedTuple):
     """Layout of a CSV file: separator (None: blanks), decimal sign and thousands separator, first line of numbers,
-    heads of columns, and lines above."""
+    column headers, and lines above."""
 
     separator: str | None
     decimal: str
     thousands: str | None
     begin: int
-    heads: list[str]
+    headers: list[str]
     above: list[str]
 
 
 def read_csv(path: Path) -> Content:
-    """Read a CSV file: separator `,`, `;`, tab, `|` or blanks, with heads such as `time [s]`, or without.
+    """Read a CSV file: separator `,`, `;`, tab, `|` or blanks, with column headers such as `time [s]`, or without.
 
-    Heads may be two lines, names and units, and a comment. A decimal comma is read if the separator is another,
-    thousands separators if a number has both signs. Rate, speed and unit may be stated above the heads, and the
+    Headers may be two lines, names and units, and a comment. A decimal comma is read if the separator is another,
+    thousands separators if a number has both signs. Rate, speed and unit may be stated above the headers, and the
     speed by a column.
     """
     import pandas as pd
@@ -65,20 +65,20 @@ def read_csv(path: Path) -> Content:
     encoding, text = _decoded(path, beginning)
     lines = text.splitlines()
     is_whole = len(beginning) < FIRST_BYTES or len(lines) == 1
-    separator, decimal, thousands, begin, heads, above = _layout(path, lines if is_whole else lines[:-1])
+    separator, decimal, thousands, begin, headers, above = _layout(path, lines if is_whole else lines[:-1])
     try:
         table = pd.read_csv(
-            path, sep=separator or r"\s+", skiprows=begin, header=None, names=list(range(len(heads))), dtype=float,
-            decimal=decimal, thousands=thousands, encoding=encoding, encoding_errors="replace",
+            path, sep=separator or r"\s+", skiprows=begin, header=None, names=list(range(len(headers))),
+            dtype=float, decimal=decimal, thousands=thousands, encoding=encoding, encoding_errors="replace",
             skip_blank_lines=True, index_col=False,
         )  # fmt: skip
     except (ValueError, pd.errors.ParserError) as error:
         reason = str(error).splitlines()[0][:120]
         raise MeasuredError(
-            path, f"is no table of numbers ({reason}); remove text below the heads, and use a decimal point"
+            path, f"is not a table of numbers ({reason}); remove text below the headers, and use a decimal point"
         ) from None
-    columns = [table[number].to_numpy() for number in range(len(heads))]
-    return _content(path, heads, columns, statements(above))
+    columns = [table[number].to_numpy() for number in range(len(headers))]
+    return _content(path, headers, columns, statements(above))
 
 
 def _decoded(path: Path, beginning: bytes) -> tuple[str, str]:
@@ -87,7 +87,7 @@ def _decoded(path: Path, beginning: bytes) -> tuple[str, str]:
     if encoding is not None:
         return encoding, beginning.decode(encoding, "replace")
     if b"\0" in beginning:
-        raise MeasuredError(path, "is no text, so no CSV file")
+        raise MeasuredError(path, "is not a text file, so it cannot be CSV")
     decoder = codecs.getincrementaldecoder("utf-8-sig")()
     try:
         return "utf-8-sig", decoder.decode(beginning, final=len(beginning) < FIRST_BYTES)
@@ -106,14 +106,14 @@ def _layout(path: Path, lines: list[str]) -> Layout:
     rows = [n for n, line in enumerate(lines) if _is_numeric(line, separator, decimal, thousands)]
     if not rows:
         has_clock = any(CLOCK.search(line) for line in ends)
-        advice = ": its times are of a clock, export them in seconds" if has_clock else ""
+        advice = ": its times are clock times; export them in seconds" if has_clock else ""
         raise MeasuredError(path, f"has no row of numbers in its first {len(lines)} lines{advice}")
     width = len(_cells(lines[rows[0]], separator))
     above = [[line] if width == 1 else _cells(line, separator) for line in lines[: rows[0]] if line.strip()]
-    heads = _heads(above, width)
-    if separator == "," and heads is None:
+    headers = _headers(above, width)
+    if separator == "," and headers is None:
         _refuse_ambiguous(path, lines[rows[0] :], above)
-    names = heads or [f"column {number + 1}" for number in range(width)]
+    names = headers or [f"column {number + 1}" for number in range(width)]
     return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]])
 
 
@@ -125,10 +125,10 @@ def _signs(lines: list[str], separator: str | None) -> tuple[str, str | None]:
     return ("," if separator != "," and any(COMMA.search(line) for line in lines) else "."), None
 
 
-def _heads(above: list[list[str]], width: int) -> list[str] | None:
-    """Return the heads of columns from the cells above the numbers, `name [unit]`; None if there are none.
+def _headers(above: list[list[str]], width: int) -> list[str] | None:
+    """Return the column headers from the cells above the numbers, `name [unit]`; None if there are none.
 
-    A line of heads states no value, and may be a comment; columns of remarks behind the last are ignored.
+    A header line states no value, and may be a comment; columns of remarks behind the last are ignored.
     """
     rows = [[row[0].strip(MARKS), *row[1:]] for row in above]
     for row in rows:
@@ -189,7 +189,7 @@ def _is_numeric(line: str, separator: str | None, decimal: str, thousands: str |
     return any(cells) and all(not cell or is_number(cell.replace(decimal, ".")) for cell in cells)
 
 
-def _content(path: Path, heads: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
+def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
     """Return the content of columns: one named `time`, or a first one without a name that is evenly spaced.
 
     Columns without numbers are left out, and one without a name that counts the rows.
@@ -200,18 +200,18 @@ def _content(path: Path, heads: list[str], columns: list[np.ndarray], stated: St
         n for n, column in enumerate(columns) if len(column) == 0 or not np.all(np.isnan(column.astype(float)))
     ]
     for number in filled:
-        head, column = heads[number], columns[number].astype(float)
-        name, unit = _name_and_unit(head)
+        header, column = headers[number], columns[number].astype(float)
+        name, unit = _name_and_unit(header)
         owner, _, last = name.rpartition("/")
         is_first = number == filled[0] and len(filled) > 1
-        is_time = word_of(last) in TIMES or (head == f"column {number + 1}" and is_first and _is_even(column))
+        is_time = word_of(last) in TIMES or (header == f"column {number + 1}" and is_first and _is_even(column))
         if is_time and time is None:
             if unit.lower() not in SECONDS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
-            time = Stated(SECONDS[unit.lower()] * column, f"the column `{head}`")
+            time = Stated(SECONDS[unit.lower()] * column, f"the column `{header}`")
         elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MOST_CHANGE * abs(column.mean()):
             factor = speed_factor(word_of(last), unit.lower())
-            speeds[owner] = Stated(factor * float(column.mean()), f"the column `{head}`")
+            speeds[owner] = Stated(factor * float(column.mean()), f"the column `{header}`")
         elif name or not _counts(column):
             channels[name or f"column {number + 1}"] = column
             units[name or f"column {number + 1}"] = unit or stated.unit or ""
@@ -220,10 +220,10 @@ def _content(path: Path, heads: list[str], columns: list[np.ndarray], stated: St
     return Content(channels, time, stated.rate, speeds, {name: unit for name, unit in units.items() if unit})
 
 
-def _name_and_unit(head: str) -> tuple[str, str]:
-    """Split the head of a column into its name and unit."""
-    match = TIME_UNIT.match(head) or HEAD.match(head)
-    return (match["name"], match["unit"] or "") if match else (head, "")
+def _name_and_unit(header: str) -> tuple[str, str]:
+    """Split the header of a column into its name and unit."""
+    match = TIME_UNIT.match(header) or HEADER.match(header)
+    return (match["name"], match["unit"] or "") if match else (header, "")
 
 
 def _counts(column: np.ndarray) -> bool:

@@ -134,13 +134,13 @@ def styles_of_curves(
 
     Points over words on x are not joined by lines.
     """
-    firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
-    seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
+    first_texts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
+    second_texts = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
     ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
-    table = curve_styles(len(firsts), len(seconds), ordered)
+    table = curve_styles(len(first_texts), len(second_texts), ordered)
     if figure.x in rows and not select.is_numeric(select.values(rows, figure.x)):
-        table = [[look._replace(line="") for look in looks] for looks in table]
-    return {(a, b): table[i][j] for i, a in enumerate(firsts) for j, b in enumerate(seconds)}
+        table = [[style._replace(line="") for style in row] for row in table]
+    return {(a, b): table[i][j] for i, a in enumerate(first_texts) for j, b in enumerate(second_texts)}
 
 
 def curves_of(
@@ -163,15 +163,19 @@ def legend_entries(
     figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
 ) -> list[Line2D]:
     """Make legend entries: the first `by` path, the other paths, marks of failures, of models, of chaos."""
-    firsts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
-    seconds = list(dict.fromkeys(line_text for _, line_text in styles))
+    first_texts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
+    second_texts = list(dict.fromkeys(line_text for _, line_text in styles))
     entries: list[Line2D] = []
-    if len(firsts) > 1:
-        looks_of = [(colour_text, styles[colour_text, seconds[0]]) for colour_text in firsts]
-        entries += [_entry(text, look._replace(line="") if len(seconds) > 1 else look) for text, look in looks_of]
-    if len(seconds) > 1:
+    if len(first_texts) > 1:
+        colour_entries = [(colour_text, styles[colour_text, second_texts[0]]) for colour_text in first_texts]
         entries += [
-            _entry(line_text, styles[firsts[0], line_text]._replace(colour="0.25")) for line_text in seconds
+            _entry(text, look._replace(line="") if len(second_texts) > 1 else look)
+            for text, look in colour_entries
+        ]
+    if len(second_texts) > 1:
+        entries += [
+            _entry(line_text, styles[first_texts[0], line_text]._replace(colour="0.25"))
+            for line_text in second_texts
         ]
     if any(f"baseline {name}" in rows for name in figure.y):
         entries.append(Line2D([], [], **BASELINE, color="0.35", label="healthy"))
@@ -201,7 +205,9 @@ def models_of(rows: "pd.DataFrame") -> dict[str, str]:
 
 def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], chaotic: Sequence[bool]) -> None:
     """Draw a ring around each point of a chaotic motion, whose value is one random draw."""
-    points = [(a, b) for a, b, is_so in zip(x, y, chaotic, strict=True) if is_so and math.isfinite(a * b)]
+    points = [
+        (a, b) for a, b, is_chaotic in zip(x, y, chaotic, strict=True) if is_chaotic and math.isfinite(a * b)
+    ]
     if points:
         ax.plot(*zip(*points, strict=True), **RING)
 

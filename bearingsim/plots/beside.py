@@ -1,4 +1,4 @@
-"""Measured points and signals in the figures of a study, beside the simulated ones."""
+"""Measured points and signals in the figures of a study, together with the simulated ones."""
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -81,7 +81,7 @@ def _marks(
 def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]) -> float | None:
     """Return the position of a point on the x axis of a panel with the rows ``part``.
 
-    None if it does not state x, or is at other parameters than all rows.
+    None if the point has no value of x, or if its other parameters match no row.
     """
     parameters, x = point["parameters"], drawing.figure.x
     others = {path: value for path, value in parameters.items() if path != x and path in part}
@@ -93,7 +93,7 @@ def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]
 
 
 def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mapping[str, str]) -> float | None:
-    """Return the position of a value on the x axis; None for a word that is none of the categories."""
+    """Return the position of a value on the x axis; None for a word that is not a category."""
     distinct = select.values(rows, path)
     if select.is_numeric(distinct) and not isinstance(value, str):
         return labels.shown(path, value, select.x_unit(path, rows, units))

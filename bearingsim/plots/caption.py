@@ -115,23 +115,24 @@ def sampling_of(jobs: Iterable["Job"]) -> list[str]:
     return [f"sampled at {rate / 1e3:.4g} kHz ({flat})"]
 
 
-def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
+def following_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
     """Describe parameters that vary in a completed figure without an axis, curve or panel, with their ranges.
 
-    Example of a parameter tied by `zip` or `derived`: `load moves along: 150 to 300 N`, with the parameter that it
-    follows unless that is x.
+    Example of a parameter tied by `zip` or `derived`: `load varies with x: 150 to 300 N`, or with the parameter
+    of the curves or panels.
     """
-    for path, leader in select.moving_along(figure, rows, units):
-        with_it = "" if leader in ("", *figure.x.split(", ")) else f" with {labels.name_text(leader)}"
-        yield f"{labels.name_text(path)} moves along{with_it}: {_range(path, rows, units)}"
+    for path, leader in select.undrawn_paths(figure, rows, units):
+        name = "x" if leader in figure.x.split(", ") else labels.name_text(leader) if leader else ""
+        with_name = f" with {name}" if name else ""
+        yield f"{labels.name_text(path)} varies{with_name}: {_range(path, rows, units)}"
 
 
 def varying(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
     """Describe parameters that vary in a scatter figure without an axis or panel: `load varies: 150 to 300 N`.
 
-    In a design no parameter follows x, and x values hardly ever repeat.
+    In a design no parameter follows x, and x values rarely repeat.
     """
-    for path, _ in select.moving_along(figure, rows, units):
+    for path, _ in select.undrawn_paths(figure, rows, units):
         yield f"{labels.name_text(path)} varies: {_range(path, rows, units)}"
 
 
@@ -169,9 +170,9 @@ def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
                     units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
                 )
                 text = labels.value_text(f"defect.{part}", value, described)
-                which = f" {number}" if count > 1 else ""
+                number_text = f" {number}" if count > 1 else ""
                 yield (
-                    f"{text} defect{which}{_position(parameters, number)}"
+                    f"{text} defect{number_text}{_position(parameters, number)}"
                     if part == "shape"
                     else _sized(part, text)
                 )

@@ -38,7 +38,7 @@ NARROWEST, WIDEST_IN = 0.3, 5.0  # limits of the width of the map: over its leng
 LEFT, BAR, EDGE, ABOVE, BELOW, LINE = 0.65, 1.5, 0.2, 0.3, 0.55, 0.14  # inches between and around axes
 BEYOND = 0.04  # margin beyond roller and defect, over their length
 HEADROOM = 0.45  # height shown above the race, over the depth shown
-SHALLOW = 0.3  # of the defect's depth; a shallower path is shown once more, magnified
+SHALLOW = 0.3  # relative to the depth of the defect; a shallower path is repeated, magnified
 CLOSER = 1.6  # depth shown then, over the path's depth
 ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # positions of the drawn rollers, in widths of the defect
 SCALE = "YlGnBu"
@@ -196,8 +196,8 @@ def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
     ax.set_xlabel("Along rolling, s (mm)")
     ax.set_ylabel("Along the roller, z (mm)")
     letter(ax, 0, 2, "to scale")
-    beside = 0.12 / _map_inches(picture)[0]
-    bar = ax.figure.colorbar(mesh, cax=ax.inset_axes((1.0 + beside, 0.2, beside, 0.6)))
+    gap = 0.12 / _map_inches(picture)[0]
+    bar = ax.figure.colorbar(mesh, cax=ax.inset_axes((1.0 + gap, 0.2, gap, 0.6)))
     bar.set_label("Depth (µm)")
     bar.ax.invert_yaxis()
 
@@ -280,7 +280,7 @@ def _draw_roller_path(ax: "Axes", panel: Panel, path: RollerPath) -> None:
         color=TAKEN_PATH,
         lw=1.3,
         ls=(0, (4, 1.2)),
-        label="path it took",
+        label="recorded path",
         zorder=6,
     )
 

@@ -46,7 +46,7 @@ MOST_GROUPS = 20
 WIDE = 5.0  # ratio of limits above which a log axis is considered
 MOST_COLUMNS = 3
 POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
-TREND = ("line: median of points side by side", "band: the middle half of them")
+TREND = ("line: running median", "band: quartiles")
 
 
 class Trend(NamedTuple):

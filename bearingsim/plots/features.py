@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import design, select, sweep
-from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
+from bearingsim.plots.caption import band_of_record, fixed_values, following_parameters, varying
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.sheet import Sheet
 
@@ -80,14 +80,14 @@ class Prepared(NamedTuple):
 
 def prepared(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Prepared:
     """Complete a figure over a swept path, and collect its content. Raises PlotError, as ``select.completed``."""
-    units, together = results.plan["units"], select.design_paths(results)
-    figure, part = select.completed(wanted, rows, units, together)
+    units, design = results.plan["units"], select.design_paths(results)
+    figure, part = select.completed(wanted, rows, units, design)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
     caption += band_of_record(results, part, figure.y)
-    if select.scattered(figure, part, together):
+    if select.scattered(figure, part, design):
         texts = [*varying(figure, part, units), *_design_texts(results)]
         return Prepared(figure, part, caption + texts, scattered=True)
-    caption += moved_along(figure, part, units)
+    caption += following_parameters(figure, part, units)
     if sweep.are_many(figure, part, units):
         return Prepared(figure, part, caption, scattered=False)
     part = select.with_baselines(results, select.with_spread(results, part, figure.y), figure)

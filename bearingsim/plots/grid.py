@@ -28,7 +28,7 @@ ROW_IN, LOW_ROW_IN = 1.7, 1.15
 MANY = 6  # number of rows above which they are lower
 HEALTHY, HEALTHY_COLOUR = "healthy", "0.25"
 PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
-LETTER_IN, GAP_IN = 0.07, 0.35  # width of a letter of a label, and distance of two rows
+LETTER_IN, GAP_IN = 0.07, 0.35  # inches: width of a character of a label, and distance of two rows
 CAPTION_IN = 1.0  # height (inches) of caption and legend
 WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
 MEASURED_COLOURS = ("#B00000", "#7A5C00", "#5B2A86")
@@ -112,16 +112,16 @@ def content(
     baselines = sorted({baseline for row in rows for _, baseline in row.baselines.values()} - jobs.keys())
     records = jobs | recorded.load_jobs(results, baselines)
     columns = []
-    for together in _columns(channels):
+    for column in _columns(channels):
         drawn = [
             [
-                *_curves_of_row(row, records, together, display),
-                *_measured_curves(results, row, records, together, display),
+                *_curves_of_row(row, records, column, display),
+                *_measured_curves(results, row, records, column, display),
             ]
             for row in rows
         ]
-        scale = _scale(together[0], figure, display, drawn)
-        label = axis_label(display.y_label(recorded.text_of(*together)), scale.unit_text(display.amplitude))
+        scale = _scale(column[0], figure, display, drawn)
+        label = axis_label(display.y_label(recorded.text_of(*column)), scale.unit_text(display.amplitude))
         columns.append(Column(label, scale, drawn))
     table = select.case_rows(results)
     swept = set().union(*(entry["swept"] for entry in results.plan["jobs"] if entry["job"] in jobs))
@@ -166,8 +166,8 @@ def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator
     units, by = results.plan["units"], figure.by
     select.check_paths(by, units)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    place = figure.view.healthy or ("off" if by else "beside")
-    baseline_of = {} if place == "off" else _baselines(results, jobs)
+    layout = figure.view.healthy or ("off" if by else "beside")
+    baseline_of = {} if layout == "off" else _baselines(results, jobs)
     groups: dict[str, dict[str, str]] = {}
     for name in jobs:
         others = {path: value for path, value in swept[name].items() if path not in by}
@@ -182,7 +182,7 @@ def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator
         baselines = {label: (name, baseline_of[name]) for label, name in group.items() if name in baseline_of}
         if len({baseline for _, baseline in baselines.values()}) == 1:
             baselines = {"": next(iter(baselines.values()))}
-        if place == "below" and baselines:
+        if layout == "below" and baselines:
             yield Row(title, group, {})
             sound = {path: value for path, value in others.items() if not path.startswith("defect")}
             yield Row(", ".join(filter(None, [HEALTHY, labels.described(sound, units)])), {}, baselines)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 ROW_IN, TILT_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
-UNLOADED = 0.02  # of the largest line load; smaller values are drawn as zero
+UNLOADED = 0.02  # relative to the largest line load; smaller values are drawn as zero
 WITHOUT_DEFECT = 8.0  # ball passes shown if the roller passes no defect
 FEW = 10.0  # samples over a defect; the caption states smaller numbers
 LABEL_LETTERS = 30
@@ -69,8 +69,8 @@ def draw_load(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list
         _draw_row(picture, profile, load)
         picture.set_title(labels.described(swept[job], results.plan["units"]), loc="left", fontsize=8)
         if load.tilts:
-            below, beside = next(axes)
-            _draw_tilts(below, beside, picture, load)
+            below, legend_axes = next(axes)
+            _draw_tilts(below, legend_axes, picture, load)
     table = select.case_rows(results)
     fixed = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
     finish(canvas, figure.title, [*_notes(records, rows), *fixed])
@@ -192,10 +192,10 @@ def _draw_row(picture: "Axes", profile: "Axes", load: LoadAlong) -> None:
     unit, factor = labels.readable("N/m", load.channel, float(load.load.max()))
     _draw_picture(picture, load, factor, axis_label(recorded.text_of(load.channel), unit))
     for number, (name, sample) in enumerate(instants(load).items()):
-        look = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number % len(LINES)], "lw": 1.4}
+        line_style = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number % len(LINES)], "lw": 1.4}
         profile.stairs(factor * load.load[:, sample], 1e3 * load.ends, orientation="horizontal", baseline=None,
-                       label=f"{name},\n{1e3 * load.time[sample]:.3f} ms", **look)  # fmt: skip
-        picture.axvline(1e3 * load.time[sample], color=look["color"], lw=1.0, ls=look["ls"])
+                       label=f"{name},\n{1e3 * load.time[sample]:.3f} ms", **line_style)  # fmt: skip
+        picture.axvline(1e3 * load.time[sample], color=line_style["color"], lw=1.0, ls=line_style["ls"])
     profile.set_ylim(picture.get_ylim())
     profile.set_ylabel("z (mm)")
     profile.set_xlabel(f"Line load ({unit})")
@@ -220,7 +220,7 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     bar.ax.yaxis.set_label_position("left")  # the sections are on its right
 
 
-def _draw_tilts(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) -> None:
+def _draw_tilts(ax: "Axes", legend_axes: "Axes", picture: "Axes", load: LoadAlong) -> None:
     """Draw tilt and skew over the time axis of the map above."""
     largest = max(float(np.max(np.abs(values))) for values in load.tilts.values())
     unit, factor = labels.readable("rad", "tilt", largest)
@@ -232,5 +232,5 @@ def _draw_tilts(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) ->
     ax.set_xlabel("Time (ms)")
     ax.set_ylabel(f"Tilt, skew ({unit})" if len(load.tilts) > 1 else axis_label(next(iter(load.tilts)), unit))
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
-    beside.set_axis_off()
-    beside.legend(*ax.get_legend_handles_labels(), loc="upper left", fontsize=7, borderaxespad=0.0)
+    legend_axes.set_axis_off()
+    legend_axes.legend(*ax.get_legend_handles_labels(), loc="upper left", fontsize=7, borderaxespad=0.0)

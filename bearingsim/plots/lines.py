@@ -34,7 +34,7 @@ FAMILIES = {
 
 
 class Mark(NamedTuple):
-    """Line on the frequency axis (Hz): the element of its family, its name, harmonic, and side of it if beside it.
+    """Line on the frequency axis (Hz): element of its family, name, harmonic, and side of a sideband.
 
     side: -1 or 1 of a sideband, 0 of a harmonic. The sideband of number 0 is the frequency between sidebands.
     """
@@ -96,7 +96,7 @@ def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
         for k in range(1, int(highest / fundamental) + 1):
             yield Mark(k * fundamental, race, family.name(k), k)
             if family.beside:
-                aside = frequency(family.beside, parameters)
+                spacing = frequency(family.beside, parameters)
                 for sign, side in (("-", -1), ("+", 1)):
                     name = f"{family.name(k)} {sign} {family.distance}"
-                    yield Mark(k * fundamental + side * aside, race, name, k, side)
+                    yield Mark(k * fundamental + side * spacing, race, name, k, side)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
 DASHED = (0, (2, 2))
-MARKS_APART = 0.02  # of the axis, least distance of marks; closer ones are left out
+MARKS_APART = 0.02  # least distance of marks, relative to the length of the axis
 NAMES_APART_IN = 0.56  # inches, least distance of the names of marks
-LETTER_IN = 0.069  # inches, width of a letter of a name
+LETTER_IN = 0.069  # inches, width of a character of a name
 GAP_POINTS, ROW_POINTS = 2.0, 8.0  # height of the lowest row of names above the axes, and of a row
 ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 """Steps of the harmonics that are marked or named."""
@@ -58,8 +58,8 @@ def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
         if named:
             distance = NAMES_APART_IN / _width(ax) * (high - low)
             harmonics = _apart([mark for mark in marks if not mark.side], distance)
-            beside = [mark for mark in drawn_marks if mark.side and mark.number]
-            for row in (beside, [*(mark for mark in drawn_marks if not mark.number), *harmonics]):
+            sidebands = [mark for mark in drawn_marks if mark.side and mark.number]
+            for row in (sidebands, [*(mark for mark in drawn_marks if not mark.number), *harmonics]):
                 height += ROW_POINTS * _name_marks(ax, row, colour, height)
     if named:
         lift_title(ax, height)
@@ -78,14 +78,16 @@ def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: fl
     """
     letter = LETTER_IN / _width(ax)  # part of the axis
     to_axes = ax.transData + ax.transAxes.inverted()
-    places = [float(to_axes.transform((mark.hertz, 0.0))[0]) for mark in marks]
+    positions = [float(to_axes.transform((mark.hertz, 0.0))[0]) for mark in marks]
     longest = max((len(_with_frequency(mark)) for mark in marks), default=0)
-    has_room = letter * longest < min(np.diff(places), default=1.0)
+    has_room = letter * longest < min(np.diff(positions), default=1.0)
     occupied: list[tuple[float, float]] = []
-    for mark, place in sorted(zip(marks, places, strict=True), key=lambda pair: (pair[0].number != 1, pair[1])):
+    for mark, position in sorted(
+        zip(marks, positions, strict=True), key=lambda pair: (pair[0].number != 1, pair[1])
+    ):
         alignment, part = ALIGNMENTS[mark.side if mark.number else 0]
         for text in _texts(mark, has_room):
-            left = place - part * letter * len(text)
+            left = position - part * letter * len(text)
             right = left + letter * len(text)
             is_inside = alignment == "center" or 0.0 <= left < right <= 1.0
             if is_inside and all(right <= start or left >= end for start, end in occupied):
@@ -109,10 +111,10 @@ def _with_frequency(mark: lines.Mark) -> str:
 
 def _width(ax: "Axes") -> float:
     """Return the approximate width (inches) of the axes."""
-    canvas, place = ax.get_figure(root=True), ax.get_subplotspec()
+    canvas, subplot = ax.get_figure(root=True), ax.get_subplotspec()
     assert canvas is not None
-    assert place is not None
-    return float(canvas.get_size_inches()[0]) / place.get_gridspec().ncols
+    assert subplot is not None
+    return float(canvas.get_size_inches()[0]) / subplot.get_gridspec().ncols
 
 
 def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:
@@ -124,8 +126,8 @@ def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:
     if not fundamentals:
         return []
     every = next((step for step in ROUND_STEPS if step * fundamentals[0] >= distance), ROUND_STEPS[-1])
-    beside = [abs(mark.hertz - mark.number * fundamentals[0]) for mark in marks if mark.side]
-    with_sidebands = every == 1 and min(beside, default=0.0) >= distance / 3.0
+    spacings = [abs(mark.hertz - mark.number * fundamentals[0]) for mark in marks if mark.side]
+    with_sidebands = every == 1 and min(spacings, default=0.0) >= distance / 3.0
     round_ones = [mark for mark in marks if mark.number == 1 or mark.number % every == 0]
     return [mark for mark in round_ones if with_sidebands or not mark.side]
 

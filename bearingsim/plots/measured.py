@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from bearingsim.measured import Recording
 
 SHOWN_PASSES = 8.0
-"""Periods of the shown line in the panel of the time signal."""
+"""Periods of the detected line shown in the panel of the time signal."""
 LEAST_SHOWN = 1e-8
-"""Smallest amplitude of a spectrum that is shown, of the largest; below are rounding errors."""
+"""Smallest amplitude shown in a spectrum, relative to the largest; smaller ones are rounding errors."""
 LOWEST_DB = -10.0
-"""Lowest height of an envelope spectrum that is shown: nine tenths of the bins of noise lie above -8 dB."""
+"""dB; lower limit of the axis of an envelope spectrum: 90 % of the bins of noise are above -8 dB."""
 MOST_POINTS = 4000
-"""Points of a drawn spectrum; of more, the largest in each group is drawn."""
+"""Largest number of points of a drawn spectrum; of a longer one, the largest in each group is drawn."""
 SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 QUANTITIES = {"m/s^2": "Acceleration", "m/s": "Velocity", "m": "Displacement", "N": "Force"}
 """Quantities by SI unit."""
@@ -40,7 +40,7 @@ TITLES = {
     "inner": "inner race",
     "roller": "rolling element",
     "outer or roller": "outer race or rolling element",
-    "other rhythm": "a rhythm that is no line of the bearing",
+    "other rhythm": "a periodicity that matches no line of the bearing",
     "none": "no line found",
 }
 """Titles of the figure by verdict."""
@@ -81,9 +81,9 @@ def diagnosis_figure(
 
 
 def _title(diagnosis: Diagnosis) -> str:
-    """Return the verdict with the frequency that it rests on."""
+    """Return the verdict with its frequency."""
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
-        return f"{TITLES[NONE]}; strongest other rhythm {diagnosis.rival.frequency:.2f} Hz"
+        return f"{TITLES[NONE]}; strongest other periodicity {diagnosis.rival.frequency:.2f} Hz"
     frequency = {"none": None, "other rhythm": diagnosis.rival.frequency}.get(
         diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
     )
@@ -114,16 +114,16 @@ def _draw_spectrum(ax: Axes, values: np.ndarray, fs: float, label: str) -> None:
 
 
 def _floor(amplitude: np.ndarray) -> float:
-    """Return the lower limit of a logarithmic axis, below all amplitudes (n,) but the lowest hundredth."""
+    """Return the lower limit of a logarithmic axis, below all amplitudes (n,) except the lowest 1 %."""
     return max(0.5 * float(np.quantile(amplitude, 0.01)), LEAST_SHOWN * float(amplitude.max()))
 
 
 def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) -> None:
-    """Draw the first front in dB, with the harmonics of each race or of a stronger rhythm, the sidebands of the
-    named race, and the height of three equal harmonics at the threshold."""
-    front = diagnosis.fronts[0]
-    height = 10.0 * np.log10(np.maximum(front.height[1:], 1e-9))
-    ax.plot(front.frequency[1:], height, color=COLOURS[0], lw=0.6)
+    """Draw the first envelope spectrum in dB, with the harmonics of each race or of a stronger periodicity, the
+    sidebands of the named race, and the height of three equal harmonics at the threshold."""
+    spectrum = diagnosis.spectra[0]
+    height = 10.0 * np.log10(np.maximum(spectrum.height[1:], 1e-9))
+    ax.plot(spectrum.frequency[1:], height, color=COLOURS[0], lw=0.6)
     for race, finding in diagnosis.findings.items():
         is_verdict = race in diagnosis.verdict
         for number in range(1, HARMONICS + 1):
@@ -139,9 +139,9 @@ def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) ->
     spacings = {"inner": ("fr", diagnosis.lines.shaft), "roller": ("FTF", diagnosis.lines.cage)}
     if diagnosis.verdict in spacings:
         (name, spacing), line = spacings[diagnosis.verdict], diagnosis.findings[diagnosis.verdict].comb.frequency
-        places = [n * line + side * spacing for n in range(1, HARMONICS + 1) for side in (-1.0, 1.0)]
-        for number, place in enumerate(places):
-            ax.axvline(place, color="0.5", lw=0.7, ls=":", zorder=0.8, label=None if number else f"± {name}")
+        sidebands = [n * line + side * spacing for n in range(1, HARMONICS + 1) for side in (-1.0, 1.0)]
+        for number, sideband in enumerate(sidebands):
+            ax.axvline(sideband, color="0.5", lw=0.7, ls=":", zorder=0.8, label=None if number else f"± {name}")
     ax.axhline(decibels(diagnosis.threshold), color="0.3", lw=0.8, ls=(0, (5, 2)), label="threshold")
     ax.set_xlim(0.0, 1.05 * HARMONICS * max(finding.comb.frequency for finding in diagnosis.findings.values()))
     ax.set_ylim(LOWEST_DB, 1.25 * float(height.max()))
@@ -216,15 +216,15 @@ def comparison_figure(
         if factor is None:
             part, name = part / own, f"{name}, 1 = {own:.3g} {unit} over time"
         time.plot(passes, part, color=colour, lw=width, label=name)
-        places, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
-        whole.semilogy(1e-3 * places, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")
+        centres, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
+        whole.semilogy(1e-3 * centres, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")
         orders, level = envelope_spectrum(signal.series, signal.fs, band)
         orders = orders / signal.lines.shaft
         shown = (orders > 0.2) & (orders <= (HARMONICS + 1.2) * signal.lines.of_race(race) / signal.lines.shaft)
         envelope.plot(orders[shown], level[shown] / level[shown].max(), color=colour, lw=width)
     for number in range(1, HARMONICS + 2):
-        place = number * simulated.lines.of_race(race) / simulated.lines.shaft
-        envelope.axvline(place, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
+        order = number * simulated.lines.of_race(race) / simulated.lines.shaft
+        envelope.axvline(order, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
     line, quantity, in_unit = SHOWN_LINES[race], QUANTITIES.get(unit, "Signal"), f" ({unit})" if unit else ""
     time.set_xlabel(f"Time in passes ({line}), from the largest sample; band to {band[1] / 1e3:.3g} kHz")
     time.set_ylabel(f"{quantity},\nof its largest sample" if factor is None else f"{quantity}{in_unit}")
@@ -243,7 +243,7 @@ def _largest(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return centres (m,) in Hz and largest amplitudes (m,) of intervals of a width (Hz), up to a frequency.
 
-    A periodic signal has one line in each interval of its rhythm, so that its curve is that of its lines.
+    A periodic signal has one line in each interval as wide as its frequency, so the curve connects its lines.
     """
     edges = np.arange(0.5 * width, highest, width)
     starts = np.searchsorted(frequency, edges)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 ACROSS, ALONG = 401, 241  # grid points of a depth map along rolling and along the roller
 FINER = 4  # factor on the number of points, in a section
-ALIKE = 0.98  # of the largest depth; a deeper middle section counts as the deepest
+ALIKE = 0.98  # relative to the largest depth; a deeper middle section counts as the deepest
 MARGIN = 0.3  # margin shown on either side, over the defect's width
 
 Reals = NDArray[np.float64]
@@ -36,9 +36,9 @@ class Defect(NamedTuple):
     s: tuple[float, float]
     z: tuple[float, float]
 
-    def positions(self, count: int = ACROSS, beside: float = MARGIN) -> Reals:
-        """Return positions (count,) in m along rolling, up to ``beside`` defect widths beyond the defect."""
-        more = beside * (self.s[1] - self.s[0])
+    def positions(self, count: int = ACROSS, margin: float = MARGIN) -> Reals:
+        """Return positions (count,) in m along rolling, up to ``margin`` defect widths beyond the defect."""
+        more = margin * (self.s[1] - self.s[0])
         return np.linspace(self.s[0] - more, self.s[1] + more, count)
 
     @property
@@ -158,7 +158,7 @@ def _passage(job: Job, case: "Case", number: int, defect: Defect) -> Passage | N
     ahead = roller_angle(job, number) - defect.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
     if defect.race == "inner":
-        settle = float(job.info.get("settle_s", case.settle))  # a time of its own in the first results
+        settle = float(job.info.get("settle_s", case.settle))  # stored per job by the first version
         ahead = case.speed * (settle + time) - ahead
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
@@ -180,15 +180,15 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     series = {name: np.asarray(values, np.float64) for name, values in job.series.channels.items()}
     names = [name for name in job.recorded if (roller_of(name) or (0, ""))[1] == "radial"]
     ring = "inner" if defect.race == "inner" else "ring"
-    held = ring == "inner" and case.shaft is None
-    if not names or defect.race == "roller" or not (held or f"{ring}.displacement.x" in series):
+    is_fixed = ring == "inner" and case.shaft is None
+    if not names or defect.race == "roller" or not (is_fixed or f"{ring}.displacement.x" in series):
         return None
     number, _ = roller_of(names[0]) or (1, "")
     passage = _passage(job, case, number, defect)
     if passage is None:
         return None
     angle = roller_angle(job, number)
-    x, y = (0.0 if held else series[f"{ring}.displacement.{part}"] for part in "xy")
+    x, y = (0.0 if is_fixed else series[f"{ring}.displacement.{part}"] for part in "xy")
     outwards = series[names[0]] - (x * np.cos(angle) + y * np.sin(angle))
     depth = (-outwards if ring == "inner" else outwards) - case.clearance / 4.0
     s = (job.series.time - passage.time) * passage.speed

@@ -205,14 +205,14 @@ def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
     ax.add_patch(Circle((0.0, 0.0), seen.inner_race, fc=INNER, ec=EDGE, lw=0.8, zorder=1))
     for angle, word in ((0.0, "0°"), (pi / 2.0, "90°")):
         tip, beyond = point(angle, 0.35 * seen.inner_race), point(angle, 0.5 * seen.inner_race)
-        looks: dict[str, Any] = {
+        arrow: dict[str, Any] = {
             "arrowstyle": "-|>",
             "lw": 0.7,
             "color": "0.4",
             "shrinkA": 0.0,
             "mutation_scale": 7.0,
         }
-        ax.annotate("", tip, (0.0, 0.0), arrowprops=looks)
+        ax.annotate("", tip, (0.0, 0.0), arrowprops=arrow)
         ax.annotate(word, beyond, ha="center", va="center", fontsize=7, color="0.4")
 
 
@@ -230,8 +230,8 @@ def defect_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]
         right, up = seen.roller_centre(instant, mark.roller)
         radius = 1e3 * seen.shape.roller
         wide = max(mark.half, LEAST_DEFECT * seen.race / radius)
-        there = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
-        return right + there[0], up + there[1]
+        arc = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
+        return right + arc[0], up + arc[1]
     angles = np.linspace(mark.angle - half, mark.angle + half, 21)
     if mark.on == "inner":
         return point(angles, seen.inner_race)
@@ -257,9 +257,9 @@ def spring_line(seen: View, instant: Instant, p: int) -> tuple[Reals, Reals]:
     if len(instant.springs) > FEW:
         return np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]])
     along = np.r_[0.0, 0.15, 0.15 + 0.7 * (np.arange(2 * COILS) + 0.5) / (2 * COILS), 0.85, 1.0]
-    aside = 0.03 * seen.outside * np.r_[0.0, 0.0, np.tile([1.0, -1.0], COILS), 0.0, 0.0]
-    beside = point(angle[0] + pi / 2.0, 1.0)
-    right, up = (inner[i] + along * (outer[i] - inner[i]) + aside * beside[i] for i in (0, 1))
+    lateral = 0.03 * seen.outside * np.r_[0.0, 0.0, np.tile([1.0, -1.0], COILS), 0.0, 0.0]
+    normal = point(angle[0] + pi / 2.0, 1.0)
+    right, up = (inner[i] + along * (outer[i] - inner[i]) + lateral * normal[i] for i in (0, 1))
     return right, up
 
 

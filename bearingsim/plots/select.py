@@ -100,9 +100,9 @@ def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
 def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     """Make a figure over x with other paths as curves; if too many, the path with fewest values as panels."""
     units = results.plan["units"]
-    beside = joined(x, [], rows, units)
+    joined_paths = joined(x, [], rows, units)
     leading = [x, *(path for path in design_paths(results) if path != x)]
-    paths = [path for path in varied(rows, list(units)) if path not in (*beside, *leading)]
+    paths = [path for path in varied(rows, list(units)) if path not in (*joined_paths, *leading)]
     others = [path for path in paths if not _follows(path, leading, rows)]
     ordered = sorted(others, key=lambda path: len(values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
@@ -189,7 +189,7 @@ def with_baselines(results: "Results", rows: "pd.DataFrame", figure: Figure) -> 
 
 
 def is_level(name: str) -> bool:
-    """Check if a feature has a level for the healthy bearing: it is no phase and no change from healthy."""
+    """Check if a feature has a level for the healthy bearing: not for a phase or a change from healthy."""
     return not name.endswith((".phase", "-healthy", "-scatter"))
 
 
@@ -230,11 +230,11 @@ def completed(
     for name in figure.y:
         _check(name, list(filter(is_drawable, map(str, rows))), "feature")
     rows = matching(rows, figure.where, units)
-    together = joined(figure.x, (*figure.by, *figure.panels), rows, units)
-    x, rows = _as_categories(together, rows, units)
+    joined_paths = joined(figure.x, (*figure.by, *figure.panels), rows, units)
+    x, rows = _as_categories(joined_paths, rows, units)
     by = list(figure.by)
     free = scattered(figure, rows, design)
-    for path in varied(rows, [path for path in units if path not in (*together, *by, *figure.panels, *free)]):
+    for path in varied(rows, [path for path in units if path not in (*joined_paths, *by, *figure.panels, *free)]):
         if rows.groupby([x, *free, *by, *figure.panels])[path].nunique().max() > 1:
             by.append(path)
     return replace(figure, x=x, by=tuple(by)), rows
@@ -245,14 +245,14 @@ def is_drawable(column: str) -> bool:
     return column in FEATURES or column == COST or column.endswith(HEALTHY_PHASE)
 
 
-def joined(x: str, placed: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
+def joined(x: str, drawn: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
     """List the paths that form a common category with the words on x, for example those tied to it by `zip`.
 
-    Paths are tied if not all combinations of their words occur. ``placed``: paths of curves and panels.
+    Paths are tied if not all combinations of their words occur. ``drawn``: paths of curves and panels.
     """
     if x not in rows or is_numeric(values(rows, x)):
         return [x]
-    others = [path for path in varied(rows, list(units)) if path != x and path not in placed]
+    others = [path for path in varied(rows, list(units)) if path != x and path not in drawn]
     words = [path for path in others if not is_numeric(values(rows, path))]
     count = rows[x].nunique()
     return [x, *(path for path in words if rows.groupby([x, path]).ngroups < count * rows[path].nunique())]
@@ -314,14 +314,14 @@ def check_paths(paths: Sequence[str], units: Mapping[str, str]) -> None:
         _check(path, units, "swept path")
 
 
-def _check(word: str, valid: Any, what: str) -> None:
+def _check(word: str, valid: Any, kind: str) -> None:
     if word not in valid:
-        if what == "feature" and (word in CHANNELS or word.rpartition(".")[0] in CHANNELS):
+        if kind == "feature" and (word in CHANNELS or word.rpartition(".")[0] in CHANNELS):
             raise PlotError(f"`{word}` is a channel, not a feature: add `--kind series` or `--kind spectrum`")
-        near = "" if word in FEATURES else suggestion(word, list(valid))  # a feature is no typo
+        near = "" if word in FEATURES else suggestion(word, list(valid))  # a feature is not a typo
         near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if read_band(word) else near
-        advice = near or f"there are: {', '.join(valid) or 'none'}"
-        raise PlotError(f"no {what} `{word}` in these results ({advice})")
+        advice = near or f"available: {', '.join(valid) or 'none'}"
+        raise PlotError(f"no {kind} `{word}` in these results ({advice})")
 
 
 def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]":
@@ -336,7 +336,7 @@ def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]
     return (column - value).abs() <= 1e-9 * abs(value) + 1e-300
 
 
-def moving_along(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def undrawn_paths(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Yield the varied paths that a completed figure does not draw, each with the drawn path that it follows.
 
     The latter is empty for a path that follows no single drawn path.

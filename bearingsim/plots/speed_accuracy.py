@@ -92,13 +92,13 @@ def _verdicts(rows: Sequence[Row]) -> str:
     for within in ACCURACIES:
         cheapest = verdict(rows, within)
         if cheapest.job is not None:
-            what = f"{cheapest.job['variant']} ({cheapest.job['method'] or 'no method'}, "
-            what += f"{seconds(cheapest.job['cpu_per_s'])} as a job)"
+            choice = f"{cheapest.job['variant']} ({cheapest.job['method'] or 'no method'}, "
+            choice += f"{seconds(cheapest.job['cpu_per_s'])} as a job)"
         elif cheapest.point is not None:
-            what = f"{cheapest.point['variant']} ({method_text(cheapest.point)})"
+            choice = f"{cheapest.point['variant']} ({method_text(cheapest.point)})"
         else:
-            what = f"undecided ({cheapest.unknown})" if cheapest.unknown else "none that was run"
-        lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {what}")
+            choice = f"undecided ({cheapest.unknown})" if cheapest.unknown else "none that was run"
+        lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {choice}")
     return "\n".join(lines)
 
 

@@ -174,7 +174,7 @@ def _stiffness(name: str, k: float) -> str:
 
 
 def _compact(value: float) -> str:
-    """Format a number in few letters: `0.1`, `100`, `1e3`, `7.3e5`."""
+    """Format a number in few characters: `0.1`, `100`, `1e3`, `7.3e5`."""
     if 0.1 <= value < 1e3:
         return f"{value:g}"
     mantissa, _, exponent = f"{value:.1e}".partition("e")

@@ -104,7 +104,8 @@ def mark_spread(ax: "Axes", curve: Curve) -> None:
         ax.fill_between(points.x, points.low, points.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
         abscissas, least, largest = (
-            [v for v, is_one in zip(a, has, strict=True) if is_one] for a in (points.x, points.low, points.high)
+            [v for v, is_finite in zip(a, has, strict=True) if is_finite]
+            for a in (points.x, points.low, points.high)
         )
         ax.vlines(abscissas, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
@@ -120,13 +121,13 @@ def mark_errors(ax: "Axes", curve: Curve) -> None:
 def mark_models(ax: "Axes", points: Points, marks: Mapping[str, str]) -> None:
     """Mark each point by its model if several were chosen."""
     for model, mark in marks.items() if len(marks) > 1 else ():
-        places = [
+        chosen = [
             (a, b)
             for a, b, name in zip(points.x, points.y, points.models, strict=True)
             if name == model and math.isfinite(b)
         ]
-        if places:
-            ax.plot(*zip(*places, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
+        if chosen:
+            ax.plot(*zip(*chosen, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
 
 
 def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[float], list[float]]:
@@ -142,13 +143,13 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
 # Many named cases, one per line, with names on the left and a column of values per feature
 
 
-MAX_UPRIGHT, MAX_LETTERS = 6, 36  # largest number of names, and of their letters, below an axis
+MAX_UPRIGHT, MAX_LETTERS = 6, 36  # largest numbers of names, and of their characters in total, below an axis
 LINE_IN = 0.22  # height of a line
 LEAST_VALUES_IN, VALUES_IN = 1.25, 2.3  # limits of the width of a column of values
-NAME_LETTER_IN = VALUE_LETTER_IN = 0.072  # widths of a letter of a name, and of a label below values
+NAME_LETTER_IN = VALUE_LETTER_IN = 0.072  # inches, width of a character of a name and of a label below values
 SPREAD = 0.5  # spread of several curves, over the distance between names
-MARGIN = 0.05  # of a log axis' length, further margin before the first point
-ROOM = 0.3  # of the axis' length, margin for the number next to the last point
+MARGIN = 0.05  # additional margin before the first point, relative to the length of a log axis
+ROOM = 0.3  # margin for the number next to the last point, relative to the length of the axis
 
 
 def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> bool:
@@ -169,9 +170,9 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     styles = styles_of_curves(figure, rows, units)
     entries = legend_entries(figure, styles, rows)
     texts = [labels.value_text(figure.x, name, units) for name in names]
-    beside = NAME_LETTER_IN * max(map(len, texts))
-    values_in = max(LEAST_VALUES_IN, min(VALUES_IN, (PAGE_IN - beside) / len(figure.y)))
-    width = len(figure.y) * values_in + beside + 0.4
+    names_in = NAME_LETTER_IN * max(map(len, texts))
+    values_in = max(LEAST_VALUES_IN, min(VALUES_IN, (PAGE_IN - names_in) / len(figure.y)))
+    width = len(figure.y) * values_in + names_in + 0.4
     height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
     axes = canvas.subplots(len(panels), len(figure.y), sharex="col", sharey=True, squeeze=False)
@@ -199,8 +200,8 @@ def _values(
     is_log = "y" in figure.log and not name.endswith(".phase")
     curves = curves_of(figure, name, part, rows, units, scale.factor)
     for number, curve in enumerate(curves):
-        aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
-        values, heights = curve.points.y, [rank + aside for rank in curve.points.x]
+        shift = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
+        values, heights = curve.points.y, [rank + shift for rank in curve.points.x]
         ax.plot(values, heights, **curve.look.keywords())
         mark_chaotic(ax, values, heights, curve.points.chaotic)
         if len(curves) == 1:

@@ -19,7 +19,7 @@ EVEN, EVEN_COUNT = (
 MANTISSAS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
 """Mantissas of ticks on a log axis, by the ratio of limits up to which they are not too many."""
 COUNTS = (7, 5, 4, 3, 2, 1)  # largest numbers of intervals between linear ticks, tried in turn
-DIGIT = 0.65  # width of a digit over the size of the letters
+DIGIT = 0.65  # width of a digit over the font size
 GAP_POINTS = 4.0  # least distance of two labels
 
 
@@ -60,8 +60,8 @@ class FittingLocator(Locator):
         low, high = transform(np.array(axis.get_view_interval()))
         points = (box.height if is_upright else box.width) * 72.0 / axis.figure.dpi / abs(high - low)
         lengths = [1.2 if is_upright else DIGIT * len(labels.number_text(value)) for value in values]
-        rooms = size * 0.5 * np.add(lengths[1:], lengths[:-1]) + GAP_POINTS
-        return bool(np.all(points * np.abs(np.diff(transform(np.array(values)))) >= rooms))
+        widths = size * 0.5 * np.add(lengths[1:], lengths[:-1]) + GAP_POINTS
+        return bool(np.all(points * np.abs(np.diff(transform(np.array(values)))) >= widths))
 
 
 def log_ticks(axis: "Axis", low: float, high: float) -> None:

@@ -125,5 +125,6 @@ def requested_unit(word: str, unit: str, name: str) -> tuple[str, float]:
     spelt = word.strip().translate(SPELLING)
     if spelt not in choices:
         near = suggestion(spelt, choices) or f"use {', '.join(filter(None, choices)) or 'no unit'}"
-        raise PlotError(f"`{word}` is not a unit of {name} ({near})")
+        problem = f"`{word}` is not a unit of {name}" if spelt else f"no unit of {name}"
+        raise PlotError(f"{problem} ({near})")
     return labels.pretty(spelt), choices[spelt]

@@ -83,7 +83,8 @@ def _scale_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
 
 
 def _shares(rows: "pd.DataFrame", path: str) -> list[float | None]:
-    """Return the places of values of a path between its least (0) and largest (1), or by its words."""
+    """Return the relative positions of values of a path, from its least (0) to its largest (1), or by its
+    words."""
     distinct = select.values(rows, path)
     if not select.is_numeric(distinct):
         return rounded(distinct.index(value) / max(1, len(distinct) - 1) for value in rows[path])

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Influence(NamedTuple):
-    """Influence of the parameters on a feature: heading, table with its heads, and sentences."""
+    """Influence of the parameters on a feature: heading, table with its headers, and sentences."""
 
     heading: str
     heads: list[str]
@@ -47,7 +47,7 @@ def heading(blocks: "Blocks", analysis: "Indices | Effects") -> str:
 
 
 def table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of a table: a row per parameter, the most important first; intervals in brackets."""
+    """Return headers and rows of a table: a row per parameter, the most important first; intervals in brackets."""
     from bearingsim.sensitivity import LEVEL, Indices
 
     unit, factor, digits = ("", 1.0, "z.2f") if isinstance(analysis, Indices) else (*_unit(blocks), ".3g")

@@ -1,4 +1,4 @@
-"""Table of measured beside simulated features."""
+"""Table of measured features and the simulated ones at the same parameters."""
 
 import math
 from collections.abc import Mapping

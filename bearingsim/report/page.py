@@ -60,7 +60,7 @@ class Page:
 
     subject: bearing, defect and figures in words; varied: uncertain parameters that the study varies;
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
-    measured: measured beside simulated features; omissions: what was left out, and why; text: the study file;
+    measured: measured and simulated features; omissions: what was left out, and why; text: the study file;
     changes: overrides of the command line.
     """
 

@@ -26,7 +26,7 @@ ESCAPES = {ord(letter): f"\\u{ord(letter):04x}" for letter in "<>&\u2028\u2029"}
 
 
 def html(page: Page, reload_s: float | None = None) -> str:
-    """Return the page as HTML, of at most about ``MAX_BYTES``; it says what was left out.
+    """Return the page as HTML, of at most about ``MAX_BYTES``; it lists what was left out.
 
     reload_s: time (s) after which a browser loads the page again.
     """
@@ -85,7 +85,7 @@ def _digest(text: str) -> str:
 
 
 def embedded(data: Mapping[str, Any]) -> str:
-    """Return data as JSON that may stand in a script. Raises ValueError for NaN or infinity."""
+    """Return data as JSON that can be embedded in a script. Raises ValueError for NaN or infinity."""
     text = json.dumps(visible(data), allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     return text.translate(ESCAPES)
 

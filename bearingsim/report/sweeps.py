@@ -119,9 +119,9 @@ def x_axis(figure: "Figure", path: str, rows: "pd.DataFrame", units: Mapping[str
 def _controls(
     figure: "Figure", paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> tuple[list[Control], list[tuple[int, ...]]]:
-    """Make a control for each path, with those that move along with it; return the settings of each row, too."""
+    """Make a control for each path, with those that follow it; return the settings of each row, too."""
     controls, columns = [], []
-    followers = list(select.moving_along(figure, rows, units))
+    followers = list(select.undrawn_paths(figure, rows, units))
     for tied in _tied(paths, rows):
         group = [*tied, *(path for path, leader in followers if leader in tied)]
         values = [tuple(row) for row in rows[group].itertuples(index=False)]

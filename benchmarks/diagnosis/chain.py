@@ -1,6 +1,6 @@
 """From a simulated acceleration to a signal as a sensor on a machine records it, drawn from a seed.
 
-Slip (rhythm 1.5 % slower to 0.5 % faster than kinematic, spacing of the passes a random walk of 0 to 1.5 %), a
+Slip (period 0.5 % shorter to 1.5 % longer than kinematic, spacing of the passes a random walk of 0 to 1.5 %), a
 structure resonance (2 to 6 kHz, damping 1 to 5 %) as transfer path, noise of 1/f^a (a from 0 to 1) with one to
 three humps, in half of the signals one at the resonance, and in half of the signals confounders: shaft orders 1
 to 4, mains, a gear mesh modulated by the shaft, broadband noise modulated by the shaft and by a motor (twice its
@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.diagnosis import bases
 
-OFFSET = -0.015, 0.005  # range of the relative deviation of the rhythm
+OFFSET = -0.015, 0.005  # range of the relative deviation of the rate
 MAX_WALK = 0.015  # largest standard deviation of a pass's spacing, relative
 UPSAMPLING = 4  # before a series is read at warped instants
 SHAFT_HZ = bases.RPM / 60.0
@@ -30,7 +30,7 @@ class Twins(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """Signal (n,) at ``bases.RATE``, and what made it: bearing, defect or None, SNR (dB), rhythm's deviation."""
+    """Signal (n,) at ``bases.RATE``, and what made it: bearing, defect or None, SNR (dB), deviation of rate."""
 
     signal: np.ndarray
     setting: bases.Setting

@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 
 from bearingsim.diagnosis.combs import best_comb, highest_frequency
-from bearingsim.diagnosis.fronts import envelope_front, fast_length, levelled_front
+from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import RACES
 from bearingsim.diagnosis.thresholds import threshold
 from benchmarks.diagnosis import bases, chain
@@ -29,11 +29,11 @@ def exceeded(twins: chain.Twins, seed: int) -> list[bool]:
     limit, results = highest_frequency(lines), []
     for turns in TURNS:
         part = signal[: fast_length(round(turns * bases.RATE / chain.SHAFT_HZ))]
-        fronts = (
-            envelope_front(part, bases.RATE, lines.shaft, limit),
-            levelled_front(part, bases.RATE, lines.shaft, limit),
+        spectra = (
+            band_spectrum(part, bases.RATE, lines.shaft, limit),
+            levelled_spectrum(part, bases.RATE, lines.shaft, limit),
         )
-        score = max(best_comb(fronts, lines.of_race(race), TOLERANCE).score for race in RACES)
+        score = max(best_comb(spectra, lines.of_race(race), TOLERANCE).score for race in RACES)
         results.append(score > threshold(turns, TOLERANCE))
     return results
 

@@ -1,4 +1,4 @@
-"""Operating table of `bearingsim analyze`: found, named and missed on simulated signals behind a machine.
+"""Operating table of `bearingsim analyze`: defects detected and missed in simulated signals of a machine.
 
     nice .venv/bin/python -m benchmarks.diagnosis.operating_table [--runs results/diagnosis] [--levels 0 healthy]
 
@@ -91,10 +91,10 @@ def judged(twins: chain.Twins, seed: int, level: float | None, damaged: bool) ->
     results = [
         diagnose(sample.signal, bases.RATE, parts_of(bearing), chain.SHAFT_HZ, band=b) for b in (None, band)
     ]
-    return Judged(sample, results[0], wrong, is_found(results[1]))
+    return Judged(sample, results[0], wrong, exceeds_threshold(results[1]))
 
 
-def is_found(diagnosis: Diagnosis) -> bool:
+def exceeds_threshold(diagnosis: Diagnosis) -> bool:
     """Check if the score of any race exceeds the threshold."""
     return diagnosis.findings[diagnosis.best].comb.score > diagnosis.threshold
 
@@ -107,7 +107,7 @@ def is_right(case: Judged) -> bool:
 
 def row_of(level: str, cases: Sequence[Judged]) -> dict[str, object]:
     """Summarise the signals of a level."""
-    found = [case for case in cases if is_found(case.diagnosis)]
+    detected = [case for case in cases if exceeds_threshold(case.diagnosis)]
     named = [case for case in cases if case.diagnosis.verdict not in (NONE, RHYTHM)]
     speeds, others = ([case.wrong[k] for case in cases if case.wrong[k] is not None] for k in (0, 1))
     errors = [_line_error(case) for case in cases if case.sample.defect and is_right(case)]
@@ -123,8 +123,8 @@ def row_of(level: str, cases: Sequence[Judged]) -> dict[str, object]:
     return {
         "level_db": level,
         "signals": len(cases),
-        "over_threshold": len(found),
-        "with_clearance": sum(case.sample.setting.clearance > 0.0 for case in found),
+        "over_threshold": len(detected),
+        "with_clearance": sum(case.sample.setting.clearance > 0.0 for case in detected),
         "right": sum(map(is_right, cases)),
         "wrong": sum(not is_right(case) for case in named),
         "rhythm": sum(case.diagnosis.verdict == RHYTHM for case in cases),
@@ -146,7 +146,7 @@ def row_of(level: str, cases: Sequence[Judged]) -> dict[str, object]:
 
 
 def _line_error(case: Judged) -> float:
-    """Return the relative error of the found line of the damaged element."""
+    """Return the relative error of the estimated line of the damaged element."""
     assert case.sample.defect is not None
     finding = case.diagnosis.findings[case.sample.defect.race]
     return abs(finding.comb.frequency / (finding.expected * (1.0 + case.sample.offset)) - 1.0)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from bearingsim.diagnosis.combs import best_comb, highest_frequency
-from bearingsim.diagnosis.fronts import envelope_front, fast_length, levelled_front
+from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import RACES
 from benchmarks.diagnosis import bases, chain
 
@@ -36,12 +36,12 @@ def scores(twins: chain.Twins, seed: int) -> np.ndarray:
     for row, turns in enumerate(TURNS[:count]):
         part = signal[: fast_length(round(turns * bases.RATE / chain.SHAFT_HZ))]
         limit = highest_frequency(lines)
-        fronts = (
-            envelope_front(part, bases.RATE, lines.shaft, limit),
-            levelled_front(part, bases.RATE, lines.shaft, limit),
+        spectra = (
+            band_spectrum(part, bases.RATE, lines.shaft, limit),
+            levelled_spectrum(part, bases.RATE, lines.shaft, limit),
         )
         for column, tolerance in enumerate(TOLERANCES):
-            combs = (best_comb(fronts, lines.of_race(race), tolerance) for race in RACES)
+            combs = (best_comb(spectra, lines.of_race(race), tolerance) for race in RACES)
             highest[row, column] = max(comb.score for comb in combs)
     return highest
 

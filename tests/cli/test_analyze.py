@@ -41,7 +41,7 @@ def test_the_verdict_comes_with_its_evidence(file):
     assert "unit of acc: g (the file)" in out
     assert "6205 at 1500 rpm (the variable `rpm`), lines within 2 %" in out
     assert "verdict: outer race, or a healthy bearing with clearance, 89.6" in out
-    assert "clearance alone gives BPFO, too, and no width was read" in out
+    assert "clearance alone causes BPFO as well, and no width was found" in out
     for line in ("BPFO", "BPFI", "2 BSF"):
         assert line in out
 
@@ -60,8 +60,8 @@ def test_a_request_that_contradicts_the_file_is_printed(file):
     words = ["analyze", file, "--bearing", "6205", "--json"]
     assert type_(*words, "--rate", "12.8 kHz", "--speed", "1500 rpm")[1] == ""
     err = type_(*words, "--rate", "24 kHz", "--speed", "1800 rpm")[1]
-    assert "damaged.npz states 12800 Hz (the variable `fs`): `--rate`, 24000 Hz, is used in its place" in err
-    assert "damaged.npz states 1500 rpm (the variable `rpm`): `--speed`, 1800 rpm, is used in its place" in err
+    assert "damaged.npz states 12800 Hz (the variable `fs`): `--rate`, 24000 Hz, is used instead" in err
+    assert "damaged.npz states 1500 rpm (the variable `rpm`): `--speed`, 1800 rpm, is used instead" in err
 
 
 @pytest.mark.parametrize("speed", ["1500 rpm", "3000 rpm"])
@@ -70,7 +70,7 @@ def test_twice_the_speed_is_suspected(file, speed):
     is_doubled = speed == "3000 rpm"
     assert json.loads(type_(*words, "--json")[0])["verdict"] == "outer"
     assert json.loads(type_(*words, "--json")[0])["speed_may_be_doubled"] is is_doubled
-    assert ("the true speed may be half of the given one" in type_(*words)[0]) is is_doubled
+    assert ("the true speed may be half of the stated one" in type_(*words)[0]) is is_doubled
 
 
 def test_a_short_channel_beside_a_long_one_is_refused_with_the_option_for_the_other(tmp_path):
@@ -184,7 +184,7 @@ def test_a_strong_rhythm_that_is_no_line_is_marked_and_explained(file, rhythm, v
     labels = [str(curve.get_label()) for curve in canvas.axes[2].get_lines()]
     assert f"{result.rival.frequency:.2f} Hz" in labels
     out = type_("analyze", file, "--bearing", "6205")[0]
-    assert ("another part of the machine causes it, or the bearing or the speed is wrong" in out) is (
+    assert ("its cause is another part of the machine, or the bearing or the speed is wrong" in out) is (
         verdict == "none"
     )
 
@@ -200,11 +200,11 @@ def test_a_sideband_of_the_inner_race_is_stated(file, rhythm, is_sideband):
 
 
 def test_noise_blames_neither_bearing_nor_speed(tmp_path):
-    """The seed is of a record whose strongest rhythm exceeds the threshold."""
+    """The seed is of a record whose strongest periodicity exceeds the threshold."""
     np.savez(tmp_path / "a.npz", x=np.random.default_rng(1).normal(size=51200), fs=RATE, rpm=1500.0)
     out = type_("analyze", tmp_path / "a.npz", "--bearing", "6205")[0]
     assert "verdict: none found; a line would need 7.9 dB over the local median" in out
-    assert "noise may cause it: the highest of many rhythms exceeds the threshold" in out
+    assert "noise may be its cause: the strongest of many periodicities exceeds the threshold" in out
     assert "is wrong" not in out
 
 

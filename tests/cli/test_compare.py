@@ -130,8 +130,8 @@ def test_a_measured_line_under_the_threshold_is_not_compared(results, series, tm
 @pytest.mark.parametrize(
     ("rhythm", "height", "objection", "reason"),
     [
-        (1.37 * LINES_900.outer, 3.0, "other rhythm", "a rhythm of 73.6"),
-        (0.1 * LINES_900.shaft, 10.0, "none", "not told apart, "),
+        (1.37 * LINES_900.outer, 3.0, "other rhythm", "a periodicity of 73.6"),
+        (0.1 * LINES_900.shaft, 10.0, "none", "not significant, "),
         (LINES_900.outer, 0.0, None, "score "),
     ],
 )
@@ -154,7 +154,7 @@ def test_a_line_is_not_compared_where_other_rhythms_are_stronger(
 def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp_path):
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=25600.0, x_unit="m/s^2")
     values = compared(results, tmp_path / "a.npz")
-    page = (ROOT / "docs/diagnosis.md").read_text().partition("## Keys of `compare --json`")[2]
+    page = (ROOT / "docs/diagnosis-json.md").read_text().partition("## Keys of `compare --json`")[2]
     for key in (*values, *values["features"]):
         assert f"`{key}`" in page, key
     assert (values["rate_hz"], values["rate_source"]) == (25600.0, "the variable `fs`")
@@ -169,9 +169,9 @@ def test_both_curves_are_seen_over_time(factor, heights):
     canvas = measured.comparison_figure(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
     curves = canvas.axes[0].get_lines()
     assert [np.abs(curve.get_ydata()).max() for curve in curves] == pytest.approx(heights, rel=0.05)
-    places, heights = (np.asarray(values) for values in canvas.axes[1].get_lines()[0].get_data())
-    assert np.diff(1e3 * places) == pytest.approx(LINES.outer)
-    assert abs(1e3 * places[np.argmax(heights)] - 3000.0) <= 0.5 * LINES.outer
+    centres, heights = (np.asarray(values) for values in canvas.axes[1].get_lines()[0].get_data())
+    assert np.diff(1e3 * centres) == pytest.approx(LINES.outer)
+    assert abs(1e3 * centres[np.argmax(heights)] - 3000.0) <= 0.5 * LINES.outer
     assert heights.max() == pytest.approx(0.2, rel=0.05)
     labels = [str(curve.get_label()) for curve in curves]
     if factor is None:
@@ -184,7 +184,7 @@ def test_both_curves_are_seen_over_time(factor, heights):
 def test_text_and_figure(results, series, tmp_path):
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=25600.0, x_unit="m/s^2")
     out = type_("compare", results, tmp_path / "a.npz", "--figure", tmp_path / "a.png")[0]
-    assert "speed of the measurement: 900 rpm (the job; `--speed` gives another)" in out
+    assert "speed of the measurement: 900 rpm (the job; to change it, use `--speed`)" in out
     assert "both in the band 0 to 10.24 kHz" in out
     assert "entry to exit, of a pass" in out
     assert (tmp_path / "a.png").stat().st_size > 10_000

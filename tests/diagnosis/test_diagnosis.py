@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.diagnosis import Lines, diagnose
 from bearingsim.diagnosis.combs import best_comb, highest_frequency
-from bearingsim.diagnosis.fronts import envelope_front, fast_length, levelled_front, local_median
+from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, levelled_spectrum, local_median
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.diagnosis.size import DEPTH, ENTRY_DROP, outer_race_size
 from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
@@ -78,7 +78,7 @@ def test_a_sideband_of_the_line_of_another_bearing_names_no_race(true, side, ass
 
 
 def test_tones_with_many_harmonics_are_no_defect():
-    """Mains and its harmonics, at BPFO: the first front sees a comb, the levelled one does not."""
+    """Mains and its harmonics, at BPFO: the first envelope spectrum sees a comb, the levelled one does not."""
     t = np.arange(51200) / RATE
     mains = sum(np.cos(2.0 * np.pi * LINES.outer * k * t + k * k) for k in range(1, 45))
     series = mains + np.random.default_rng(0).normal(size=len(t))
@@ -114,17 +114,17 @@ def test_a_band_that_misses_the_resonance_loses_the_line():
 def test_the_lesser_front_counts_and_both_have_one_fundamental():
     series = impacts(LINES.outer, slip=0.005)
     highest = highest_frequency(LINES)
-    fronts = (envelope_front(series, RATE, SHAFT, highest), levelled_front(series, RATE, SHAFT, highest))
-    comb = best_comb(fronts, LINES.outer, 0.02)
+    spectra = (band_spectrum(series, RATE, SHAFT, highest), levelled_spectrum(series, RATE, SHAFT, highest))
+    comb = best_comb(spectra, LINES.outer, 0.02)
     assert comb.score == min(comb.scores)
-    for front, score in zip(comb.heights, comb.scores, strict=True):
-        assert np.log1p(front).sum() == pytest.approx(score)
+    for spectrum, score in zip(comb.heights, comb.scores, strict=True):
+        assert np.log1p(spectrum).sum() == pytest.approx(score)
 
 
 def test_heights_of_noise_have_the_median_1_and_are_exponential():
     series = np.random.default_rng(0).normal(size=1 << 17)
-    front = envelope_front(series, RATE, SHAFT, 1000.0)
-    height = front.height[50:]
+    spectrum = band_spectrum(series, RATE, SHAFT, 1000.0)
+    height = spectrum.height[50:]
     assert np.median(height) == pytest.approx(1.0, abs=0.05)
     assert np.mean(height > 3.0) == pytest.approx(exp(-3.0 * np.log(2.0)), abs=0.01)
 

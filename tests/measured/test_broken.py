@@ -43,9 +43,12 @@ FILES = {
     ".mat": (mat, {truncated: "damaged (could not read bytes)", overwritten: "damaged (Unknown mat file type"}),
     ".h5": (mat73, {truncated: "damaged (Unable to synchronously open file (truncated file"}),
     ".npz": (npz, {truncated: "damaged (File is not a zip file)"}),
-    ".wav": (wav, {truncated: "damaged WAV file (Reached EOF", overwritten: "is no WAV file, which begins with"}),
+    ".wav": (
+        wav,
+        {truncated: "damaged WAV file (Reached EOF", overwritten: "is not a WAV file, which begins with"},
+    ),
     ".parquet": (parquet, {truncated: "Parquet magic bytes not found in footer"}),
-    ".csv": (csv, {with_words: "no table of numbers (could not convert string to float: 'broken')"}),
+    ".csv": (csv, {with_words: "not a table of numbers (could not convert string to float: 'broken')"}),
     ".uff": (uff, {overwritten: "has no time series (dataset 58)"}),
     ".tdms": (tdms, {overwritten: "damaged (Segment does not start with b'TDSm'"}),
 }
@@ -99,7 +102,7 @@ def test_files_that_inflate_are_refused(tmp_path):
         ("a.doc", b"x", "expected a file that ends in .csv"),
         ("a.csv", b"a,b\nno,number\n", "has no row of numbers"),
         ("a.csv", b"time [h],x\n" + b"1,2\n2,3\n" * 20, "expected s, ms or us"),
-        ("a.csv", b"\0\1\2\3", "is no text"),
+        ("a.csv", b"\0\1\2\3", "is not a text file"),
         ("a.csv", b"time,x\n0.1,2\n", "has one sample only"),
         ("a.csv", b"acc\n" + b"1,1564\n-2,35\n" * 20, "decimal sign of 1, and 1 in the line above: export"),
         ("a.csv", b"1,1564\n-2,35\n" * 20, "may separate 2 columns or be the decimal sign of 1: export"),
@@ -114,7 +117,7 @@ def test_what_is_no_table_of_signals_is_refused(tmp_path, name, content, message
 def test_a_wav_file_that_is_cut_or_is_none_is_refused(tmp_path):
     path = tmp_path / "a.wav"
     path.write_text("hello, this is text")
-    assert "is no WAV file, which begins with `RIFF`" in refusal_of(path)
+    assert "is not a WAV file, which begins with `RIFF`" in refusal_of(path)
     wavfile.write(path, 12800, np.zeros((4096, 2)))
     path.write_bytes(path.read_bytes()[:-1000])
     assert "fewer samples than its header states" in refusal_of(path)
@@ -134,4 +137,4 @@ def test_arrays_that_are_no_signals_are_refused_with_a_remedy(tmp_path):
 def test_a_zip_of_something_else_is_refused(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         archive.writestr("readme.txt", "no arrays")
-    assert "has no signal: it holds no numbers" in refusal_of(tmp_path / "a.npz")
+    assert "has no signal: it contains no numbers" in refusal_of(tmp_path / "a.npz")

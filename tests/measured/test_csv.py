@@ -78,10 +78,10 @@ READ = {
 REFUSED = {
     "dates": (
         "time,acc\n" + "2024-05-01 10:11:12.5,1.5\n" * 40,
-        "its times are of a clock, export them in seconds",
+        "its times are clock times; export them in seconds",
     ),
-    "clock": ("time,acc\n" + "10:11:12.5,1.5\n" * 40, "its times are of a clock, export them in seconds"),
-    "text below": ("time,acc\n" + rows(T, X) + "End of file\n", "'End of file'.*remove text below the heads"),
+    "clock": ("time,acc\n" + "10:11:12.5,1.5\n" * 40, "its times are clock times; export them in seconds"),
+    "text below": ("time,acc\n" + rows(T, X) + "End of file\n", "'End of file'.*remove text below the headers"),
     "hours": ("time [h],acc\n" + rows(T, X), "has times in `h`: expected s, ms or us"),
     "no rate": (rows(X), "states no sampling rate: give it, such as `--rate"),
     "two speeds": (

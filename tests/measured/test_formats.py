@@ -256,7 +256,7 @@ def test_gaps_and_uneven_times_are_refused_with_their_place(tmp_path):
     with pytest.raises(MeasuredError, match=r"1 gap in the column `time`, the first after 0\.078"):
         read(tmp_path / "a.csv")
     pd.DataFrame({"time": T**1.01, "x": X[:, 0]}).to_csv(tmp_path / "a.csv", index=False)
-    with pytest.raises(MeasuredError, match="uneven times"):
+    with pytest.raises(MeasuredError, match="unevenly spaced times"):
         read(tmp_path / "a.csv")
 
 

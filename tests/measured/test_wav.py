@@ -63,13 +63,13 @@ REFUSED = {
     "ADPCM": (riff(form(ADPCM, 8), chunk(b"data", bytes(4096))), "has samples encoded as ADPCM"),
     "MP3": (riff(form(MP3, 8), chunk(b"data", bytes(4096))), "has samples encoded as MPEGLAYER3"),
     "cut": (riff(form(PCM, 16), DATA[16])[:-1001], "damaged .* finished at 7235 bytes, expected 8236"),
-    "stream of size 0": (b"RIFF\0\0\0\0WAVE" + form(PCM, 16) + DATA[16], "no samples by its header"),
-    "no data": (riff(form(PCM, 16)), "no samples by its header"),
-    "empty data": (riff(form(PCM, 16), chunk(b"data", b"")), "no samples by its header"),
+    "stream of size 0": (b"RIFF\0\0\0\0WAVE" + form(PCM, 16) + DATA[16], "declares no samples in its header"),
+    "no data": (riff(form(PCM, 16)), "declares no samples in its header"),
+    "empty data": (riff(form(PCM, 16), chunk(b"data", b"")), "declares no samples in its header"),
     "data before fmt": (riff(DATA[16], form(PCM, 16)), "or no header: export it again"),
     "rate of 0": (riff(form(PCM, 16, rate=0), DATA[16]), "states a sampling rate of 0 Hz: give it by `--rate`"),
-    "AIFF": (b"FORM" + bytes(4) + b"AIFF" + bytes(100), "is no WAV file"),
-    "FLAC": (b"fLaC" + bytes(100), "is no WAV file"),
+    "AIFF": (b"FORM" + bytes(4) + b"AIFF" + bytes(100), "is not a WAV file"),
+    "FLAC": (b"fLaC" + bytes(100), "is not a WAV file"),
 }
 
 

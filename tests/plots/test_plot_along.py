@@ -22,18 +22,18 @@ def draw(results, text, figure):
 
 def test_caption_gives_range_of_parameter_zipped_with_x(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: defect.length, by: model}")
-    assert "load moves along: 150 to 300 N" in caption_of(canvas)
+    assert "load varies with x: 150 to 300 N" in caption_of(canvas)
     assert text_of(canvas) == ["model static", "model ring", "healthy"]
 
 
 def test_caption_names_parameter_zipped_with_curves(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, by: defect.length}")
-    assert "load moves along with defect length: 150 to 300 N" in caption_of(canvas)
+    assert "load varies with defect length: 150 to 300 N" in caption_of(canvas)
 
 
 def test_caption_names_parameter_zipped_with_panels(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, panels: load}")
-    assert "defect length moves along with load: 3 to 9 mm" in caption_of(canvas)
+    assert "defect length varies with load: 3 to 9 mm" in caption_of(canvas)
 
 
 def test_caption_names_derived_parameter(results):
@@ -41,7 +41,7 @@ def test_caption_names_derived_parameter(results):
         "  model: [static, ring]\n", "  model: [static]\n  derived: {defect.depth: defect.length / 100}\n"
     )
     canvas = draw(results, text, "{y: velocity@BPFO, x: load, by: defect.length}")
-    assert "defect depth moves along with defect length: 0.03 to 0.09 mm" in caption_of(canvas)
+    assert "defect depth varies with defect length: 0.03 to 0.09 mm" in caption_of(canvas)
     assert len(lines(canvas.axes[0])) == 3
 
 
@@ -51,7 +51,7 @@ def test_caption_lists_zipped_words(results):
         + "sweep: {zip: {load: [150 N, 200 N, 300 N], model: [static, ring, static]}}\n"
     )
     canvas = draw(results, text, "{y: velocity@BPFO, x: load}")
-    assert "model moves along: static / ring" in caption_of(canvas)
+    assert "model varies with x: static / ring" in caption_of(canvas)
     assert len(lines(canvas.axes[0])) == 1
 
 
@@ -59,12 +59,12 @@ def test_caption_lists_zipped_words(results):
     "figure", ["{y: velocity@BPFO, x: defect.length, by: [load, model]}", "{y: velocity@BPFO, x: model}"]
 )
 def test_caption_names_no_drawn_parameter_as_varying(results, figure):
-    assert "moves along" not in caption_of(draw(results, STUDY, figure))
+    assert "varies with" not in caption_of(draw(results, STUDY, figure))
 
 
 def test_caption_gives_constant_zipped_parameter_as_fixed(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, where: {load: 200 N}}")
-    assert "moves along" not in caption_of(canvas)
+    assert "varies with" not in caption_of(canvas)
     assert "load 200 N" in caption_of(canvas)
 
 

@@ -40,8 +40,8 @@ def test_design_has_one_panel_per_parameter_with_all_points(results):
     by_load = points_of(canvas.axes[0])[0]
     by_length = points_of(canvas.axes[1])[0]
     np.testing.assert_allclose(sorted(by_load[:, 1]), sorted(by_length[:, 1]))  # the same jobs
-    assert "sobol design of 32 points, seed 1, line: median" in caption_of(canvas)
-    assert "moves along" not in caption_of(canvas)
+    assert "sobol design of 32 points, seed 1, line: running median" in caption_of(canvas)
+    assert "varies with" not in caption_of(canvas)
     assert "load" not in caption_of(canvas)
 
 

@@ -112,7 +112,7 @@ def test_show_of_a_study_without_measurements_says_so(results):
 def test_report_has_the_table_and_the_marks(results):
     CliRunner().invoke(app, ["report", str(results.path)])
     page = (results.path / "report.html").read_text()
-    assert "Measured beside simulated" in page
+    assert "Measured and simulated values" in page
     assert "test rig" in page
     assert '"measured":true' in page
     assert "emptyDiamond" in page

@@ -122,7 +122,7 @@ def test_recorded_path_is_drawn_over_sections(results, monkeypatch):
     text = STUDY.replace("[static, ring]", "[rollers]") + f"record: [{', '.join(RECORD)}]\n"
     opened = results(text)
     _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:2])[0]
-    path_lines = [line for ax in canvas.axes for line in ax.lines if line.get_label() == "path it took"]
+    path_lines = [line for ax in canvas.axes for line in ax.lines if line.get_label() == "recorded path"]
     depths = [np.asarray(line.get_ydata()) for line in path_lines]
     assert [depth.min() for depth in depths] == pytest.approx([1.75] * 3, rel=1e-5)  # clearance 5 um
     titles = [ax.get_title(loc="left") for ax in canvas.axes[1:4]]

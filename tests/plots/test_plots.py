@@ -274,7 +274,7 @@ def test_words_are_ticks_in_order_of_study(results):
     ("options", "message"),
     [
         ({"x": "defect.lenght"}, "did you mean `defect.length`?"),
-        ({"y": ["velocity@BPFI"]}, "no feature `velocity@BPFI` in these results (there are: "),
+        ({"y": ["velocity@BPFI"]}, "no feature `velocity@BPFI` in these results (available: "),
         ({"by": ["laod"]}, "did you mean `load`?"),
     ],
 )

@@ -1,8 +1,8 @@
 """Spectra of two envelopes of a signal, as heights over their local median.
 
-Each passage of a defect is an impact, so a defect raises lines of the squared envelope. One envelope alone is
-misled: that above 1 kHz by mains and gears with many harmonics, that of the levelled spectrum by modulated noise.
-A defect raises the same lines in both.
+Each passage of a defect is an impact, so a defect raises lines of the squared envelope. Other lines have other
+causes: in the envelope of the band above 1 kHz mains and gears with many harmonics, in that of the levelled
+spectrum modulated noise. A defect raises the same lines in both.
 """
 
 from typing import NamedTuple
@@ -12,9 +12,9 @@ import numpy as np
 from bearingsim.signals.spectra import FLAT, analytic, hann, squared_envelope
 
 LOWEST_HZ = 1000.0
-"""Hz; lowest frequency of the envelope of the first front. Shaft orders and most gear meshes lie below."""
+"""Hz; lowest frequency of the band of the first envelope. Shaft orders and most gear meshes lie below."""
 HALF_LEVEL_HZ = 50.0
-"""Hz; half width of the median by which a spectrum is levelled."""
+"""Hz; half width of the median by which a spectrum is divided."""
 CLIP = 3.0
 """Largest magnitude of a levelled spectrum, relative to the median: stronger lines are tones, not noise."""
 MEDIAN_ORDERS = 1.5
@@ -23,7 +23,7 @@ MIN_MEDIAN_BINS = 20
 """Least half width of that median in bins."""
 
 
-class Front(NamedTuple):
+class EnvelopeSpectrum(NamedTuple):
     """Envelope spectrum as power over the local median: frequencies (Hz) and heights, (n,) each."""
 
     frequency: np.ndarray
@@ -36,23 +36,23 @@ class Front(NamedTuple):
 
 
 def default_band(fs: float) -> tuple[float, float]:
-    """Return the band (Hz) of the first front at a sampling rate (Hz)."""
+    """Return the band (Hz) of the first envelope spectrum at a sampling rate (Hz)."""
     return LOWEST_HZ, FLAT * fs
 
 
-def envelope_front(
+def band_spectrum(
     series: np.ndarray, fs: float, shaft: float, highest: float, band: tuple[float, float] | None = None
-) -> Front:
-    """Compute the front of the squared envelope of a series (n,) in a band (Hz), up to ``highest`` (Hz).
+) -> EnvelopeSpectrum:
+    """Compute the spectrum of the squared envelope of a series (n,) in a band (Hz), up to ``highest`` (Hz).
 
     fs: sampling rate (Hz); shaft: frequency of the shaft (Hz); band: ``default_band`` if None. Raises ValueError
     as ``squared_envelope``.
     """
-    return _front(squared_envelope(series, fs, band or default_band(fs)), fs, shaft, highest)
+    return _envelope_spectrum(squared_envelope(series, fs, band or default_band(fs)), fs, shaft, highest)
 
 
-def levelled_front(series: np.ndarray, fs: float, shaft: float, highest: float) -> Front:
-    """Compute the front of the squared envelope of the whole band, levelled so that tones have no weight.
+def levelled_spectrum(series: np.ndarray, fs: float, shaft: float, highest: float) -> EnvelopeSpectrum:
+    """Compute the spectrum of the squared envelope of the whole band, levelled so that tones have no weight.
 
     The spectrum is divided by its median magnitude within 50 Hz, and magnitudes over ``CLIP`` are reduced to it.
     """
@@ -63,16 +63,16 @@ def levelled_front(series: np.ndarray, fs: float, shaft: float, highest: float) 
     with np.errstate(divide="ignore", invalid="ignore"):
         gain = np.where(level > 0.0, np.minimum(1.0 / level, CLIP / magnitude), 0.0)
     transform *= gain * (np.arange(len(transform)) <= FLAT * n)
-    return _front(np.abs(analytic(transform, n)) ** 2, fs, shaft, highest)
+    return _envelope_spectrum(np.abs(analytic(transform, n)) ** 2, fs, shaft, highest)
 
 
-def _front(envelope: np.ndarray, fs: float, shaft: float, highest: float) -> Front:
+def _envelope_spectrum(envelope: np.ndarray, fs: float, shaft: float, highest: float) -> EnvelopeSpectrum:
     n = len(envelope)
     count = min(n // 2 + 1, int(highest * n / fs) + 2)
     power = np.abs(np.fft.rfft((envelope - envelope.mean()) * hann(n))[:count]) ** 2
     median = local_median(power, max(MIN_MEDIAN_BINS, round(MEDIAN_ORDERS * shaft * n / fs)))
     height = np.divide(power, median, out=np.zeros(count), where=median > 0.0)
-    return Front(np.arange(count) * fs / n, height)
+    return EnvelopeSpectrum(np.arange(count) * fs / n, height)
 
 
 def local_median(values: np.ndarray, half_width: int) -> np.ndarray:
@@ -82,9 +82,9 @@ def local_median(values: np.ndarray, half_width: int) -> np.ndarray:
     """
     half_width = min(half_width, len(values) - 1)
     mirrored = np.pad(values, half_width, mode="reflect")
-    hop = max(1, half_width // 4)
-    windows = np.lib.stride_tricks.sliding_window_view(mirrored, 2 * half_width + 1)[::hop]
-    return np.interp(np.arange(len(values)), np.arange(len(windows)) * hop, np.median(windows, axis=1))
+    stride = max(1, half_width // 4)
+    windows = np.lib.stride_tricks.sliding_window_view(mirrored, 2 * half_width + 1)[::stride]
+    return np.interp(np.arange(len(values)), np.arange(len(windows)) * stride, np.median(windows, axis=1))
 
 
 def fast_length(n: int) -> int:
