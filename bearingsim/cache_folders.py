@@ -12,7 +12,7 @@ from bearingsim.own_folder import own_folder
 def cache_folder(name: str) -> tuple[Path | None, str]:
     """Choose the folder `bearingsim/NAME` in the user's cache, else in the temporary folder, and create it.
 
-    Kept code is executed, so only the user may have write access. Return the folder, None if no place is usable,
+    Kept code is executed, so only the user may have write access. Return the folder, None if none is usable,
     and the reason for not using the user's cache, "" if it is used.
     """
     reason = ""
@@ -23,8 +23,8 @@ def cache_folder(name: str) -> tuple[Path | None, str]:
                 return folder, reason
             reason = reason or f"{folder} is read-only"
         except OSError as error:  # no such folder, or others can write there
-            place = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-            reason = reason or place
+            cause = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+            reason = reason or cause
         except RuntimeError:
             reason = reason or "there is no home folder"
     return None, reason

@@ -147,10 +147,10 @@ def call(reference: str, *arguments: Any) -> Any:
         raise _error_of(reference, f"fails ({extensions.reason(error)})") from error
 
 
-def _error_of(reference: str, what: str) -> UserError:
+def _error_of(reference: str, reason: str) -> UserError:
     if not is_foreign(reference):
-        return UserError(f"`{reference}` {what}")
-    return BrokenExtension(f"`{reference}` of the extension `{extensions.owner(reference)}` {what}")
+        return UserError(f"`{reference}` {reason}")
+    return BrokenExtension(f"`{reference}` of the extension `{extensions.owner(reference)}` {reason}")
 
 
 def simpler_models(name: str) -> list[str]:
@@ -175,7 +175,7 @@ _STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls", "f
 _RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
 _ROLLERS = _RING | {"roller inertia"}
 _PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
-_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
+_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "tilting rings", "profile"}
 
 _M, _S, _C, _A = (
     "bearingsim.core.models",

@@ -76,7 +76,7 @@ def check() -> None:
     seconds, limit = _bound.get()
     if now() > limit:
         raise OutOfCpuTime(
-            f"it took over {seconds:.4g} s of CPU time, and was stopped (`--max-cpu`)",
+            f"the job exceeded its limit of {seconds:.4g} s of CPU time (`--max-cpu`)",
             "use a shorter `duration`, or a larger `--max-cpu` with `--retry-failed`",
         )
 

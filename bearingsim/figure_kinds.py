@@ -111,10 +111,10 @@ class OptionError(UserError):
 class View:
     """Displayed part and scale of the signals or features of a figure; None and False: the default of the kind.
 
-    start, stop, span: time (s); around: event at a quarter of the time axis; range: limits of the frequency
-    axis (Hz) or of the roller's angle (rad); band: band-pass filter (Hz); unit: of the y axis; db: level in
-    decibels; zero_mean: subtract the mean; healthy: place of the healthy bearing's curve; orders: add an axis in
-    orders of the shaft.
+    start, stop, span: time (s); around: event at a quarter of the time axis; range: limits of the frequency axis
+    (Hz) or of the roller's angle (rad); band: band-pass filter (Hz); unit: of the y axis; db: level in decibels;
+    zero_mean: subtract the mean; healthy: position of the healthy bearing's curve; orders: add an axis in orders
+    of the shaft.
     """
 
     start: float | None = None

@@ -111,7 +111,7 @@ class Hdf5:
         """Read a numeric dataset, or one of its rows."""
         item = self._dataset(name)
         if item.dtype.kind not in NUMBERS:
-            raise Unsafe(f"`{name}` holds something else than numbers")
+            raise Unsafe(f"`{name}` contains other data than numbers")
         self.afford(f"`{name}`", prod(item.shape if row is None else item.shape[1:]) * item.dtype.itemsize)
         self._check_chunks(item, row)
         return np.asarray(item[() if row is None else row])
@@ -121,7 +121,7 @@ class Hdf5:
         item = self._dataset(name)
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
-            raise Unsafe(f"`{name}` holds something else than texts")
+            raise Unsafe(f"`{name}` contains other data than strings")
         self.afford(f"`{name}`", self._cost(item))
         self._check_chunks(item)
         if kind.length is None:
@@ -136,7 +136,7 @@ class Hdf5:
             if link is None:
                 raise KeyError(f"there is no `{name}`")
             if not isinstance(link, h5py.HardLink):
-                raise Unsafe(f"`{name}` is a link to another place")
+                raise Unsafe(f"`{name}` is a link to another object or file")
             item = item[word]
         return item
 
@@ -144,11 +144,11 @@ class Hdf5:
         """Return a dataset stored in this file, with no filters other than those in ``FILTERS``."""
         item = self._item(name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
-            raise Unsafe(f"`{name}` is no dataset")
+            raise Unsafe(f"`{name}` is not a dataset")
         if item.is_virtual:
-            raise Unsafe(f"`{name}` is a virtual dataset: it is made of other files")
+            raise Unsafe(f"`{name}` is a virtual dataset, which reads other files")
         if item.external is not None:
-            raise Unsafe(f"`{name}` lies in another file (external storage)")
+            raise Unsafe(f"`{name}` is stored in another file (external storage)")
         filters = _filters(item)
         unknown = [number for number in filters if number not in FILTERS]
         if unknown or len(set(filters)) < len(filters):
@@ -168,7 +168,7 @@ class Hdf5:
         layout = item.id.get_create_plist().get_layout()
         sizes = self._file.id.get_create_plist().get_sizes()
         if layout != h5py.h5d.CONTIGUOUS or sizes != (8, 8):
-            raise Unsafe(f"`{_name(item)}` holds texts of variable length, but is not contiguous")
+            raise Unsafe(f"`{_name(item)}` contains variable-length strings, but is not contiguous")
         start = item.id.get_offset()
         if start is None:  # nothing was written
             return 0

@@ -6,7 +6,7 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def shipped_folder(name: str) -> Path:
-    """Return the folder `configs` or `studies`: a wheel has it in the package, a checkout beside it."""
+    """Return the folder `configs` or `studies`: a wheel has it in the package, a checkout next to it."""
     installed = _PACKAGE / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
 

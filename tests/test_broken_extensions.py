@@ -73,7 +73,7 @@ SECTIONS = {
     "x = (": "does not load (SyntaxError: '(' was never closed (laws.py, line 1))",
     "": "does not load (AttributeError: module 'laws' has no attribute 'Section')",
     "Section = 3": "is of type int, not type",
-    "class Section: pass": "is no Section of bearingsim.config.fields",
+    "class Section: pass": "is not a subclass of bearingsim.config.fields.Section",
 }
 
 
@@ -91,7 +91,7 @@ def test_a_feature_with_a_name_of_the_program_is_left_out(monkeypatch) -> None:
     feature = Feature("velocity.rms", "", "another", "features:rms")
     monkeypatch.setitem(catalogue.FEATURES, "velocity.rms", feature)
     assert "velocity.rms" not in names._extension_features(names.FEATURES)
-    reason = "the extension `mine` registers the feature `velocity.rms`, which the program has: rename it"
+    reason = "the extension `mine` registers the feature `velocity.rms`, which already exists: rename it"
     assert {"mine": reason} == extensions.BROKEN
 
 

@@ -20,14 +20,14 @@ def test_a_job_ends_when_its_time_is_over() -> None:
     with cpu_time.at_most(0.02):
         cpu_time.check()
         spin(0.03)
-        with pytest.raises(cpu_time.OutOfCpuTime, match=r"over 0\.02 s of CPU time.*larger `--max-cpu`"):
+        with pytest.raises(cpu_time.OutOfCpuTime, match=r"limit of 0\.02 s of CPU time.*larger `--max-cpu`"):
             cpu_time.check()
     cpu_time.check()  # the bound ends with the job
     assert cpu_time.end() == inf
 
 
 def test_time_spent_before_counts_and_is_not_reported_as_the_limit() -> None:
-    with cpu_time.at_most(5.0, spent=5.0), pytest.raises(cpu_time.OutOfCpuTime, match="over 5 s"):
+    with cpu_time.at_most(5.0, spent=5.0), pytest.raises(cpu_time.OutOfCpuTime, match="limit of 5 s"):
         cpu_time.check()
 
 

@@ -44,7 +44,7 @@ def relative_error(value: float, exact: float) -> float:
 def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
     """Combine the reference rows of one model in one scene into its solution; None if there are none.
 
-    The solution of a memoryless model is its run with more instants, with the least floor.
+    The solution of a memoryless model is its run evaluated at more instants, with the least floor.
     """
     references = [row for row in rows if row["role"] == REFERENCE and not row["failure"] and isfinite(row["line"])]
     if not references:

@@ -35,7 +35,7 @@ class Equations(NamedTuple):
     """Problem for a solver: compiled model, its buffer in static equilibrium, instants (n,) in s, tolerances.
 
     tolerances: as for own methods (``core/methods/interface.py``: Tolerances); settled: s, beginning
-    of the time in which the largest force is sought.
+    of the time for the largest force.
     """
 
     model: Any

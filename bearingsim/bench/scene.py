@@ -108,7 +108,12 @@ def _cheaper_variants(study: Study, path: Path, n: int, reference_case: Case, qu
             case, reason = None, error.problems[0].message
         if case is None:
             variants.append(
-                Variant(candidate, changes.get("model", candidate), None, reason or "it cannot do this")
+                Variant(
+                    candidate,
+                    changes.get("model", candidate),
+                    None,
+                    reason or "the model cannot compute this case",
+                )
             )
         else:
             variants.append(Variant(_label(case), case.model, case))

@@ -43,7 +43,7 @@ def verdict(rows: Sequence[Row], accuracy: float, quantities: Sequence[str] = QU
     floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in quantities}
     name = max(floors, key=floors.__getitem__)
     if not floors[name] <= accuracy:
-        unknown = f"the reference's {QUANTITY_NAMES[name]} is known to {percent(floors[name])} only"
+        unknown = f"the reference's {QUANTITY_NAMES[name]} is accurate to {percent(floors[name])} only"
         return Verdict(accuracy, None, None, unknown, quantities)
     sufficient = [
         row for row in rows if not row["failure"] and worst_error(row, quantities=quantities) <= accuracy
@@ -73,7 +73,7 @@ def pareto_front(rows: Sequence[Row], column: str) -> list[Row]:
 def percent(share: float) -> str:
     """Format a share in per cent with two digits; large shares as `over 100 times`."""
     if not isfinite(share):
-        return "not known"
+        return "unknown"
     if share >= 1.0:
         return f"{share + 1.0:.2g} times" if share < 99 else "over 100 times"
     return f"{100.0 * share:.2g} %" if share >= 1e-4 else "under 0.01 %"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def features(results: "Results", path: Path | None, file_format: str | None, force: bool) -> Path:
     """Write the table of jobs to csv or parquet; return the file.
 
-    Values are in SI; csv has heads with units, and swept speeds in the unit of the study.
+    Values are in SI; csv has headers with units, and swept speeds in the unit of the study.
 
     force: replace an existing file. Raises UserError for an existing file without it.
     """
@@ -98,7 +98,7 @@ def _suffix(path: Path, formats: tuple[str, ...]) -> str:
 
 
 def _with_units(table: "pd.DataFrame", units: Mapping[str, str]) -> "pd.DataFrame":
-    """Add units to the heads, and convert swept speeds from rad/s to the unit of the study."""
+    """Add units to the headers, and convert swept speeds from rad/s to the unit of the study."""
     from bearingsim.plots import labels
 
     heads, converted = {}, table.copy(deep=False)
@@ -122,9 +122,9 @@ def _parquet(table: "pd.DataFrame") -> bytes:
 
 
 def _csv(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
-    """Return csv with a time column, and per job a column per channel and one of its speed; heads have units.
+    """Return csv with a time column, and per job a column per channel and one of its speed; headers have units.
 
-    Heads have the job if there are several. Raises UserError for jobs with different time axes.
+    Headers have the job if there are several. Raises UserError for jobs with different time axes.
     """
     import numpy as np
     import pandas as pd

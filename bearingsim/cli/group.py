@@ -26,11 +26,11 @@ CAUSES = {
     errno.ENOTDIR: "a part of this path is a file, not a folder",
     errno.EACCES: "you are not allowed to read or write here",
     errno.EPERM: "you are not allowed to read or write here",
-    errno.EROFS: "the disk can only be read: name a place on another disk",
+    errno.EROFS: "the disk is read-only: name a path on another disk",
     errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "no more room is allowed on this disk",
-    errno.EFBIG: "no file may grow so large here (`ulimit -f`)",
-    errno.EPIPE: "a process that this one writes to has ended (broken pipe): run the command again",
+    errno.EDQUOT: "the disk quota is exceeded",
+    errno.EFBIG: "the file exceeds the size limit (`ulimit -f`)",
+    errno.EPIPE: "the process that reads the output has ended (broken pipe): run the command again",
 }
 
 
@@ -43,7 +43,7 @@ def error_text(error: OSError) -> str:
     if error.errno in NO_ROOM:
         from bearingsim.store.files import describe_full_disk
 
-        return f"{describe_full_disk(path, error.errno)}: make room, or name another folder"
+        return f"{describe_full_disk(path, error.errno)}: free some space, or name another folder"
     if error.errno == errno.ENOENT and not path.parent.exists():
         return f"{path}: there is no folder {path.parent}"
     return f"{path}: {CAUSES.get(error.errno, error.strerror)}"

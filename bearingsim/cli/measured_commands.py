@@ -64,8 +64,8 @@ def analyze(
 ) -> None:
     """Diagnose a bearing from a measured signal: which race is damaged, with the evidence.
 
-    A race is named if three harmonics of its line stand out in two envelope spectra, over the level that one of a
-    hundred healthy signals reaches, and no other rhythm of the signal is stronger.
+    A race is named if three harmonics of its line stand out in two envelope spectra, above the level that 1 % of
+    healthy signals reach, and no other periodicity of the signal is stronger.
     """
     from bearingsim.cli import analysis
 
@@ -103,7 +103,8 @@ def compare(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Compare a job with a measured signal: level, shape, rhythm, and the time from entry to exit of a defect.
+    """Compare a job with a measured signal: level, shape, defect line, and the time from entry to exit of a
+    defect.
 
     Both are compared in the band in which neither is altered by its sampling. Nothing is scaled without `--scale`.
     """

@@ -1,4 +1,4 @@
-"""Commands beside those of a study's results: compile, frequencies, maps and charts of the methods."""
+"""Commands that need no results of a study: compile, frequencies, maps and charts of the methods."""
 
 import json
 from pathlib import Path

@@ -20,7 +20,7 @@ def write_template(path: Path | None) -> list[Path]:
 
 
 def write_copy(name: str, path: Path | None) -> list[Path]:
-    """Write a copy of a shipped study and of the files beside it that it reads; return their paths.
+    """Write a copy of a shipped study and of the files that it reads; return their paths.
 
     Raises UserError for an unknown name, and if the study or another file of this name exists.
     """

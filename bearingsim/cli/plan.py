@@ -120,8 +120,8 @@ class Plan:
         return round(self.scale * sum(priced.estimate.bytes for priced in self.priced_jobs))
 
 
-ESTIMATING = "estimating what the jobs take"
-COMPILING = f"compiling what the estimate needs, some seconds: {COMPILATION_REMARK}"
+ESTIMATING = "estimating the cost of the jobs"
+COMPILING = f"compiling code for the estimate, some seconds: {COMPILATION_REMARK}"
 
 
 def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILENT) -> Plan:

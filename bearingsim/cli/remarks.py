@@ -28,7 +28,7 @@ def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
 
 
 NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, from which a cost is reported
-HANGING_RATIO = 0.999  # of a defect's depth; a roller with a smaller drop does not reach the floor
+HANGING_RATIO = 0.999  # drop relative to the depth; a roller with a smaller one does not reach the floor
 WALL_CLEARANCE_RATIO = 0.5
 """Of the depth of a V; below it the walls (slope 2 depth/width) are steeper than the roller."""
 
@@ -59,8 +59,8 @@ def reached_floors(plan: Plan) -> Iterator[str]:
         others = [priced for priced in envelope_jobs if not _reaches_floor(priced)]
         depth_range, element = span(1e6 * _least_depth(priced) for priced in reaching), _element(reaching)
         scope = f" {_distinction(reaching, others, plan)}" if others else ""
-        place = " there" if others else ""
-        yield f"by geometry, {element}s reach the floor at {depth_range} um{scope}: the depth matters{place}"
+        scope_text = " there" if others else ""
+        yield f"by geometry, {element}s reach the floor at {depth_range} um{scope}: the depth matters{scope_text}"
 
 
 def _envelope_jobs(plan: Plan) -> list[PricedJob]:

@@ -22,14 +22,14 @@ PERIOD_S = 10.0
 def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool, in_browser: bool) -> None:
     """Write the page of a study, by default into its results folder.
 
-    jobs: ids of those whose signals are shown; follow: write it anew until no job is missing; in_browser:
-    open it. Raises UserError for a file that is no page of this program.
+    jobs: ids of those whose signals are shown; follow: rewrite it until no job is missing; in_browser:
+    open it. Raises UserError for a file that is not a page of this program.
     """
     path = out or results.path / FILE
     check_replaceable(path)
     is_complete = write(results, path, jobs, follow)
     if in_browser and not webbrowser.open(path.resolve().as_uri()):
-        say(f"no browser opens: open {short_path(path)} yourself", err=True)
+        say(f"cannot start a browser; open {short_path(path)} in one", err=True)
     if follow and not is_complete:
         say("following the run; Ctrl-C ends this command, not the run", err=True)
     while follow and not is_complete:
@@ -38,7 +38,7 @@ def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool
 
 
 def wait_for_plan(folder: Path) -> None:
-    """Wait until a run has written its plan into a folder, as one that is about to begin will."""
+    """Wait until the run of a folder has written its plan."""
     if not (folder / PLAN).is_file():
         say(f"waiting for a run in {short_path(folder)}; Ctrl-C ends this command", err=True)
     while not (folder / PLAN).is_file():

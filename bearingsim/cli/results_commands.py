@@ -109,7 +109,7 @@ def report(
         ),
     ] = None,
     follow: Annotated[
-        bool, typer.Option("--follow", help="write the page anew every 10 s while jobs are missing")
+        bool, typer.Option("--follow", help="rewrite the page every 10 s while jobs are missing")
     ] = False,
     in_browser: Annotated[bool, typer.Option("--open", help="open the page in a browser")] = False,
 ) -> None:
@@ -131,16 +131,19 @@ def show(
         bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
     ] = False,
     measured: Annotated[
-        bool, typer.Option("--measured", help="print measured beside simulated features only")
+        bool, typer.Option("--measured", help="print only the comparison with measured features")
     ] = False,
     columns: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="column to print; repeatable", autocompletion=completion.feature),
     ] = None,
-    every: Annotated[bool, typer.Option("--all", help="print all usual columns, also beyond 80 letters")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="print all usual columns, also beyond 80 characters")
+    ] = False,
     as_json: Json = False,
 ) -> None:
-    """Print a table of the jobs with swept parameters, status and features, and measured beside simulated ones."""
+    """Print a table of the jobs with swept parameters, status and features, and a comparison with measured
+    features."""
     from bearingsim.cli import tables
 
     study_results = find_results(results)

@@ -18,14 +18,14 @@ COLUMN_GAP = 3  # characters between columns
 
 
 def terminal_width() -> int | None:
-    """Return the width of the terminal in letters; None if stdout is not a terminal."""
+    """Return the width of the terminal in characters; None if stdout is not a terminal."""
     from rich.console import Console
 
     return Console().width if sys.stdout.isatty() else None
 
 
 def console(min_width: int = 0) -> "Console":
-    """Return the console of stdout, at least ``least`` letters wide (NO_COLOR honoured)."""
+    """Return the console of stdout, at least ``least`` characters wide (NO_COLOR honoured)."""
     from rich.console import Console
 
     class Screen(Console):
@@ -53,7 +53,7 @@ def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], text_column
 
 
 def table_width(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> int:
-    """Compute the width in letters of a table without cropped cells."""
+    """Compute the width in characters of a table without cropped cells."""
     return sum(width + COLUMN_GAP for width in min_widths(heads, rows, text_columns)) - COLUMN_GAP
 
 

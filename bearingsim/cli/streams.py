@@ -60,7 +60,8 @@ def _spell_out(error: UnicodeError) -> tuple[str, int]:
 
 
 def stdout_is_closed() -> bool:
-    """Return True if stdout is a pipe closed at the other end, as after `| head`, or if the system cannot tell."""
+    """Return True if stdout is a pipe closed at the other end, as after `| head`, or if this cannot be
+    determined."""
     if not hasattr(select, "poll"):
         return True
     poller: Any = select.poll()

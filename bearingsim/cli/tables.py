@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 DEFAULT_WIDTH = 80
-"""Largest width (letters) of a table without a terminal; more needs `--all` or `--columns`."""
+"""Largest width (characters) of a table without a terminal; more needs `--all` or `--columns`."""
 MAX_ROWS = 1000
 """Largest number of printed rows; 100 000 rows take minutes."""
 
@@ -30,7 +30,7 @@ MAX_ROWS = 1000
 def show_jobs(
     results: "Results", columns: Sequence[str], failed: bool, as_json: bool, every: bool = False
 ) -> None:
-    """Print a row per job, as wide as the terminal or 80 letters. As JSON: all columns, in SI.
+    """Print a row per job, as wide as the terminal or 80 characters. As JSON: all columns, in SI.
 
     columns: replace the usual ones, at any width. every: all usual columns, at any width in a pipe.
     """
@@ -64,26 +64,26 @@ def show_jobs(
         [head for head, _ in printed_columns], list(zip(*(cells for _, cells in printed_columns), strict=True))
     )
     if len(printed_rows) < len(rows):
-        _say(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
-    _say(_status_counts(table) + _variation_text(results))
+        _print_wrapped(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
+    _print_wrapped(_status_counts(table) + _variation_text(results))
     for text in withdrawals(results.plan, job_frame(results.path)):
-        _say(text)
+        _print_wrapped(text)
     _print_measured(results)
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
     for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.result_remarks(info)):
-        _say(text)
+        _print_wrapped(text)
     if len(printed_columns) < len(all_columns):
         printed_heads = {_stack_heading(head) for head, _ in printed_columns}
         hidden = ", ".join(head for head, _ in all_columns if _stack_heading(head) not in printed_heads)
         count = len(all_columns) - len(printed_columns)
         remedy = "`--columns NAME` or `--json`" if every else "`--all`, `--columns NAME` or `--json`"
-        _say(f"{count} columns do not fit {width} letters: {hidden} ({remedy})")
+        _print_wrapped(f"{count} columns do not fit {width} characters: {hidden} ({remedy})")
 
 
 def show_measured(results: "Results", as_json: bool) -> None:
-    """Print measured beside simulated features; as JSON in SI. Raises UserError for a study without `measured`."""
+    """Print measured and simulated features; as JSON in SI. Raises UserError for a study without `measured`."""
     if not results.plan.get("measured"):
         raise UserError("the study has no `measured` section, so there is nothing to compare")
     if not as_json:
@@ -107,19 +107,19 @@ def show_measured(results: "Results", as_json: bool) -> None:
 
 
 def _print_measured(results: "Results") -> None:
-    """Print a table of measured beside simulated features for each measured source of the study."""
+    """Print a table of measured and simulated features for each measured source of the study."""
     from bearingsim.report.measured import HEADS, TEXT_COLUMNS, measured_tables
 
     for table in measured_tables(results):
         say("")
-        _say(table.title)
+        _print_wrapped(table.title)
         if table.rows:
             print_table(HEADS, table.rows, text_columns=TEXT_COLUMNS)
         for text in table.remarks:
-            _say(text)
+            _print_wrapped(text)
 
 
-def _say(text: str) -> None:
+def _print_wrapped(text: str) -> None:
     """Print a text; on a terminal, broken between words into lines of its width."""
     width = terminal_width()
     if width is None:

@@ -70,7 +70,7 @@ def validate_feature(raw: Any) -> Any:
         return raw
     if isinstance(raw, str) and raw in FEATURES and read_band(raw) is None:
         refuse(
-            "feature", f"`{raw}` is computed of every case", f"name features of bands, such as {bands.EXAMPLES}"
+            "feature", f"`{raw}` is computed for every case", f"name features of bands, such as {bands.EXAMPLES}"
         )
     band_feature = read_band(raw) if isinstance(raw, str) else None
     if band_feature is None:

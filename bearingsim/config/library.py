@@ -80,7 +80,7 @@ def _not_found(kind: Kind, name: str) -> str:
     if similar := similar_file(name):
         return f"no {kind[:-1]} `{_display_path(Path(name))}` ({similar})"
     names = library_names(kind)
-    choices = f"there are: {', '.join(names)}; or give the path of a file"
+    choices = f"available: {', '.join(names)}; or give the path of a file"
     if kind == "bearings":  # a similar number is another bearing
         return f"no bearing `{name}` ({choices} of your own, docs/bearings.md)"
     return f"no {kind[:-1]} `{name}` ({suggestion(name, names) or choices})"

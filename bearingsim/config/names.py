@@ -132,15 +132,15 @@ CHANNELS: Mapping[str, Channel] = _Channels(
         "ring.rotation": Channel(("",), "rad", "rotation of the outer ring"),
         **{f"roller.{kind}": _roller_channel(kind, "1") for kind in ROLLER},
         "ring.axial": Channel(("",), "m", "axial displacement of the outer ring"),
-        "ring.lean": Channel(("x", "y"), "rad", "lean of the outer ring's axis"),
+        "ring.lean": Channel(("x", "y"), "rad", "tilt of the outer ring's axis"),
         "cage.speed": Channel(("",), "rad/s", "speed of the cage"),
         "cage.slip": Channel(("",), "", "slip of the cage"),
         "cage.position": Channel(("x", "y"), "m", "displacement of the cage"),
         "cage.axial": Channel(("",), "m", "axial displacement of the cage"),
-        "cage.lean": Channel(("x", "y"), "rad", "lean of the cage's axis"),
+        "cage.lean": Channel(("x", "y"), "rad", "tilt of the cage's axis"),
         "inner.displacement": Channel(("x", "y"), "m", "displacement of the inner ring"),
         "inner.axial": Channel(("",), "m", "axial displacement of the inner ring"),
-        "inner.lean": Channel(("x", "y"), "rad", "lean of the inner ring's axis"),
+        "inner.lean": Channel(("x", "y"), "rad", "tilt of the inner ring's axis"),
         "load_zone.rollers": Channel(("",), "", "rollers that carry load"),
     }
 )
@@ -188,7 +188,7 @@ def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
 def _extension_features(builtin: Mapping[str, Feature]) -> dict[str, Feature]:
     for name in catalogue.FEATURES.keys() & builtin.keys():
         extension = extensions.owner(catalogue.FEATURES[name].compute)
-        message = f"the extension `{extension}` registers the feature `{name}`, which the program has: rename it"
+        message = f"the extension `{extension}` registers the feature `{name}`, which already exists: rename it"
         extensions.leave_out(extension, message)
     return {
         name: Feature(entry.unit, entry.long_name)

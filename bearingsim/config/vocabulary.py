@@ -53,7 +53,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "roughness is not modelled; `surfaces` has waves down to a thousandth of a turn"
     ),
     ("tolerance_class", "grade", "class"): (
-        "no tolerance class is known to the program: give `harmonics` or a `spectrum` in `surfaces`"
+        "tolerance classes are not supported: give `harmonics` or a `spectrum` in `surfaces`"
     ),
     ("wear", "contamination", "debris", "particles", "current", "corrosion"): (
         "damage does not grow: `defects` are constant during a run"

@@ -54,7 +54,7 @@ POLL_S, WORKER_CHECK_S = 0.2, 2.0
 SCHEDULER_TIMEOUT_S, WORKER_TIMEOUT_S = 20.0, 300.0
 """Deadlines in s for an answer of the scheduler, and of the workers, which may have to load the program first."""
 ADVICE = (
-    "no job is blamed; the workers' logs may tell why, and the workers may need more memory"
+    "no job is blamed; the workers' logs may show the reason, and the workers may need more memory"
     " (`dask worker --memory-limit`)"
 )
 
@@ -336,7 +336,7 @@ def _failed_outcome(killed: KilledWork) -> Outcome:
     failure = store.Failure(
         job=job.id,
         reason="its worker died",
-        advice=f"the log of {killed.address} may tell why; if memory was short, try a shorter duration",
+        advice=f"the log of {killed.address} may show the reason; if memory was short, try a shorter duration",
         attempts=2,
     )
     return Outcome(unit=killed.work.unit, done=(), failed=(failure,))

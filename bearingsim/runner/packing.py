@@ -34,7 +34,7 @@ class Cost(NamedTuple):
     most_seconds: float = 0.0
 
 
-NOTABLE_RATIO = 1.1  # of largest to expected CPU time of a study, from which both are reported
+NOTABLE_RATIO = 1.1  # largest to expected CPU time of a study; both are reported from this ratio on
 CONDITIONS = {False: "the responses are periodic", True: "the records end early"}
 """Conditions of an expected CPU time, by whether the record of the case has `until`."""
 
@@ -49,9 +49,9 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
         [scale * sum(seconds), max(max(seconds, default=0.0), scale * sum(seconds) / workers)]
         for seconds in ([cost.seconds for cost in costs], [max(cost.seconds, cost.most_seconds) for cost in costs])
     )
-    place = f"on {workers} worker{'s' * (workers > 1)}"
+    workers_text = f"on {workers} worker{'s' * (workers > 1)}"
     if most[0] < NOTABLE_RATIO * expected[0]:
-        return f"{duration(expected[0])} of CPU time, {duration(expected[1])} {place}"
+        return f"{duration(expected[0])} of CPU time, {duration(expected[1])} {workers_text}"
     has_until = [
         getattr(case, "until", None) is not None
         for case, cost in zip(cases, costs, strict=True)
@@ -60,7 +60,7 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     condition = " and ".join(text for value, text in CONDITIONS.items() if value in has_until)
     return (
         f"{duration(expected[0])} of CPU time if {condition}, up to {duration(most[0])} if not;"
-        f" {duration(expected[1])} to {duration(most[1])} {place}"
+        f" {duration(expected[1])} to {duration(most[1])} {workers_text}"
     )
 
 
@@ -113,7 +113,7 @@ def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:
         peak = max(cost.memory for cost in costs)
         yield (
             f"{count} worker{'s' * (count > 1)} instead of {workers}:"
-            f" a job may take {peak / 1e9:.2g} GB of memory,"
+            f" a job may need {peak / 1e9:.2g} GB of memory,"
             f" and there are {memory.limit() / 1e9:.2g} GB"
         )
 

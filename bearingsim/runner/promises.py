@@ -29,8 +29,8 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
         )
         worst = max(audit.difference for job_audits in audits.values() for audit in job_audits)
         yield (
-            f"audit: {passed} of {len(audits)} jobs computed again by their reference kept it;"
-            f" the worst is {percent(worst)} off"
+            f"audit: {passed} of {len(audits)} jobs recomputed with their reference are within the accuracy;"
+            f" largest difference {percent(worst)}"
         )
     varied = {name.split(".")[1] for name in errors(plan, frame).columns}
     unvaried = [quantity for quantity in PARAMETER_KINDS if quantity not in varied]
@@ -46,9 +46,9 @@ def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
     accuracy = plan["accuracy"]
     worst = max(store.audit_results(plan, frame), key=lambda audit: audit.difference - audit.scatter)
     cases = f"{len(refuted_jobs)} of {len(accuracy['jobs'])} cases"
-    text = f"{worst.feature} is {percent(worst.difference)} off its reference"
+    text = f"{worst.feature} is {percent(worst.difference)} different from its reference"
     yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {text}"
-    yield f"  in job {worst.job}; `model: reference` instead of `accuracy` computes all by it"
+    yield f"  in job {worst.job}; `model: reference` instead of `accuracy` computes all cases with the reference"
 
 
 def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
@@ -64,12 +64,14 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     within = len(total_errors) - len(exceeding)
     others = f", the others within {percent(exceeding.max())}" if len(exceeding) else ""
     if done and refuted_jobs:
-        yield f"of the other {len(done)} cases {within} are within {_percent(accuracy)} by their trials{others}"
+        count = f"{within} of the other {len(done)} cases"
+        yield f"{count} are within {_percent(accuracy)} according to their trials{others}"
     elif done:
-        yield f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference, a model{others}"
+        yield f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
     yield from _remedies(bounds, exceeding, accuracy)
     if len(total_errors) < len(done):
-        yield f"{len(done) - len(total_errors)} chaotic cases: standard error of a line, and so accuracy, unknown"
+        unknown = len(done) - len(total_errors)
+        yield f"{unknown} chaotic cases: standard error of a line unknown, and thus the accuracy"
 
 
 def _percent(accuracy: Mapping[str, Any]) -> str:
@@ -96,8 +98,9 @@ def _remedies(bounds: "pd.DataFrame", exceeding: "pd.Series[float]", accuracy: M
     scatter = parts["error.scatter"]
     length_factors = ((scatter / margin) ** 2)[(margin > 0.0) & (scatter > margin)]
     if len(length_factors):
-        yield f"  {len(length_factors)} more would be with {length_factors.max():.1f} times the `duration`"
+        factor = length_factors.max()
+        yield f"  {len(length_factors)} more would be within it with {factor:.1f} times the `duration`"
     nodes = parts["error.nodes"]
     finer_count = int(((nodes > 0.0) & (exceeding - nodes <= accuracy["within"])).sum())
     if finer_count:
-        yield f"  {finer_count} more would be with more `contact.length_nodes` (slices, harmonics)"
+        yield f"  {finer_count} more would be within it with more `contact.length_nodes` (slices, harmonics)"

@@ -184,7 +184,7 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
             _track(works, cluster.outcomes(works), tally, options.progress)
         return
     with announcer(options.progress) as patience:
-        patience.begin("estimating what the jobs take")
+        patience.begin("estimating the cost of the jobs")
         todo = affordable_jobs()
         notes += [*todo.notes, *worker_note(todo.costs, workers)]
         workers = workers_in_memory(todo.costs, workers)

@@ -76,7 +76,7 @@ def choose_models(
     missing = [n for n, name in enumerate(keys) if name not in choices]
     if missing and not may_try:
         raise MissingChoices(
-            f"{root} holds no choice of a model for {len(missing)} of {len(keys)} cases:"
+            f"{root} has no choice of a model for {len(missing)} of {len(keys)} cases:"
             f" run `{command('check', study, root, '--pilots')}` first"
         )
     if missing:

@@ -18,9 +18,9 @@ from bearingsim.simulation.time_grid import estimate
 from bearingsim.study import Study
 from bearingsim.study.jobs import identity
 
-GIVEN_HARMONICS, FEW_HARMONICS = "the harmonics that are said", 8
+GIVEN_HARMONICS, FEW_HARMONICS = "the harmonics of the case", 8
 SLICES = {
-    "the slices that are said": 1.0,
+    "the slices of the case": 1.0,
     "half the slices": 0.5,
     "a quarter of the slices": 0.25,
     "a sixth of the slices": 1.0 / 6.0,
@@ -32,6 +32,8 @@ WITH_FRICTION = "reference with friction"
 FINER = 2  # factor on slices or harmonics for the reference, and on nodes for the trial of their error
 CANDIDATES = (*SLICES, GIVEN_HARMONICS, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """Names of all candidates, from the most detailed to the simplest."""
+FORMER_NAMES = {"the harmonics that are said": GIVEN_HARMONICS, "the slices that are said": next(iter(SLICES))}
+"""Names of candidates in `choices.json` of earlier versions."""
 WORTH_TRYING = 0.8  # largest cost relative to the reference at which a candidate is tried
 
 
@@ -120,7 +122,7 @@ def _drop_identical(cases: Mapping[int, Case]) -> dict[int, Case]:
 def computed_by(study: Study, number: int, candidate: str) -> Case | None:
     """Return a case of a study with the settings of a candidate; None if the candidate does not apply."""
     case = study.swept_cases[number][0]
-    changes = ladder(case).get(candidate)
+    changes = ladder(case).get(FORMER_NAMES.get(candidate, candidate))
     if changes is None:
         return None
     if not changes or study.otherwise is None:

@@ -1,8 +1,8 @@
 """Differences between two trials in the features of a study, with their confidence limits.
 
 The amplitude of a line and the square of an RMS are windowed means, and so is their difference d between two
-models. Its scatter is estimated from pairs of turns of the slowest defect; it is small unless the motion is
-chaotic.
+models. Its scatter is estimated from pairs of revolutions ("turns") of the slowest defect; it is small unless the
+motion is chaotic.
 
     error = |d| + t s,   s^2 = 2/N var(d_w)
 

@@ -30,7 +30,7 @@ from bearingsim.text.numbers import percent
 EARLY_END_FACTOR = 2.0
 """Multiple of the allowed change by friction at which a trial ends after two turns of the cage."""
 
-TOO_SHORT = f"the record holds fewer than {CAGE_TURNS} turns of the cage, too few to assess friction"
+TOO_SHORT = f"the record has fewer than {CAGE_TURNS} turns of the cage, too few to assess friction"
 NOT_PERIODIC = (
     f"without friction it is not periodic, and half the record covers under {CAGE_TURNS} turns of the cage"
 )
@@ -139,5 +139,5 @@ class Friction:
 
     def _reason(self, change: float, name: str) -> str:
         if change == inf:
-            return f"friction changes {name} too much, or the record has too few cage turns to tell"
+            return f"friction changes {name} too much, or the record has too few cage turns to determine it"
         return f"friction changes {name} by up to {percent(change)} on its curve, over {percent(self.limit)}"

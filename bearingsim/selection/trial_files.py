@@ -65,5 +65,5 @@ def _trial(entries: Mapping[str, Any]) -> Trial:
         *method_and_step,
     )
     if not trial.is_consistent:
-        raise Unreadable("the parts of a trial do not fit each other")
+        raise Unreadable("the parts of a trial are inconsistent")
     return trial

@@ -127,7 +127,7 @@ def _check_feature(feature: str, table: "pd.DataFrame") -> None:
     if feature not in features:
         reason = " (a phase is periodic, so it has no variance)" if feature.endswith(".phase") else ""
         suggestion_text = "" if feature in FEATURES else suggestion(feature, features)
-        advice = suggestion_text or f"there are: {', '.join(features) or 'none'}"
+        advice = suggestion_text or f"available: {', '.join(features) or 'none'}"
         raise SensitivityError(f"no feature `{feature}` in these results{reason} ({advice})")
 
 

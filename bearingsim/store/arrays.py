@@ -89,15 +89,15 @@ def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
 
     axes, dependent = _axes(cases)
     shape = tuple(len(values) for values in axes.values())
-    places = {job: tuple(axes[path][cases.at[job, path]] for path in axes) for job in cases.index}
-    count = len(set(places.values()))
-    if not count == len(places) == prod(shape):
+    positions = {job: tuple(axes[path][cases.at[job, path]] for path in axes) for job in cases.index}
+    count = len(set(positions.values()))
+    if not count == len(positions) == prod(shape):
         sizes = ", ".join(f"`{path}` {len(values)}" for path, values in axes.items())
         raise ResultsError(
-            f"the cases are no full grid: values of {sizes}; cases {len(places)}, "
+            f"the cases do not form a full grid: values of {sizes}; cases {len(positions)}, "
             f"{count} of {prod(shape)} combinations; use to_xarray() without `grid`"
         )
-    order = tuple(np.array([places[str(job)] for job in data["job"].values], int).reshape(-1, len(axes)).T)
+    order = tuple(np.array([positions[str(job)] for job in data["job"].values], int).reshape(-1, len(axes)).T)
     variables = {
         name: (_dimensions(variable.dims, axes), _spread(variable.values, order, shape), variable.attrs)
         for name, variable in data.variables.items()
@@ -136,7 +136,7 @@ def _dimensions(dims: Sequence[Hashable], axes: Mapping[str, Any]) -> tuple[Hash
 
 
 def _spread(values: np.ndarray, order: tuple[np.ndarray, ...], shape: tuple[int, ...]) -> np.ndarray:
-    """Spread values (jobs, ...) over a grid; places without a job are NaN, or empty for words."""
+    """Spread values (jobs, ...) over a grid; points without a job are NaN, or empty for words."""
     is_number = np.issubdtype(values.dtype, np.number)
     dtype = np.result_type(values.dtype, np.float32) if is_number else object
     spread = np.full(shape + values.shape[1:], np.nan if is_number else "", dtype)

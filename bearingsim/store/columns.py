@@ -107,9 +107,9 @@ def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str,
         if column.shape != jobs.shape:
             raise Unreadable(f"{name} has {len(column)} rows, not {len(jobs)}")
         if column.dtype == object and name.startswith("features/"):
-            raise Unreadable(f"{name} holds no numbers")
+            raise Unreadable(f"{name} contains no numbers")
         if not is_line(name):
-            raise Unreadable(f"{name!a} is no name of a column")
+            raise Unreadable(f"{name!a} is not a column name")
     return {"job": jobs} | by_name
 
 

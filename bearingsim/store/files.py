@@ -202,7 +202,7 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
         if not wait:
             raise
         advice = "end it if it is suspended or hangs"
-        say(f"waiting for {_other_runs(root)}, which holds {folder_lock.lock_file}: {advice}", err=True)
+        say(f"waiting for {_other_runs(root)}, which has locked {folder_lock.lock_file}: {advice}", err=True)
         folder_lock.acquire(timeout=-1)  # the holder may be building a large table
     except OSError as error:
         if error.errno not in NO_LOCK_ERRORS:

@@ -96,8 +96,8 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
         claim(root, RESULTS, study, suggestion)
     elif stored_study != study and not fresh:
         raise OtherStudy(
-            f"{root} holds results of the study `{stored_study}` ({_contents(root)}): use another folder, such as"
-            f" --out {suggestion}, or delete them by `run --fresh`"
+            f"{root} contains results of the study `{stored_study}` ({_contents(root)}): use another folder,"
+            f" such as --out {suggestion}, or delete them by `run --fresh`"
         )
     elif owner(root) is None:  # a folder of an earlier version; ``discard`` marks a folder of another study
         mark(root, RESULTS, stored_study)

@@ -221,7 +221,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
     if design is not None:
         rows = block(design["kind"], len(design["paths"])) if design["kind"] in BLOCK_DESIGNS else 1
         if not design["paths"] or len(design["ranges"]) != len(design["paths"]) or len(design["ids"]) % rows:
-            raise Unreadable("design: its paths, ranges and jobs do not fit each other")
+            raise Unreadable("design: paths, ranges and jobs are inconsistent")
 
 
 def _references(plan: Mapping[str, Any]) -> Iterator[str]:

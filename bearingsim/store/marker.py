@@ -65,7 +65,7 @@ def _is_marked(folder: Path, kind: str, name: str, suggestion: str) -> bool:
     current = owner(folder)
     if current is not None and current != (kind, name):
         raise OtherStudy(
-            f"{folder} holds {current[0]} of `{current[1]}`: use another folder, such as --out {suggestion}"
+            f"{folder} contains {current[0]} of `{current[1]}`: use another folder, such as --out {suggestion}"
         )
     return current is not None
 
@@ -89,6 +89,6 @@ def _refuse(folder: Path, names: Sequence[str], suggestion: str) -> None:
     if names:
         more = f" and {len(names) - MAX_NAMED_FILES} more" if len(names) > MAX_NAMED_FILES else ""
         raise ForeignFolder(
-            f"{folder} holds files of your own ({', '.join(names[:MAX_NAMED_FILES])}{more}):"
+            f"{folder} contains files of your own ({', '.join(names[:MAX_NAMED_FILES])}{more}):"
             f" use a separate folder for the results, such as --out {suggestion}"
         )

@@ -1,4 +1,4 @@
-"""Measured features of a study beside the simulated ones: at the same parameters, or between two cases."""
+"""Measured features of a study compared with the simulated ones: at the same parameters, or between two cases."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite

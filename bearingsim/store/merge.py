@@ -122,7 +122,7 @@ def _refuse_other_plan(results: Results, other: Results) -> None:
         if name in differing:
             difference = _difference(name, results.plan, other.plan)
             raise Unmergeable(
-                f"{results.path} and {other.path} hold results of two plans: {difference}"
+                f"{results.path} and {other.path} contain results of two plans: {difference}"
                 + (" (run the same study file in both; finished jobs are kept)" if name != "study" else "")
             )
 

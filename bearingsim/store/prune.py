@@ -156,7 +156,7 @@ def prune(root: Path) -> RemovableFiles:
             for path in removed.paths:
                 path.unlink(missing_ok=True)
     except Timeout:
-        raise FolderInUse(f"another run holds {root / '.lock'}: wait for it") from None
+        raise FolderInUse(f"another run has locked {root / '.lock'}: wait for it") from None
     if removed.paths:
         log(root, "pruned", files=len(removed.paths), bytes=removed.bytes)
         build_table(root)

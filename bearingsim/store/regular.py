@@ -34,7 +34,7 @@ def open_regular(path: Path) -> BufferedReader:
     try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
-            raise Unreadable("it is no file")
+            raise Unreadable("it is not a file")
         if status.st_size > memory.limit():
             raise Unreadable(f"its {status.st_size / 1e9:.3g} GB are more than the memory of this machine")
     except BaseException:
@@ -55,6 +55,6 @@ def read_regular(path: Path) -> bytes:
     with open_regular(path) as file:
         while block := file.read(BLOCK_BYTES):
             if b"\0" in block:  # a sparse file may state any size, and reads as zeros
-                raise Unreadable("it is no text")
+                raise Unreadable("it is not a text file")
             blocks.append(block)
     return b"".join(blocks)

@@ -31,7 +31,7 @@ def open_results(path: str | Path) -> "Results":
     results = Results(Path(path))
     plan = results.path / "plan.json"
     if not plan.is_file():
-        raise ResultsError(f"{results.path} holds no results of a study (it has no plan.json)")
+        raise ResultsError(f"{results.path} contains no results of a study (it has no plan.json)")
     refuse_links(results.path)
     try:
         results.plan  # noqa: B018
@@ -104,7 +104,7 @@ class Results:
 
     @cached_property
     def measured(self) -> list[MeasuredSet]:
-        """Measured features of the study, each beside the simulated one."""
+        """Measured features of the study, each with the simulated one."""
         return measured_sets(self.plan, self._table)
 
     def parameters(self) -> "pd.DataFrame":

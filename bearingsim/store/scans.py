@@ -92,7 +92,7 @@ def find_scan_copy(root: Path, digest: str, file: str) -> Path:
 
     copy_path = scan_path(root, digest, file)
     if not re.fullmatch(ID, digest) or not _is_intact(copy_path, digest):
-        raise ScanError(f"its scan is not kept in {root / 'scans'}", "run the study again where the scan is")
+        raise ScanError(f"its scan is not stored in {root / 'scans'}", "run the study again where the scan is")
     return copy_path
 
 

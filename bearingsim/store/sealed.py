@@ -145,7 +145,7 @@ def read_json(path: Path) -> dict[str, Any]:
     if text != body + _json_seal(body):
         raise Unreadable("its content does not match its checksum")
     if MIN_BYTES_PER_ENTRY * (text.count("[") + text.count("{")) > max(len(text), BLOCK_BYTES):
-        raise Unreadable("it holds more lists and mappings than any file of its size")
+        raise Unreadable("it contains more lists and mappings than any file of its size")
     entries = json.loads(text)
     _check_schema(entries["schema"])
     return {name: value for name, value in entries.items() if name not in ("schema", "sha256")}

@@ -134,7 +134,7 @@ def _base(feature: str) -> str:
 
 
 def _reference(base: str) -> str:
-    """Return the feature whose relative standard error holds for a feature: its own for a spectral line."""
+    """Return the feature whose relative standard error applies to a feature: its own for a spectral line."""
     return base if is_line(base) else "velocity.rms"
 
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 CHUNK_BYTES = 1 << 16  # up to this size (bytes) a chunk contains several short jobs
 ATTRIBUTES = ("overrides", "model_version", "platform", "python", "packages", "git_commit")
-"""Attributes of a unit that tell how it was computed."""
+"""Attributes of a unit that describe its computation."""
 LONGEST_CHUNK = 1 << 18  # largest number of samples of a job in a chunk
 
 
@@ -119,7 +119,7 @@ def store_unit(root: Path, unit: str, content: bytes) -> Path:
         with open_sealed(io.BytesIO(content)) as file:
             _check(path, file)
     except UNREADABLE as error:
-        raise DamagedUnit(f"{path.name}, as it came: {error}") from error
+        raise DamagedUnit(f"{path.name}, as received: {error}") from error
     return _write(path, content)
 
 
@@ -255,7 +255,7 @@ def _check(path: Path, file: Hdf5) -> None:
     if not file.has_attribute("status"):  # written last
         raise Unreadable("not marked complete")
     if unit_name(ids) != path.stem:
-        raise Unreadable("its job ids are not those of its name")
+        raise Unreadable("its job ids do not match its name")
     for name in _channels(file):
         expected_shape = (len(ids), *file.shape("time"))
         if file.shape(name) != expected_shape:
@@ -269,7 +269,7 @@ def _channels(file: Hdf5) -> list[str]:
     channels = [name for name in series if len(file.shape(name)) == 2]
     for name in channels:
         if not is_line(name):
-            raise Unreadable(f"{name!a} is no name of a channel")
+            raise Unreadable(f"{name!a} is not a channel name")
     return channels
 
 
@@ -285,7 +285,7 @@ def read_series(path: Path, job: str) -> Series:
         ids = list(file.texts("job"))
         if job in ids:
             return _series(file, ids.index(job), len(ids))
-    raise KeyError(f"{path.name} does not hold job {job}")
+    raise KeyError(f"{path.name} does not contain job {job}")
 
 
 def _series(file: Hdf5, row: int, rows: int) -> Series:

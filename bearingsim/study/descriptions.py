@@ -17,20 +17,20 @@ STUDY_KEYS = {
     "study": "Name of the study, and of its results folder: letters, digits, - _ .",
     "defect": "The defect of a bearing with a single one; `defects` lists several.",
     "accuracy": (
-        "Largest difference of the results from those of the reference model. The cheapest model that keeps to it "
+        "Largest difference of the results from those of the reference model. The cheapest model within it "
         "is chosen for each case."
     ),
     "sweep": "Values of keys that vary: all combinations, values varied together (`zip`), or points of a design.",
     "figures": "Figures that `bearingsim plot` draws. Default: one for each swept parameter.",
     "uncertainty": "Other values of uncertain parameters, for which cases are repeated; they give error bands.",
-    "measured": "Measured features, or signals, to be laid beside the simulated ones; they change no job.",
+    "measured": "Measured features, or signals, for comparison with the simulated ones; no job changes.",
     "quick": "Keys that `--quick` changes, for a short first run.",
 }
 """Descriptions of the keys of a study apart from those of a case."""
 SWEEP_KEYS = {
     "zip": "Values that vary together, entry by entry; a list of mappings gives several groups.",
     "derived": "Values computed from other values by a formula, such as `defect.width / 16`.",
-    "where": "Conditions on the combinations; only those that fulfil all are computed.",
+    "where": "Conditions on the combinations; only those that satisfy all are computed.",
     "repeat": "Number of runs of each case with other seeds.",
     "sobol": "Design of Sobol' points; it can be extended by a larger `n`.",
     "lhs": "Design by Latin hypercube sampling.",
@@ -44,17 +44,17 @@ DESIGN_KEYS = {
 }
 ACCURACY_KEYS = {
     "within": "Largest relative difference from the reference model.",
-    "of": "Features for which it is required. Default: those that the figures show.",
+    "of": "Features to which the accuracy applies. Default: those in the figures.",
 }
 MEASURED_KEYS = {
-    "points": "Table of parameters and features, with units in its head; or a list of rows.",
+    "points": "Table of parameters and features, with units in its header; or a list of rows.",
     "signals": "Files of signals, with the parameters at which they were measured.",
     "label": "Name in legends and tables. Default: the name of the table.",
     "scale": "`true`: measured values times one factor, the median ratio of simulated to measured features.",
 }
 SIGNAL_KEYS = {
     "file": "File of a signal: csv, wav, mat, npz, parquet, h5, uff or tdms.",
-    "at": "Parameters at which it was measured, by path.",
+    "at": "Parameters at which the signal was measured, by path.",
     "rate": "Sampling rate. Default: from the file.",
     "speed": "Speed of the shaft. Default: from the file, else that of the study.",
     "unit": "Unit of the samples. Default: from the file.",

@@ -151,7 +151,7 @@ def _seed(entry: Node) -> int:
 
 def block_conflicts(kind: Kind, axes: Sequence[Axis], settings: SweepSettings) -> Iterator[Problem]:
     """Yield a problem for each other axis or key of a sweep that would split the blocks of a design."""
-    reason = f"beside `{kind}`, whose rows are compared in whole blocks"
+    reason = f"next to `{kind}`, whose rows are compared in whole blocks"
     for axis in (axis for axis in axes if len(axis.rows) > 1):
         mark = axis.keys[0].key or axis.keys[0].mark
         yield problem(mark, f"`{axis.paths[0]}` is swept {reason}", "give it one value, or a range in `over`")
@@ -162,5 +162,5 @@ def block_conflicts(kind: Kind, axes: Sequence[Axis], settings: SweepSettings) -
 
 NON_BLOCK_KEYS = {
     "where": "omit it; ranges and `derived` can restrict parameters",
-    "repeat": "leave it out, or take `sobol`",
+    "repeat": "omit it, or use `sobol`",
 }

@@ -65,7 +65,7 @@ def _read(path: str, node: Node) -> Range:
                 (key for key in node.mapping if key != kind and (kind, key) != ("normal", "within")), None
             )
             if extra_key is not None:
-                raise EntryError(at_key(node.mapping[extra_key]), f"unknown key `{extra_key}` beside `{kind}`")
+                raise EntryError(at_key(node.mapping[extra_key]), f"unknown key `{extra_key}` next to `{kind}`")
             return reader(path, node)
     keys = list(node.mapping)
     hint = suggestion(keys[0], DISTRIBUTIONS) if keys else ""
@@ -136,7 +136,7 @@ def _log(path: str, node: Node) -> Range:
     if low <= 0.0:
         raise EntryError(lower, "`log` needs values above zero")
     if unit in UNITS["temperature"]:
-        raise EntryError(lower, "a temperature has no logarithm", "take `uniform`")
+        raise EntryError(lower, "a temperature has no logarithm", "use `uniform`")
     return Range(
         lower, upper, low, high, unit, lambda probabilities: _geometric(low, high, probabilities.tolist())
     )
@@ -172,7 +172,7 @@ def _normal(path: str, node: Node) -> Range:
         low, high = number_in(lower, unit)[0], number_in(upper, unit)[0]
     if deviation > MAX_DEVIATION_RATIO * (high - low):
         message = f"a standard deviation over {MAX_DEVIATION_RATIO} times the range has no effect"
-        raise EntryError(deviation_node, message, "take `uniform`")
+        raise EntryError(deviation_node, message, "use `uniform`")
     a, b = (low - mean) / deviation, (high - mean) / deviation
     if a > MAX_DEVIATIONS or b < -MAX_DEVIATIONS:
         raise EntryError(

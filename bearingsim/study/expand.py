@@ -99,7 +99,7 @@ def _open_file(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]
         document = read(kind, node.value, folder)
     except ValueError:
         path = str(folder.absolute() / node.value)
-        # With the absolute path the validation of the case suggests files beside the study.
+        # With the absolute path the validation of the case suggests files in the folder of the study.
         return replace(node, value=path) if similar_file(path) and not similar_file(node.value) else node
     except StudyError as error:
         problems += [entry for entry in error.problems if entry not in problems]

@@ -59,7 +59,7 @@ def is_goal_feature(name: str) -> bool:
 
 
 def full_record_feature(plotted: Iterable[str]) -> str:
-    """Return the first feature that needs the whole record because it is no mean; empty if there is none."""
+    """Return the first feature that needs the whole record because it is not a mean; empty if there is none."""
     return next((name for name in plotted if not is_mean(name) and name != CPU_SECONDS), "")
 
 

@@ -97,7 +97,8 @@ def _measured(
 
 
 def _measured_files(root: Node, folder: FilePath) -> Iterator[FilePath]:
-    """Yield the files of measured values, found or not, in the working directory and beside the study."""
+    """Yield the files of measured values, found or not, in the working directory and in the folder of the
+    study."""
     section = root.mapping.get("measured")
     for entry in section.items if section is not None else ():
         signals = entry.mapping.get("signals")

@@ -1,4 +1,4 @@
-"""Section `measured:` of a study file: measured features and signals, which are laid beside the simulated ones.
+"""Section `measured:` of a study file: measured features and signals, to compare with the simulated ones.
 
     measured:
       - {points: line.csv, label: test rig}
@@ -6,7 +6,7 @@
       - signals: [{file: run1.wav, at: {load: 150 N}, unit: m/s^2, speed: 1796 rpm}]
         scale: true
 
-Points are rows of parameters and features, in the file or in a table whose heads give units: `load [N]`,
+Points are rows of parameters and features, in the file or in a table whose headers give units: `load [N]`,
 `velocity@BPFO [um/s]`. Of signals the features are computed. The section changes no job.
 """
 
@@ -100,7 +100,7 @@ class _Reader:
         self.problems.append(problem(mark, message, hint))
 
     def check_keys(self, node: Node, keys: Sequence[str], place: str) -> bool:
-        """Add a problem for a node that is no mapping, and for unknown keys; return True if there is none."""
+        """Add a problem for a node that is not a mapping, and for unknown keys; return True if there is none."""
         if not isinstance(node.value, dict):
             self.fail(node.mark, f"{place}: expected a mapping of {', '.join(keys)}")
             return False
@@ -154,7 +154,7 @@ class _Reader:
                 yield point
 
     def check_head(self, name: str, number: str, mark: Mark) -> None:
-        """Add a problem for a head that is no feature or path, and for a number ("": none) in a wrong unit."""
+        """Add a problem for a header that is neither feature nor path, and a number ("": none) in a wrong unit."""
         node = Node(number, mark, mark)
         if name not in FEATURES:
             if self.is_path(name, node) and number:
@@ -187,7 +187,7 @@ class _Reader:
         factor = factor_to(unit, written)
         if factor is None:
             units = ", ".join(filter(None, FACTORS.get(unit, {unit: 1.0}))) or "none"
-            reason = f"`{written}` is no unit of {name}" if written else f"the unit of {name} is missing"
+            reason = f"`{written}` is not a unit of {name}" if written else f"the unit of {name} is missing"
             self.fail(node.mark, f"measured: {reason}", f"units: {units}")
             return None
         if float(number) < 0.0 and not name.endswith(SIGNED):

@@ -1,10 +1,10 @@
-"""Tables of measured points: a head with units, and rows of parameters and features."""
+"""Tables of measured points: a header with units, and rows of parameters and features."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from bearingsim.measured.statements import HEAD
+from bearingsim.measured.statements import HEADER
 from bearingsim.measured.tables import SEPARATORS
 from bearingsim.text.numbers import is_number
 from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, StudyError, problem, read_text
@@ -17,10 +17,10 @@ COMMENT = "#"
 def table_rows(
     path: FilePath, problems: list[Problem], check_head: Callable[[str, str, Mark], None]
 ) -> Iterator[tuple[str, Node]]:
-    """Yield place and entries of each row of a table in a text file; values have the unit of their head.
+    """Yield place and entries of each row of a table in a text file; values have the unit of their column.
 
     Columns are separated by a semicolon, tab, comma or bar. ``check_head`` adds a problem for a wrong name of a
-    column, or number with its unit ("" for a column of words), at a place; rows below wrong heads are not read.
+    column, or number with its unit ("" for a column of words), at a place; rows below a wrong header are not read.
     Mistakes are added to ``problems``.
     """
 
@@ -38,12 +38,12 @@ def table_rows(
         return
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
     if len(numbered) < 2:
-        fail(Mark(str(path)), "has no row below a line of heads", "as in `load [N], velocity@BPFO [um/s]`")
+        fail(Mark(str(path)), "has no row below a header line", "as in `load [N], velocity@BPFO [um/s]`")
         return
     (head_line, head), *rows = numbered
     separator = next((mark for mark in SEPARATORS if mark in head), ",")
     cells_of_head = _cells(head, separator)
-    heads = [HEAD.match(text) for text, _ in cells_of_head]
+    heads = [HEADER.match(text) for text, _ in cells_of_head]
     names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in heads]
     columns = [name for name, _ in names]
     twice = next((name for name in columns if name and columns.count(name) > 1), None)
@@ -62,11 +62,11 @@ def table_rows(
         mark = Mark(str(path), number, 1, line)
         if len(cells) != len(names):
             values, hint = f"{len(cells)} value{'s' * (len(cells) != 1)}", "is the separator right?"
-            fail(mark, f"has {values} for the {len(names)} heads of line {head_line}", hint)
+            fail(mark, f"has {values} for the {len(names)} columns of line {head_line}", hint)
             return
         headless = [column for name, (text, column) in zip(columns, cells, strict=True) if text and not name]
         if headless:
-            fail(replace(mark, column=headless[0]), "has a value in a column without a head", "name the column")
+            fail(replace(mark, column=headless[0]), "has a value in a column without a header", "name the column")
             return
         yield f"{path.name}:{number}", Node(dict(_entries(names, cells, mark, separator)), mark)
 

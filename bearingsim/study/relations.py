@@ -101,10 +101,10 @@ class UndefinedValue(Exception):
 def _number(path: str, node: Node | None) -> float:
     """Return the value (SI) at a path. Raises ValueError if there is none, or if it is not a number."""
     if node is None:
-        raise ValueError(f"the study writes no value of `{path}`, which a formula could use")
+        raise ValueError(f"the study has no value of `{path}` for a formula")
     number = _number_of(path, node.value) if isinstance(node.value, str) else None
     if number is None:
-        raise ValueError(f"`{path}` is no number here: `{node.text}`")
+        raise ValueError(f"`{path}` is not a number: `{node.text}`")
     return number
 
 
@@ -175,7 +175,7 @@ def _derived(
         return None
     if kind != (kind_of(expected_kind) if expected_kind else DIMENSIONLESS):
         expected = EXPECTED[expected_kind] if expected_kind else "a plain number"
-        problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {kind_text(kind)}"))
+        problems.append(problem(node.mark, f"derived.{path}: expected {expected}, got {kind_text(kind)}"))
         return None
     return Derived(path, location, formula, node)
 
@@ -189,7 +189,7 @@ def _condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expr
         return None
     if kind != TRUTH:
         expected = "expected a comparison such as `defect.width < 3 mm`"
-        problems.append(problem(node.mark, f"where: {expected}, and this is {kind_text(kind)}"))
+        problems.append(problem(node.mark, f"where: {expected}, got {kind_text(kind)}"))
         return None
     return formula
 

@@ -78,7 +78,7 @@ class Expression:
 
     def _kind(self, node: ast.expr, path_kind: Callable[[str], Kind], depth: int) -> Kind:
         if depth > MAX_DEPTH:
-            raise self._error(node, f"more than {MAX_DEPTH} levels within each other")
+            raise self._error(node, f"more than {MAX_DEPTH} nested levels")
         kinds = [self._kind(operand, path_kind, depth + 1) for operand in _operands(node)]
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
@@ -144,7 +144,7 @@ class Expression:
 
     def _kind_of_power(self, node: ast.BinOp, base: Kind, exponent: Kind) -> Kind:
         if exponent != DIMENSIONLESS:
-            raise self._error(node.right, f"an exponent is a plain number, and this is {kind_text(exponent)}")
+            raise self._error(node.right, f"an exponent is a plain number, got {kind_text(exponent)}")
         self._check_brackets(node)
         if base == DIMENSIONLESS:
             return DIMENSIONLESS
@@ -196,25 +196,23 @@ class Expression:
     def _reject_celsius_with_difference(self, nodes: list[ast.expr]) -> None:
         """Reject degrees Celsius compared with a temperature difference, which has no offset."""
         if any(isinstance(operand, ast.Sub) for node in nodes for operand in ast.walk(node)):
-            self._reject_celsius("degrees Celsius beside a difference", *nodes)
+            self._reject_celsius("degrees Celsius and a temperature difference", *nodes)
 
     def _check_number(self, node: ast.expr, kind: Kind) -> Kind:
         if kind == TRUTH:
-            raise self._error(node, "expected a number, and this is true or false")
+            raise self._error(node, "expected a number, got true or false")
         return kind
 
     def _check_truth(self, node: ast.expr, kind: Kind) -> Kind:
         if kind != TRUTH:
-            raise self._error(node, f"expected a comparison such as `load < 200 N`, and this is {kind_text(kind)}")
+            raise self._error(node, f"expected a comparison such as `load < 200 N`, got {kind_text(kind)}")
         return kind
 
     def _check_same_kind(self, nodes: list[ast.expr], kinds: list[Kind]) -> None:
         for node, kind in zip(nodes, kinds, strict=True):
             self._check_number(node, kind)
             if kind != kinds[0]:
-                raise self._error(
-                    node, f"expected {kind_text(kinds[0])} as on the left, and this is {kind_text(kind)}"
-                )
+                raise self._error(node, f"expected {kind_text(kinds[0])} as on the left, got {kind_text(kind)}")
 
     # Values
 
@@ -319,7 +317,7 @@ def read(node: Node) -> Expression:
     if not isinstance(node.value, str) or not node.value.strip():
         raise ExpressionError(node.mark, "expected a formula such as `defect.width / 4`")
     if len(node.value) > MAX_CHARACTERS:
-        raise ExpressionError(node.mark, f"more than {MAX_CHARACTERS} letters in a formula")
+        raise ExpressionError(node.mark, f"more than {MAX_CHARACTERS} characters in a formula")
     text = node.value.translate(_ASCII_SPELLING)
     shift = len(text) - len(text.lstrip())
     quantities: dict[int, str] = {}
@@ -346,9 +344,9 @@ def _tree(node: Node, python: str, shift: int) -> ast.expr:
     except SyntaxError as error:
         column = min(error.offset or len(python), len(python)) - 1  # no offset at an unexpected end
         hint = "a quantity is written as in `3 mm`; quote a formula with a comma"
-        raise ExpressionError(_mark_at(node, shift + column), "this is no formula", hint) from None
+        raise ExpressionError(_mark_at(node, shift + column), "not a valid formula", hint) from None
     except (ValueError, MemoryError, RecursionError):
-        raise ExpressionError(node.mark, "this is no formula") from None
+        raise ExpressionError(node.mark, "not a valid formula") from None
 
 
 def _operands(node: ast.expr) -> list[ast.expr]:

@@ -241,7 +241,7 @@ def display(value: float, unit: str, dimension: Dimension | None = None) -> floa
         raise UnitError(unit, f"a unit of {dimension}", *_unit_hint(name, dimension))
     candidates = {factors[dimension]} if dimension else set(factors.values())
     if len(candidates) != 1:
-        raise UnitError(unit, "a unit with one meaning", "say which dimension is meant")
+        raise UnitError(unit, "a unit with one meaning", "state the dimension")
     return _in_unit(value, candidates.pop())
 
 

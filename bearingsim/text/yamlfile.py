@@ -160,10 +160,7 @@ def _content(path: Path) -> bytes:
     return content
 
 
-_TOO_LONG = (
-    f"more than {MAX_CHARACTERS} letters, those that aliases repeat counted",
-    "give ranges, or more studies",
-)
+_TOO_LONG = (f"more than {MAX_CHARACTERS} characters, with aliases expanded", "give ranges, or more studies")
 
 
 class Document(NamedTuple):
@@ -187,7 +184,7 @@ def parse(text: str, file: str) -> Document:
             self.depth += 1
             if self.depth > MAX_DEPTH:
                 start = self.peek_event().start_mark
-                raise yaml.MarkedYAMLError(None, None, f"more than {MAX_DEPTH} levels within each other", start)
+                raise yaml.MarkedYAMLError(None, None, f"more than {MAX_DEPTH} nested levels", start)
             node = super().compose_node(parent, index)
             self.depth -= 1
             return node
@@ -329,7 +326,7 @@ class _Converter:
             items = [self.node(child) for child in raw.value]
             return Node(tuple(self.join_decimals(raw.value, items)), self.mark(raw))
         if _CONTROL_CHARACTERS.search(raw.value):
-            return self.reject(raw, f"a letter that is none in {ascii(raw.value)[:MAX_ECHO]}")
+            return self.reject(raw, f"a character that is not allowed in {ascii(raw.value)[:MAX_ECHO]}")
         return Node(str(raw.value), self.mark(raw))
 
     def entries(self, raw: yaml.MappingNode) -> dict[str, Node]:

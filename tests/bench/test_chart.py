@@ -106,7 +106,7 @@ def test_full_run_is_named_if_no_job_suffices():
 
 def test_accuracy_below_the_floor_has_no_verdict():
     rows = errors.with_errors([row(role=JOB), *reference_rows(other=1.015)])
-    assert verdict.verdict(rows, 0.01).unknown == "the reference's line is known to 1.5 % only"
+    assert verdict.verdict(rows, 0.01).unknown == "the reference's line is accurate to 1.5 % only"
     assert verdict.verdict(rows, 0.05).model == "planar"
 
 

@@ -388,7 +388,7 @@ def test_freq_json_at_another_speed():
 
 @pytest.mark.parametrize(
     ("words", "message"),
-    [(["nf309"], "there are: 6203, 6205, 6309, nf308, "), (["nf308", "--speed", "1800"], "the unit is missing")],
+    [(["nf309"], "available: 6203, 6205, 6309, nf308, "), (["nf308", "--speed", "1800"], "the unit is missing")],
 )
 def test_freq_refuses_unknown_names_and_missing_units(words, message):
     assert message in type_("freq", *words, code=2)[1]

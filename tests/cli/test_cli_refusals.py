@@ -34,7 +34,7 @@ def test_results_folder_must_not_be_a_file(study_folder):
     ("number", "message"),
     [
         (errno.EACCES, "here/plan.json: you are not allowed to read or write here"),
-        (errno.EROFS, "here/plan.json: the disk can only be read: name a place on another disk"),
+        (errno.EROFS, "here/plan.json: the disk is read-only: name a path on another disk"),
         (errno.EIO, "here/plan.json: what the system says"),
     ],
 )
@@ -45,7 +45,7 @@ def test_system_errors_are_sentences(number, message):
 def test_a_full_disk_is_named():
     message = error_text(OSError(errno.ENOSPC, "what the system says", "here/plan.json"))
     assert re.match(
-        r"the disk \S+ is full \(\d+ kB are left\); plan\.json in \S+ cannot be written: make room", message
+        r"the disk \S+ is full \(\d+ kB are left\); plan\.json in \S+ cannot be written: free some space", message
     )
 
 

@@ -69,7 +69,7 @@ def test_closed_stdout_pipe_is_no_error(done):
 @pytest.mark.parametrize("command", ["plot", "show", "export"])
 def test_without_results_there_is_a_message(study_folder, command):
     assert "no results in ./results" in type_(command, code=2)[1]
-    assert "holds no results" in type_(command, study_folder, code=2)[1]
+    assert "contains no results" in type_(command, study_folder, code=2)[1]
 
 
 def test_show_prints_a_row_per_job(done):

@@ -136,7 +136,7 @@ def test_broken_pipe_other_than_stdout_is_reported(study_folder, monkeypatch) ->
 
     monkeypatch.setattr("bearingsim.study.load_study", broken)
     _, messages = type_("check", "small.yaml", code=2)
-    assert "a process that this one writes to has ended (broken pipe)" in messages
+    assert "the process that reads the output has ended (broken pipe)" in messages
 
 
 def test_closed_stdout_is_detected() -> None:

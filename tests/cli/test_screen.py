@@ -61,7 +61,7 @@ def test_show_lists_columns_that_do_not_fit(done, terminal):
     hidden += (
         ", error.start, error.start.rms, error.start.force, step_error.line, step_error.rms, step_error.record"
     )
-    assert f"9 columns do not fit 64 letters: {hidden} (`--columns NAME`" in " ".join(stdout.split())
+    assert f"9 columns do not fit 64 characters: {hidden} (`--columns NAME`" in " ".join(stdout.split())
 
 
 def test_requested_columns_are_all_printed(done, terminal):

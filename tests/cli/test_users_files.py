@@ -145,7 +145,7 @@ COMMAND_LINES = {
 """Commands that would write into a folder or over a file of the user. DONE, PLANE, JOB, SIGNAL: placeholders."""
 WITHOUT_FOLDER = {"freq", "warm"}
 """Commands that write no files into folders of the user."""
-REMEDIES = ("--out", "another", "name a file", "holds no results", "--force", "not a folder")
+REMEDIES = ("--out", "another", "name a file", "contains no results", "--force", "not a folder")
 
 
 @pytest.fixture(scope="session")
@@ -205,7 +205,7 @@ def test_separate_folder_is_proposed(user_folder):
 
 def test_lock_with_content_counts_as_user_file(user_folder):
     write_files(user_folder / "locked", [".lock"])
-    assert "holds files of your own (.lock" in " ".join(
+    assert "contains files of your own (.lock" in " ".join(
         type_("run", "small.yaml", "--out", "locked", code=2)[1].split()
     )
 
@@ -246,7 +246,7 @@ def test_fresh_removes_results_and_names_their_study(tmp_path, monkeypatch, done
     shutil.copytree(done, "ours")
     units = {path.stem for path in Path("ours").glob("units/*/*.h5")}
     stderr = " ".join(type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", code=2)[1].split())
-    assert f"ours holds results of the study `small` ({len(units)} units, 0 failures)" in stderr
+    assert f"ours contains results of the study `small` ({len(units)} units, 0 failures)" in stderr
     assert "such as --out results/other-quick, or delete them by `run --fresh`" in stderr
     assert {path.stem for path in Path("ours").glob("units/*/*.h5")} == units
     stderr = type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", "--fresh")[1]

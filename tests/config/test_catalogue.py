@@ -135,7 +135,7 @@ def test_clearance_of_a_class_is_the_middle_of_its_range() -> None:
 
 def test_bore_beyond_the_table_is_refused() -> None:
     large = load_bearing("nf308").model_dump() | {"bore": 0.2, "pitch_diameter": 0.25, "outside_diameter": 0.3}
-    with pytest.raises(ValidationError, match="class CN is known for bores over 0 to 120 mm, not for 200 mm"):
+    with pytest.raises(ValidationError, match="class CN is defined for bores over 0 to 120 mm, not for 200 mm"):
         case(large, "CN")
     with pytest.raises(ValueError, match="over 6 to 120 mm, not for 6 mm"):
         limits("CN", "ball", 0.006)

@@ -123,7 +123,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
         (
             "law: film, oil: VG 68, temperature: 400 C",
             "400 C",
-            "damping.temperature: the viscosity of oils is known from -20 C to 150 C, not at 400 C (use `viscosity`)",
+            "damping.temperature: the viscosity of oils is defined from -20 C to 150 C, not at 400 C (use `viscosity`)",
         ),
         (
             "law: film, oil: VG 68, temperature: -300 C",

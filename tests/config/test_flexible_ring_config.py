@@ -257,21 +257,21 @@ LINES: list[tuple[str, str, str]] = [
     (_loaded("by: pads, angles: []"), "pads", "rig.load.by: `by: pads` needs `angles` (use `angles: [-45 deg, 45 deg]`)"),
     (_loaded("by: pads, angles: 45 deg"), "45 deg", "rig.load.angles: expected a list such as `[a, b]`"),
     (_loaded("by: pads, angles: [0 deg, 360 deg]"), "[0 deg", "rig.load.angles: two pads have the same angle (give each angle once)"),
-    (_loaded("by: pads, angles: [-45 deg, 46 deg]"), "[-45", "rig.load.angles: equal forces at these angles do not add up to a load along the load line (take angles on both sides of it, such as `[-45 deg, 45 deg]`)"),
+    (_loaded("by: pads, angles: [-45 deg, 46 deg]"), "[-45", "rig.load.angles: equal forces at these angles do not add up to a load along the load line (use angles on both sides of it, such as `[-45 deg, 45 deg]`)"),
     (_loaded("by: pads, angles: [-85 deg, 85 deg]"), "[-85", "rig.load.angles: pads at these angles carry almost none of the load: their forces act across it (use angles nearer to the load line, such as `[-45 deg, 45 deg]`)"),
-    (_loaded("by: pads, angles: [-135 deg, 135 deg]"), "[-135", "rig.load.angles: equal forces at these angles do not add up to a load along the load line (take angles on both sides of it, such as `[-45 deg, 45 deg]`)"),
+    (_loaded("by: pads, angles: [-135 deg, 135 deg]"), "[-135", "rig.load.angles: equal forces at these angles do not add up to a load along the load line (use angles on both sides of it, such as `[-45 deg, 45 deg]`)"),
     (_loaded("by: points, at: []"), "points", "rig.load.by: `by: points` needs `at` (use `at: [{angle: 0 deg, stiffness: 1e8 N/m}]`)"),
     (_loaded("by: points, at: [45 deg]"), "45 deg", "rig.load.at: expected a mapping such as `{angle: 0 deg, stiffness: 1e8 N/m}`, got `45 deg`"),
     (_loaded("by: points, at: [{angle: 0 deg}]"), "{angle", "rig.load.at: `stiffness` is missing (expected a stiffness such as `1e7 N/m`)"),
     (_loaded("by: points, at: [{angle: 0 deg, stifness: 1 N/m, stiffness: 1 N/m}]"), "stifness", "rig.load.at: unknown key `stifness` (did you mean `stiffness`?)"),
     (_loaded(springs_at("20 -340")), "[{angle", "rig.load.at: two springs have the same angle (give each angle once)"),
     (_loaded(springs_at("120 -90")), "[{angle", "rig.load.at: no spring within 90 deg of the load line carries the load (give one at `angle: 0 deg`)"),
-    (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{springs_at('0')}}}}}", "[{angle", "rig.load.at: springs that push only do not hold the carrier here (give springs on both sides of the load line)"),
+    (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{springs_at('0')}}}}}", "[{angle", "rig.load.at: compression springs at these angles do not support the carrier (give springs on both sides of the load line)"),
     (_loaded("by: housing"), "housing", "rig.load.by: `by: housing` needs `stiffness` (use `stiffness: 1e10 N/m/m`)"),
     (_loaded("by: housing, stiffness: 1e10 N/m"), "1e10 N/m", "rig.load.stiffness: expected a stiffness per metre of circumference such as `1e10 N/m/m`, got `1e10 N/m` (`N/m` is a unit of stiffness)"),
-    (_loaded("by: housing, stiffness: 2e13 N/m/m"), "2e13", "rig.load.stiffness: a housing of 2e+13 N/m/m holds the ring as a rigid one (take a rigid ring, or at most 1e13 N/m/m)"),
-    (_loaded("by: housing, stiffness: 2e6 N/m/m"), "2e6 N", "rig.load.stiffness: under its load the housing would move by 1.06 mm (take a stiffer one, such as `1e10 N/m/m`)"),
-    (_loaded("by: housing, stiffness: 1e10 N/m/m, mass: 1e-6 kg"), "1e-6 kg", "rig.load.mass: a carrier of 0.001 g on its springs needs too short a step (take 1 g or more, or leave it out: 1 kg)"),
+    (_loaded("by: housing, stiffness: 2e13 N/m/m"), "2e13", "rig.load.stiffness: a housing of 2e+13 N/m/m makes the ring practically rigid (use a rigid ring, or at most 1e13 N/m/m)"),
+    (_loaded("by: housing, stiffness: 2e6 N/m/m"), "2e6 N", "rig.load.stiffness: under its load the housing would move by 1.06 mm (use a stiffer one, such as `1e10 N/m/m`)"),
+    (_loaded("by: housing, stiffness: 1e10 N/m/m, mass: 1e-6 kg"), "1e-6 kg", "rig.load.mass: a carrier of 0.001 g on its springs needs too short a step (use 1 g or more, or omit `mass`, 1 kg by default)"),
     (_loaded("by: housing, stiffness: 1e10 N/m/m, fit: -0.2 mm"), "-0.2 mm", "rig.load.fit: a fit of -200 um is beyond 100 um (is the unit right?)"),
     (_loaded("by: housing, stiffness: 1e10 N/m/m, mass: 0 kg"), "0 kg", "rig.load.mass: expected a mass above zero, such as `0.6 kg`, got `0 kg`"),
     (f"load_across: 1 N\nrig: {{{BEND}}}", "1 N", "load_across: `by: point` gives the ring forces along the load line alone (leave it out, or use `by: points` or `by: housing`)"),
@@ -279,7 +279,7 @@ LINES: list[tuple[str, str, str]] = [
     (f"rig: {{{BEND}, sensor: {{on: housing}}}}", "housing", "rig.sensor.on: `by: point` has no housing for a sensor (use `by: housing`)"),
     (f"rig: {{{BEND}, torsion_stiffness: 1e4 N m/rad}}", "1e4 N m/rad", "rig.torsion_stiffness: the rollers model cannot do this: `rig.torsion_stiffness` lets the outer ring rotate (no model can compute all of this)"),
     *(
-        (f"rig: {{{BEND}}}\nmethod: {name}", name, f"method: `{name}` solves with derivatives, which a ring that bends does not have (leave `method` out, or take an explicit one)")
+        (f"rig: {{{BEND}}}\nmethod: {name}", name, f"method: `{name}` solves with derivatives, which a flexible ring does not have (omit `method`, or use an explicit one)")
         for name, method in METHODS.items()
         if method.implicit
     ),

@@ -77,8 +77,8 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"rig": {"torsion_stiffness": "1e4 N m/rad"}}, "planar", "lets the outer ring rotate"),
     ({"defect": DEFECT | {"offset": "2 mm"}}, "spatial", "an `offset` tilts the roller"),
     ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
-    ({"rig": SPRUNG}, "spatial", "lets the outer ring lean"),
-    ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring lean"),
+    ({"rig": SPRUNG}, "spatial", "lets the outer ring tilt"),
+    ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring tilt"),
     ({"record": ["roller.2.tilt"]}, "spatial", "tilt or line load of a roller"),
     ({"record": ["roller.outer_line_load"]}, "spatial", "tilt or line load of a roller"),
 ]

@@ -133,11 +133,11 @@ REPAIRED = {
         (EVEN, with_missing(7, 21)),
         "2 missing values filled from the neighbours: 3.5 deg, 10.5 deg",
     ),
-    "a spike": ((EVEN, spiky(60)), "1 spike of 4.99 um and more taken out: 30 deg"),
+    "a spike": ((EVEN, spiky(60)), "1 spike of 4.99 um and more removed: 30 deg"),
     "descending angles": ((EVEN[::-1], heights(EVEN[::-1])), "the angles are not ascending and were sorted"),
     "ends that differ": (
         (TURN, heights(TURN) + 0.02 * TURN / 360.0),
-        "both ends of the turn are given and differ by 0.02 um: their mean is taken",
+        "both ends of the turn are given and differ by 0.02 um: their mean is used",
     ),
 }
 
@@ -247,13 +247,14 @@ IN_A_STUDY = {
     "beyond the points": (
         "{file: race.csv, orders: [2, 200]}",
         "[2, 200]",
-        "720 points are too few for order 200, which takes 1400 (7 per wave) (`orders: [2, 102]`, or more points)",
+        "720 points are too few for order 200, which needs 1400 (7 per wave) (`orders: [2, 102]`, or more points)",
     ),
     "few points for the default": ("coarse.csv", "coarse.csv", "100 points are too few for order 50"),
     "a gap": (
         "gapped.csv",
         "gapped.csv",
-        "a gap of 10.5 deg from 49.5 deg is over half a wave of order 50 (`orders: [2, 17]`, or measure it)",
+        "a gap of 10.5 deg from 49.5 deg is over half a wave of order 50 (`orders: [2, 17]`, or measure the whole"
+        " turn)",
     ),
     "an unknown key": ("{file: race.csv, order: 3}", "order", "surfaces.outer.roundness: unknown key `order`"),
     "millimetres": (

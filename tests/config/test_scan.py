@@ -96,7 +96,7 @@ def test_missing_cells_are_filled_from_their_neighbours(tmp_path: Path) -> None:
         write_grid(tmp_path / "b.csv", depth),
         write_hdf5(tmp_path / "c.h5", depth),
     ):
-        assert "3 missing cells filled from their neighbours: s = 0 mm, z = 0 mm; " in notes_text(file)
+        assert "3 missing cells filled from the neighbours: s = 0 mm, z = 0 mm; " in notes_text(file)
         assert 50e-6 - read_scan(file).depth.max() < 1e-6
 
 
@@ -124,7 +124,7 @@ def test_a_slot_has_no_spikes(tmp_path: Path) -> None:
     """Neither its walls nor its corners, nor a step of one cell's width."""
     slot = np.where((np.abs(S) < 0.4)[None, :] & (np.abs(Z) < 2.0)[:, None], 50.0, 0.0)
     slot[:, 5] = np.where(np.abs(Z) < 2.0, 10.0, 0.0)
-    assert notes_text(write_grid(tmp_path / "a.csv", slot)).startswith("the damage's middle")
+    assert notes_text(write_grid(tmp_path / "a.csv", slot)).startswith("the centre of the damage")
 
 
 def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
     s, z = np.meshgrid(S, Z)
     file = write_grid(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
     assert "offset 12 um, tilt 8.99 um along s and -16 um along z removed" in notes_text(file)
-    assert "surroundings even to 0.0883 um: what is within 0.265 um of them is the race" in notes_text(file)
+    assert "roughness of the surrounding race: 0.0883 um; depths within 0.265 um are set to 0" in notes_text(file)
     level = read_scan(write_grid(tmp_path / "b.csv", bowl(noise=0.1)))
     assert read_scan(file).sizes == pytest.approx(level.sizes, rel=0.03)
 
@@ -174,7 +174,7 @@ def test_curvature_of_the_race_is_subtracted(tmp_path: Path) -> None:
 
 def test_middle_of_the_damage_is_its_position(tmp_path: Path) -> None:
     scan = read_scan(write_grid(tmp_path / "a.csv", bowl(), s=S + 40.0, z=Z - 7.0))
-    assert "the damage's middle, s = 40 mm, z = -7 mm, is placed at the defect's position" in "\n".join(scan.notes)
+    assert "the centre of the damage, s = 40 mm, z = -7 mm, is at the defect's position" in "\n".join(scan.notes)
     assert scan.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
 
 
@@ -189,7 +189,7 @@ def test_uneven_positions_are_kept(tmp_path: Path) -> None:
 
 def test_damage_beyond_the_scan_along_the_roller(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "a.csv", np.where(np.abs(S) < 0.4, 50.0, 0.0) * np.ones((len(Z), 1)))
-    assert "reaches the scan's end along z and is cut there" in notes_text(file)
+    assert "extends to the scan's end along z and is cut off there" in notes_text(file)
     assert read_scan(file).sizes[0] == pytest.approx(8e-3)
 
 
@@ -274,7 +274,7 @@ def test_text_in_an_hdf5_file_is_refused(tmp_path: Path) -> None:
         file["depth"].attrs["units"] = "um"
     path = tmp_path / "study.yaml"
     path.write_text(STUDY.replace("FILE", "a.h5"))
-    with pytest.raises(StudyError, match=r"defect\.file: `depth` holds something else than numbers"):
+    with pytest.raises(StudyError, match=r"defect\.file: `depth` contains other data than numbers"):
         load_study(path)
 
 
@@ -308,9 +308,9 @@ def test_note_on_one_missing_cell_at_position_zero(tmp_path: Path) -> None:
     depth = bowl()
     depth[20, 30] = np.nan
     message = notes_text(write_points(tmp_path / "a.csv", depth, s=np.where(np.abs(S) < 1e-9, 5.421e-17, S)))
-    assert "1 missing cell filled from its neighbours: s = 0 mm, z = 0 mm" in message
+    assert "1 missing cell filled from the neighbours: s = 0 mm, z = 0 mm" in message
 
 
 def test_a_file_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scanfile, "MAX_POINTS", 100)
-    assert "thin it out" in refusal(write_grid(tmp_path / "a.csv", bowl()))
+    assert "use fewer points" in refusal(write_grid(tmp_path / "a.csv", bowl()))

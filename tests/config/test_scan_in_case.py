@@ -197,7 +197,7 @@ def test_a_scan_of_many_points_is_refused_before_it_is_read(tmp_path: Path) -> N
     with h5py.File(tmp_path / "a.h5", "w") as file:
         for name, shape in (("s", (2_000_000_000,)), ("z", (2,)), ("depth", (2, 2_000_000_000))):
             file.create_dataset(name, shape, "f8", chunks=True, compression="gzip").attrs["units"] = "um"
-    assert "4000000000 points; at most 4000000 (thin it out)" in refusal(tmp_path / "a.h5")
+    assert "4000000000 points; at most 4000000 (use fewer points)" in refusal(tmp_path / "a.h5")
     (tmp_path / "a.csv").write_bytes(b"s [mm],z [mm],depth [um]\n" + b",,\n" * 3_000_000)
     assert "more than 4000000 cells" in refusal(tmp_path / "a.csv")
 

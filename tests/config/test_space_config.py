@@ -81,7 +81,7 @@ def test_profiles() -> None:
 def test_missing_or_unknown_keys_of_a_profile_are_refused() -> None:
     for profile, words in (
         ({"shape": "crowned"}, "a crowned profile needs `drop`"),
-        ({"shape": "logarithmic", "drop": 1e-6}, "a logarithmic profile has none"),
+        ({"shape": "logarithmic", "drop": 1e-6}, "a logarithmic profile has no `drop`"),
         ({"shape": "round"}, "expected `straight`, `crowned` or `logarithmic`, got `round`"),
     ):
         with pytest.raises(ValidationError, match=words):
@@ -136,7 +136,7 @@ def test_a_line_load_is_a_channel_for_each_slice() -> None:
     assert dataset_names("roller.3.outer_line_load.4") == ("roller.3.outer_line_load.4",)
     assert Case.model_validate(test_case.model_dump()) == test_case
     message, hint = refusal(record=["roller.3.outer_line_load.13"], contact={"slices": 12})
-    assert message == "there is no slice 13: the roller is cut into 12"
+    assert message == "there is no slice 13: the roller has 12"
     assert "`roller.3.outer_line_load`" in hint
 
 

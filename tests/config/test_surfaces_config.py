@@ -100,7 +100,7 @@ def test_until_is_refused_where_the_form_turns():
     (refusal,) = refusals({"inner": SPECTRUM}, **fields)
     assert (
         refusal
-        == "`until` compares turns, which differ: the surfaces of inner race or rollers turn (leave it out)"
+        == "`until` compares revolutions, which differ: the surfaces of inner race or rollers turn (leave it out)"
     )
 
 

@@ -34,7 +34,7 @@ NEEDS = {
     "form of the surfaces": {"form"},
     "a flexible outer ring": {"bending ring"},
     "tilt": {"tilt"},
-    "load along the roller, tilt of rings": {"leaning rings", "profile"},
+    "load along the roller, tilt of rings": {"tilting rings", "profile"},
     "balls": {"balls"},
 }
 """Abilities of each row of the table of needs."""

@@ -80,7 +80,7 @@ def test_profile_is_a_key_of_the_bearing(write: Write) -> None:
         ("width: 1 mm", "(`width` is a key of `bearing`, `defect` and `rig.ring.section`)"),
         ("damping: none", "`damping` is a key of `contact`, `shaft`, `bearing.flanges` and `rig.ring`)"),
         ("sweep: {chi: [1 s/m]}", "no such path `chi` (`chi` is a key of `contact.damping`)"),
-        ("bearing: 6204", "no bearing `6204` (there are: 6203, 6205, 6309, nf308, "),
+        ("bearing: 6204", "no bearing `6204` (available: 6203, 6205, 6309, nf308, "),
     ],
 )
 def test_another_quantity_is_not_suggested(write: Write, lines: str, message: str) -> None:

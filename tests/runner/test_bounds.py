@@ -134,7 +134,7 @@ def test_job_that_exceeds_its_cpu_limit_fails(tmp_path: Path) -> None:
     summary = run(study, tmp_path, jobs=1, progress=False, engine=optimistic_engine, max_cpu=0.1)  # type: ignore
     assert (summary.done, summary.failed) == (3, 1)
     [group] = summary.failures
-    assert group.reason == "it took over 0.1 s of CPU time, and was stopped (`--max-cpu`)"
+    assert group.reason == "the job exceeded its limit of 0.1 s of CPU time (`--max-cpu`)"
     assert "--retry-failed" in group.advice
     assert run(study, tmp_path, jobs=1, progress=False, engine=ENGINE, retry_failed=True).exit_code == 0  # type: ignore
 
@@ -173,7 +173,7 @@ def thoughtful(case: Any) -> Any:
 def test_simulation_stops_at_the_cpu_limit_without_another_method() -> None:
     long = case(duration="5 s", periodic="false")
     short = simulation.simulate(case())  # compiled
-    with pytest.raises(cpu_time.OutOfCpuTime, match="stopped"), cpu_time.at_most(0.02):
+    with pytest.raises(cpu_time.OutOfCpuTime, match="exceeded its limit"), cpu_time.at_most(0.02):
         simulation.simulate(long)
     with cpu_time.at_most(1e4):
         bounded = simulation.simulate(case())

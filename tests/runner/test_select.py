@@ -491,8 +491,11 @@ def test_no_total_error_for_a_ring_assumed_to_be_rigid(write: Write, tmp_path: P
     assert table["error.model"].notna().sum() == 3
     output = str(summary)
     assert "models for 5 %: `rollers` in 3 of 3 cases" in output
-    assert "3 of 3 cases are within 5 % of the reference, a model" in output
-    assert "audit: 3 of 3 jobs computed again by their reference kept it; the worst is 0.99 % off" in output
+    assert "3 of 3 cases are within 5 % of the reference model" in output
+    assert (
+        "audit: 3 of 3 jobs recomputed with their reference are within the accuracy; largest difference 0.99 %"
+        in output
+    )
 
 
 def test_no_accuracy_is_reported_before_the_first_job(write: Write, tmp_path: Path) -> None:
@@ -522,10 +525,13 @@ def test_audits_compare_differences_from_the_healthy_case(
     )
     summary = compute(study, tmp_path / "out")
     output = str(summary)
-    assert "audit: 0 of 3 jobs computed again by their reference kept it; the worst is 34 % off" in output
+    assert (
+        "audit: 0 of 3 jobs recomputed with their reference are within the accuracy; largest difference 34 %"
+        in output
+    )
     assert summary.exit_code == 0
-    assert "withdrawn for 3 of 3 cases: velocity@BPFO-healthy is 34 % off" in output.splitlines()[1]
-    assert "of the reference, a model" not in output
+    assert "withdrawn for 3 of 3 cases: velocity@BPFO-healthy is 34 % different" in output.splitlines()[1]
+    assert "of the reference model" not in output
     table = store.open_results(tmp_path / "out").table()
     assert table["error"].dropna().tolist() == pytest.approx([0.34] * 3, abs=0.005)
     printed = type_("show", tmp_path / "out")[0]

@@ -12,7 +12,7 @@ LINES = Lines.of(PARTS, SHAFT)
 
 
 def impacts(rhythm, modulation=0.0, seconds=4.0, noise=0.3, seed=0, slip=0.0, resonance=3000.0):
-    """Return impacts (n,) at a rhythm (Hz), modulated at a frequency (Hz), through a resonance, with noise."""
+    """Impacts (n,) at the rate `rhythm` (Hz), modulated by `modulation` (Hz), with a resonance and noise."""
     rng = np.random.default_rng(seed)
     t = np.arange(int(seconds * RATE)) / RATE
     pulses = np.zeros(len(t))

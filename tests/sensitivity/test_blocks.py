@@ -100,7 +100,7 @@ def test_study_without_design_is_refused_with_example():
 
 def test_unsuitable_feature_is_refused():
     assert refused(of="velocity@BPF").endswith("(did you mean `velocity@BPFO`?)")
-    assert refused(of="status") == "no feature `status` in these results (there are: velocity@BPFO)"
+    assert refused(of="status") == "no feature `status` in these results (available: velocity@BPFO)"
     assert "a phase is periodic" in refused(of=f"{LINE}.phase", **{f"{LINE}.phase": 1.0})
 
 

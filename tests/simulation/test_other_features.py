@@ -95,8 +95,8 @@ def test_non_finite_value_becomes_nan_with_a_reason(function, monkeypatch) -> No
 
 FAILING = {
     "of_dictionary": rf"of_dictionary` of the extension `{__name__}` fails \(KeyError: 'roller.tilt'\)$",
-    "array_result": "array_result` gives a ndarray, not a number$",
-    "none_result": "none_result` gives a NoneType, not a number$",
+    "array_result": "array_result` returned a ndarray, not a number$",
+    "none_result": "none_result` returned a NoneType, not a number$",
     "exit_process": rf"exit_process` of the extension `{__name__}` fails \(SystemExit: 3\)$",
 }
 

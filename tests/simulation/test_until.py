@@ -50,7 +50,7 @@ def test_periodic_record_has_no_standard_error() -> None:
     [
         ({"record": ["ring.velocity"]}, "no series can be stored"),
         ({"record": [], "ramp": {"to": "1900 rpm", "time": "1 s"}}, "the speed changes"),
-        ({"record": [], "model": "impulse", "defect": SLOT}, "the model does not say"),
+        ({"record": [], "model": "impulse", "defect": SLOT}, "the model is not declared as periodic"),
         ({"record": [], "antialias": False}, "low-passed"),
         ({"record": [], "step_check": "strict"}, "the whole record"),
     ],

@@ -96,6 +96,8 @@ GRID = [{"load": load, "model": model} for load in LOADS for model in ("static",
 )
 def test_cases_that_are_no_full_grid_are_refused(tmp_path: Path, values: list[dict[str, Any]], count: str) -> None:
     results = results_of(tmp_path, values)
-    with pytest.raises(store.ResultsError, match=f"no full grid: values of `load` 2.*; {count} combinations"):
+    with pytest.raises(
+        store.ResultsError, match=f"not form a full grid: values of `load` 2.*; {count} combinations"
+    ):
         results.to_xarray(grid=True)
     assert dict(results.to_xarray().sizes) == {"job": 1 + len(values), "time": 205}

@@ -112,7 +112,7 @@ def test_link_or_special_file_counts_as_a_damaged_unit(tmp_path: Any, change: An
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     [unit] = root.glob("units/*/*.h5")
     change(unit)
-    with pytest.warns(DamageWarning, match="is a link|is no file|more than the memory"):
+    with pytest.warns(DamageWarning, match="is a link|is not a file|more than the memory"):
         assert set(store.open_results(root).table()["status"]) == {"missing"}
     summary = run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     assert (summary.done, summary.resumed) == (4, 0)

@@ -230,7 +230,7 @@ def test_a_folder_is_not_merged_into_itself(tmp_path: Path) -> None:
 def test_folders_without_results_are_refused(tmp_path: Path) -> None:
     first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     _, message = type_("merge", first, tmp_path / "b", "--out", tmp_path / "out", code=2)
-    assert "b holds no results of a study" in message
+    assert "b contains no results of a study" in message
     assert not (tmp_path / "out").exists()
 
 

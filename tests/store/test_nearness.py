@@ -111,8 +111,8 @@ def test_more_nodes_are_recommended_where_they_suffice() -> None:
         goal["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
     goal["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without more nodes
     assert list(accuracy_notes(goal, frame({LINE: [1.0, 2.0, 2.0]}))) == [
-        "1 of 3 cases are within 5 % of the reference, a model, the others within 56 %",
-        "  1 more would be with more `contact.length_nodes` (slices, harmonics)",
+        "1 of 3 cases are within 5 % of the reference model, the others within 56 %",
+        "  1 more would be within it with more `contact.length_nodes` (slices, harmonics)",
     ]
 
 
@@ -124,8 +124,8 @@ def test_chaotic_line_with_unknown_scatter_has_no_total_error() -> None:
     assert bounds["error"].isna().tolist() == [True, False, False]
     assert bounds["error.model"].tolist() == [0.03] * 3
     notes = list(accuracy_notes(goal, frame(columns)))
-    assert "2 of 3 cases are within 5 % of the reference, a model" in notes
-    assert "1 chaotic cases: standard error of a line, and so accuracy, unknown" in notes
+    assert "2 of 3 cases are within 5 % of the reference model" in notes
+    assert "1 chaotic cases: standard error of a line unknown, and thus the accuracy" in notes
 
 
 def test_no_total_error_for_a_ring_assumed_to_be_rigid() -> None:
@@ -174,10 +174,12 @@ def test_failed_audit_withdraws_the_accuracy_of_its_curve() -> None:
     assert bounds["error"].iloc[:3].tolist() == pytest.approx([0.2, 0.2, 0.01])
     assert bounds["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
     assert list(withdrawals(goal, results)) == [
-        "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO is 20 % off its reference",
-        "  in job a; `model: reference` instead of `accuracy` computes all by it",
+        "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO is 20 % different from its reference",
+        "  in job a; `model: reference` instead of `accuracy` computes all cases with the reference",
     ]
-    assert list(accuracy_notes(goal, results)) == ["of the other 1 cases 1 are within 5 % by their trials"]
+    assert list(accuracy_notes(goal, results)) == [
+        "1 of the other 1 cases are within 5 % according to their trials"
+    ]
 
 
 @pytest.mark.parametrize(("audit", "is_failed"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])

@@ -147,7 +147,7 @@ def test_trials_are_removed_from_a_study_without_accuracy(tmp_path: Path, monkey
 def test_a_folder_in_use_is_refused(narrowed_results: Path) -> None:
     removable = store.find_removable(narrowed_results)
     with FileLock(narrowed_results / ".lock"):
-        assert "another run holds" in type_("prune", narrowed_results, "--no-dry-run", code=2)[1]
+        assert "another run has locked" in type_("prune", narrowed_results, "--no-dry-run", code=2)[1]
     with temporary(narrowed_results / "units/00", ID, "started"):
         assert "another run is writing" in type_("prune", narrowed_results, "--no-dry-run", code=2)[1]
         type_("prune", narrowed_results)
@@ -163,7 +163,7 @@ def test_folder_without_a_plan_is_unchanged(tmp_path: Path) -> None:
     assert "plan.json is damaged" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
     assert files_of(tmp_path) == before
     os.remove(plan)
-    assert "holds no results" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
+    assert "contains no results" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
 
 
 def assert_in_use(root: Path, study: Any) -> None:

@@ -484,7 +484,7 @@ def test_missing_xarray_is_reported_with_the_command_to_install_it(
 
 
 def test_missing_results_are_reported(tmp_path: Path, study: FakeStudy) -> None:
-    with pytest.raises(store.ResultsError, match="holds no results"):
+    with pytest.raises(store.ResultsError, match="contains no results"):
         store.open_results(tmp_path)
     store_jobs(tmp_path, study, study.jobs()[1:])
     results = store.open_results(tmp_path)
@@ -501,7 +501,7 @@ def test_unit_of_another_machine_is_stored_unchanged(tmp_path: Path, study: Fake
     assert copy.read_bytes() == content
     assert copy.relative_to(tmp_path / "here") == path.relative_to(tmp_path / "there")
     for wrong_content, unit in ((content[:-200], path.stem), (flip_bit(content), path.stem), (content, "0" * 16)):
-        with pytest.raises(store.DamagedUnit, match="as it came"):
+        with pytest.raises(store.DamagedUnit, match="as received"):
             store.store_unit(tmp_path / "other", unit, wrong_content)
     assert not (tmp_path / "other").exists()
 
@@ -530,7 +530,8 @@ def test_wait_for_a_lock_names_its_holder(
     threading.Timer(0.4, released.set).start()
     with store.lock(tmp_path):
         assert (
-            f"waiting for another run (elsewhere-123), which holds {tmp_path / '.lock'}" in capsys.readouterr().err
+            f"waiting for another run (elsewhere-123), which has locked {tmp_path / '.lock'}"
+            in capsys.readouterr().err
         )
     thread.join()
 

@@ -81,7 +81,7 @@ def test_misspelled_band_is_answered_with_examples(write: Write) -> None:
 
 
 def test_default_features_need_no_request(write: Write) -> None:
-    with pytest.raises(StudyError, match="is computed of every case"):
+    with pytest.raises(StudyError, match="is computed for every case"):
         load_study(write(f"{BASE}features: [velocity.rms]\n"))
 
 

@@ -142,13 +142,13 @@ def test_binary_file_is_refused_with_a_position(tmp_path: Path) -> None:
 def test_size_limit_includes_expanded_aliases() -> None:
     text = "a" * (MAX_CHARACTERS // 10)
     assert yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 7)}]", "f").root.items[7].value == text
-    with pytest.raises(StudyError, match="f:1:2: more than 100000 letters"):
+    with pytest.raises(StudyError, match="f:1:2: more than 100000 characters"):
         yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 10)}]", "f")
 
 
 def test_twenty_levels_are_read_and_one_more_is_not() -> None:
     yamlfile.parse("[" * 20 + "]" * 20, "f")
-    with pytest.raises(StudyError, match="f:1:21: not valid YAML: more than 20 levels within each other"):
+    with pytest.raises(StudyError, match="f:1:21: not valid YAML: more than 20 nested levels"):
         yamlfile.parse("[" * 21 + "]" * 21, "f")
 
 

@@ -135,17 +135,17 @@ def test_mistakes_are_located_in_the_study(tmp_path, section):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ("load [N],velocity@BPFO [um/s]\n150\n", "line.csv:2:1: has 1 value for the 2 heads of line 1"),
+        ("load [N],velocity@BPFO [um/s]\n150\n", "line.csv:2:1: has 1 value for the 2 columns of line 1"),
         ("load [N],velocity@BPFO [um/s]\n150,1\nx,2\n", "line.csv:3:1: measured: load: expected a force"),
         ("load [N],velocity@BPFO [um/s]\n150,x\n", "line.csv:2:5: measured: velocity@BPFO"),
-        ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:1:10: measured: `Pa` is no unit of velocity@BPFO"),
+        ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:1:10: measured: `Pa` is not a unit of velocity@BPFO"),
         ("load [g],velocity@BPFO [um/s]\n150,1\n", "line.csv:1:1: measured: load: expected a force"),
         ("load [N],velocity@BPFO\n150,1\n", "line.csv:1:10: measured: the unit of velocity@BPFO is missing"),
         ("load [N],velocity@BPFO [um/s]\n150,-1\n", "line.csv:2:5: measured: velocity@BPFO is never negative"),
-        ("load [N],velocity@BPFO [um/s],\n150,1,x\n", "line.csv:2:7: has a value in a column without a head"),
+        ("load [N],velocity@BPFO [um/s],\n150,1,x\n", "line.csv:2:7: has a value in a column without a header"),
         ("load [N],velocity@BPFO [um/s],load [kN]\n1,1,1\n", "line.csv:1:1: has two columns `load`"),
         ("load [N],velocity@BPFO [um/s]\n150,inf\n", "line.csv:2:5: measured: velocity@BPFO: expected a number"),
-        ("load [N],velocity@BPFO [um/s]\n", "has no row below a line of heads"),
+        ("load [N],velocity@BPFO [um/s]\n", "has no row below a header line"),
         ("load [N],lode\n150,1\n", "line.csv:1:10: measured: no such path `lode`"),
         ("load [N],note,velocity@BPFO [um/s]\n150,a,1\n", "line.csv:1:10: measured: no such path `note`"),
     ],
@@ -157,7 +157,7 @@ def test_mistakes_are_located_in_the_table(tmp_path, table, message):
 
 def test_a_mistake_in_a_head_is_reported_once(tmp_path):
     (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [Pa]\n" + "150,1\n" * 100)
-    assert problem_of(tmp_path, "measured: [{points: line.csv}]\n").count("no unit of velocity@BPFO") == 1
+    assert problem_of(tmp_path, "measured: [{points: line.csv}]\n").count("is not a unit of velocity@BPFO") == 1
 
 
 def test_columns_without_head_may_be_empty(tmp_path):
@@ -258,7 +258,7 @@ def test_a_short_signal_and_one_at_another_speed_give_a_remark(tmp_path, seconds
 def test_a_remark_on_a_signal_names_keys_of_the_study(tmp_path):
     np.savez(tmp_path / "run.npz", a=signal(3.0, 10240.0), fs=10240.0)
     notes = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2, rate: 5 kHz}]}]\n").notes
-    assert "`rate`, 5000 Hz, is used in its place" in notes[0]
+    assert "`rate`, 5000 Hz, is used instead" in notes[0]
 
 
 def test_integer_samples_need_their_unit_and_full_scale(tmp_path):

@@ -260,7 +260,7 @@ def test_mistake_in_a_bearing_file_is_reported_in_that_file(write: Write, tmp_pa
 
 def test_a_bearing_by_name() -> None:
     assert load_rolling_parts("nf308").rollers == 13
-    with pytest.raises(StudyError, match=r"no bearing `nf38` \(there are: 6203, 6205, 6309, nf308, "):
+    with pytest.raises(StudyError, match=r"no bearing `nf38` \(available: 6203, 6205, 6309, nf308, "):
         load_rolling_parts("nf38")
 
 

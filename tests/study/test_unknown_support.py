@@ -81,7 +81,7 @@ def test_supports_are_shown_by_their_names() -> None:
             "the rig already defines the support of its ring (leave `support` out, or use `bends: false`)",
         ),
         ("load_across: 5 N", "`by: point` gives the ring forces along the load line alone"),
-        ("method: rodas", "`rodas` solves with derivatives, which a ring that bends does not have"),
+        ("method: rodas", "`rodas` solves with derivatives, which a flexible ring does not have"),
     ],
 )
 def test_unsuitable_unknown_support_is_refused(write: Write, fields: str, message: str) -> None:

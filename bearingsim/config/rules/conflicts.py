@@ -68,9 +68,9 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("method", paths, message, "leave it out")
     adaptive = [method.name for method in catalogue.METHODS.values() if method.adaptive]
     if case.tolerance != "auto" and case.method not in ("auto", *adaptive):
-        subject = f"`{case.method}` takes steps of fixed length" if case.method else f"{case.model} has no method"
-        hint = "give a `step`, or one of the methods that choose theirs: " + ", ".join(adaptive)
-        yield Conflict("tolerance", (("tolerance",), *paths), f"{subject}: a tolerance does nothing", hint)
+        subject = f"`{case.method}` has a fixed step" if case.method else f"{case.model} has no method"
+        hint = "give a `step`, or an adaptive method: " + ", ".join(adaptive)
+        yield Conflict("tolerance", (("tolerance",), *paths), f"{subject}: `tolerance` has no effect", hint)
 
 
 def _model_hint(case: "CaseFields") -> str:
@@ -116,7 +116,9 @@ def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("kinematic drag", (("drag",), motion), message, "use `drag: none`, or `motion: free`")
     if case.cage.guide != "centred":
         message = f"a kinematic cage stays centred, got `guide: {case.cage.guide}`"
-        yield Conflict("kinematic guide", (("cage", "guide"), motion), message, "leave it out, or `motion: free`")
+        yield Conflict(
+            "kinematic guide", (("cage", "guide"), motion), message, "omit `guide`, or use `motion: free`"
+        )
 
 
 # In space
@@ -174,7 +176,7 @@ def _bands(case: "CaseFields") -> Iterator[Conflict]:
         path: Path = ("features", index)
         feature = read_band(name)
         if feature is None and case.until is None:
-            message = f"`{name}` is computed of every case"
+            message = f"`{name}` is computed for every case"
             yield Conflict("feature", (path,), message, f"name features of bands, such as {EXAMPLES}")
         if feature is None or feature.band is None:
             continue
@@ -183,7 +185,7 @@ def _bands(case: "CaseFields") -> Iterator[Conflict]:
             yield Conflict("band", (path,), f"`{name}`: the band is empty", "give the lower frequency first")
         if high > MAX_FREQUENCY:
             message = f"`{name}`: the models are not valid above {show(MAX_FREQUENCY, 'kHz')}"
-            yield Conflict("band", (path,), message, "end the band there")
+            yield Conflict("band", (path,), message, "use a lower upper limit")
         resolution = min(low or inf, high - low)
         if 0.0 < resolution < MIN_PERIODS / case.duration:
             min_duration = show(MIN_PERIODS / resolution, "s")
@@ -195,25 +197,23 @@ def _slice_of(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
     number = slice_number(name)
     count = slice_count(case)
     if number is not None and count is not None and number > count:
-        message = f"there is no slice {number}: the roller is cut into {count}"
-        yield Conflict(
-            "slice", (path, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
-        )
+        message = f"there is no slice {number}: the roller has {count}"
+        yield Conflict("slice", (path, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records all")
 
 
 def _zero_reason(name: str, case: "CaseFields") -> tuple[str, str] | None:
     """Return the reason why a channel is always zero in this case, and a remedy; None if it is not."""
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
-        return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
+        return "the bracket fixes the rotation of the ring", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
         return "the inner ring is rigid", "give `shaft`"
     kinematic = case.cage is not None and case.cage.motion == "kinematic"
     if kinematic and without_numbers(name) in KINEMATIC_CHANNELS:
         return "the cage is kinematic", "use `motion: free`"
     if name in ("ring.axial", "ring.lean") and case.rig.tilting_stiffness is None:
-        return "the bracket holds the ring", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
+        return "the bracket fixes the ring axially", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
     if name in ("inner.axial", "inner.lean") and (case.shaft is None or case.shaft.tilting_stiffness is None):
-        return "the shaft holds the ring", "give `shaft` with `axial_stiffness` and `tilting_stiffness`"
+        return "the shaft fixes the ring axially", "give `shaft` with `axial_stiffness` and `tilting_stiffness`"
     if without_numbers(name) == "roller.flange_force" and case.bearing.flanges is None:
         return "the bearing has no flanges", "give `bearing.flanges`"
     if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
@@ -227,8 +227,8 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         message = f"a clearance of {value} is beyond -1 % to 5 % of the roller diameter"
         yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
     if case.ramp is not None and getattr(case.contact.damping, "of_one_speed", False):
-        message = f"the damping law `{getattr(case.contact.damping, 'law', '')}` is that of one speed"
-        yield Conflict("film", (("ramp",), ("contact", "damping")), message, "take another law, or no ramp")
+        message = f"the damping law `{getattr(case.contact.damping, 'law', '')}` is valid for one speed only"
+        yield Conflict("film", (("ramp",), ("contact", "damping")), message, "use another law, or omit `ramp`")
     yield from _ring_burst(case)
     if case.duration * case.sampling > MAX_SAMPLES:
         message = f"{case.duration * case.sampling:.2g} samples: a record has at most {MAX_SAMPLES:.0e}"
@@ -245,7 +245,7 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         and not case.defects
     ):
         paths: tuple[Path, ...] = (("model",), ("excitation",))
-        yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")
+        yield Conflict("silent", paths, "a bearing without a defect has no impulses", "give a `defect`")
 
 
 def _ring_burst(case: "CaseFields") -> Iterator[Conflict]:
@@ -278,7 +278,7 @@ PASS_CONDITIONS: dict[str, PassCondition] = {
     ),
     "excitation": PassCondition(lambda case: case.excitation != "random-impulses", "impulses are random"),
     "model": PassCondition(
-        lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"
+        lambda case: catalogue.MODELS[case.model].repeats, "the model is not declared as periodic"
     ),
     "cage": PassCondition(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
 }
@@ -295,14 +295,14 @@ def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         return
     if case.record:
         message = "`until` ends the record early, so no series can be stored"
-        yield Conflict("until", (("until",), ("record",)), message, "use `record: []`, or leave `until` out")
+        yield Conflict("until", (("until",), ("record",)), message, "use `record: []`, or omit `until`")
     if not case.antialias:
         message = "`until` needs the low-passed signal"
-        yield Conflict("until", (("until",), ("antialias",)), message, "leave `antialias: false` out")
+        yield Conflict("until", (("until",), ("antialias",)), message, "omit `antialias: false`")
     if case.step_check == "strict":
         message = "`step_check: strict` checks the whole record, which `until` may shorten"
         yield Conflict("until", (("until",), ("step_check",)), message, "keep one of them")
     for name, condition in PASS_CONDITIONS.items():
         if name not in REVOLUTION_CONDITIONS and not condition.is_met(case):
-            message = f"`until` compares turns, which differ: {condition.reason}"
+            message = f"`until` compares revolutions, which differ: {condition.reason}"
             yield Conflict("until", (("until",), (name,)), message, "leave it out")

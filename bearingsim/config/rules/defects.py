@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Surface(NamedTuple):
     """Surface with defects (lengths in m).
 
-    max_width: largest width of a defect; spacing: name of that limit; max_depth: largest depth; location: place
+    max_width: largest width of a defect; spacing: name of that limit; max_depth: largest depth; location: region
     reached by a deeper defect, for messages; key: dimension of the bearing that determines ``max_depth``.
     """
 
@@ -151,7 +151,7 @@ def _shape(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflic
     """Yield the conflict of a shape or edge for which the excitation is not defined."""
     if case.excitation in PATH_EXCITATIONS:
         return
-    hint = "use `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
+    hint = "use `excitation: envelope`, or use a rectangular, triangular or circular defect with sharp edges"
     if defect.shape not in SIMPLE_SHAPES:
         article = "an" if defect.shape[0] in "aeiou" else "a"
         noun = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")

@@ -70,8 +70,8 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
     method = catalogue.METHODS.get(str(case.method))
     if method is not None and method.implicit:
         paths: tuple[Path, ...] = (("method",), *RING)
-        message = f"`{case.method}` solves with derivatives, which a ring that bends does not have"
-        yield Conflict("implicit", paths, message, "leave `method` out, or take an explicit one")
+        message = f"`{case.method}` solves with derivatives, which a flexible ring does not have"
+        yield Conflict("implicit", paths, message, "omit `method`, or use an explicit one")
 
 
 def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
@@ -83,7 +83,9 @@ def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
         yield from _housing(case, load)
     if load.mass is not None and load.mass < MIN_CARRIER_MASS:
         message = f"a carrier of {show(load.mass, 'g')} on its springs needs too short a step"
-        yield Conflict("mass", ((*LOAD, "mass"), LOAD), message, "take 1 g or more, or leave it out: 1 kg")
+        yield Conflict(
+            "mass", ((*LOAD, "mass"), LOAD), message, "use 1 g or more, or omit `mass`, 1 kg by default"
+        )
 
 
 def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
@@ -96,7 +98,7 @@ def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
         yield Conflict("pads", paths, message, "use angles nearer to the load line, such as `[-45 deg, 45 deg]`")
     elif along <= 0.0 or abs(across) > BALANCE_TOLERANCE * along:
         message = "equal forces at these angles do not add up to a load along the load line"
-        yield Conflict("pads", paths, message, "take angles on both sides of it, such as `[-45 deg, 45 deg]`")
+        yield Conflict("pads", paths, message, "use angles on both sides of it, such as `[-45 deg, 45 deg]`")
 
 
 def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[Conflict]:
@@ -112,11 +114,11 @@ def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[
         message = "no spring within 90 deg of the load line carries the load"
         yield Conflict("points", paths, message, f"give one at `angle: {show(load_line, 'deg')}`")
     elif not _is_supported(angles, load_line) and not _has_single_support(case, angles, load_line):
-        message = "springs that push only do not hold the carrier here"
+        message = "compression springs at these angles do not support the carrier"
         yield Conflict("points", paths, message, "give springs on both sides of the load line")
     elif displacement > MAX_DISPLACEMENT:
         message = f"under its load the carrier would move by {show(float(f'{displacement:.3g}'), 'mm')}"
-        yield Conflict("points", paths, message, "take stiffer springs, or some nearer to the load line")
+        yield Conflict("points", paths, message, "use stiffer springs, or some nearer to the load line")
 
 
 def _has_single_support(case: "CaseFields", angles: list[float], load_line: float) -> bool:
@@ -145,11 +147,11 @@ def _housing(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     half_stiffness = 0.25 * math.pi * case.bearing.outside_diameter * load.stiffness  # N/m, of half the springs
     displacement = math.hypot(case.load, case.load_across) / half_stiffness
     if load.stiffness > MAX_HOUSING_STIFFNESS:
-        message = f"a housing of {load.stiffness:.3g} N/m/m holds the ring as a rigid one"
-        yield Conflict("housing", stiffness, message, "take a rigid ring, or at most 1e13 N/m/m")
+        message = f"a housing of {load.stiffness:.3g} N/m/m makes the ring practically rigid"
+        yield Conflict("housing", stiffness, message, "use a rigid ring, or at most 1e13 N/m/m")
     elif displacement > MAX_DISPLACEMENT:
         message = f"under its load the housing would move by {show(float(f'{displacement:.3g}'), 'mm')}"
-        yield Conflict("housing", stiffness, message, "take a stiffer one, such as `1e10 N/m/m`")
+        yield Conflict("housing", stiffness, message, "use a stiffer one, such as `1e10 N/m/m`")
     if abs(load.fit) > MAX_FIT:
         message = f"a fit of {show(load.fit, 'um')} is beyond {show(MAX_FIT, 'um')}"
         yield Conflict("fit", ((*LOAD, "fit"), LOAD), message, "is the unit right?")

@@ -143,7 +143,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
     ("shaft", "shaft", "a `shaft` needs a moving inner ring"),
     ("unbalance", "shaft", "an `unbalance` needs a moving inner ring"),
     ("surfaces", "form", "`surfaces` needs a model with form of the surfaces"),
-    ("misalignment", "leaning rings", "a `misalignment` loads the rollers unevenly along their length"),
+    ("misalignment", "tilting rings", "a `misalignment` loads the rollers unevenly along their length"),
 )
 
 
@@ -163,9 +163,9 @@ def _section_needs(case: "CaseFields") -> Iterator[Need]:
             yield Need("ring rotation", f"`rig.{name}` lets the outer ring rotate", (("rig", name), ("rig",)))
     for name in ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping"):
         if getattr(case.rig, name) is not None:
-            yield Need("leaning rings", f"`rig.{name}` lets the outer ring lean", (("rig", name), ("rig",)))
+            yield Need("tilting rings", f"`rig.{name}` lets the outer ring tilt", (("rig", name), ("rig",)))
         if case.shaft is not None and getattr(case.shaft, name) is not None:
-            yield Need("leaning rings", f"`shaft.{name}` lets the inner ring lean", (("shaft", name),))
+            yield Need("tilting rings", f"`shaft.{name}` lets the inner ring tilt", (("shaft", name),))
     if "damping" in case.contact.model_fields_set:
         yield Need("damping", "`contact.damping` needs a moving ring", (("contact", "damping"),), required=False)
 
@@ -212,7 +212,7 @@ _RECORD_ABILITIES = {
     ),
     **dict.fromkeys(
         ("ring.axial", "ring.lean", "inner.axial", "inner.lean", "cage.axial", "cage.lean"),
-        ("leaning rings", "the out-of-plane motion of a ring is recorded"),
+        ("tilting rings", "the out-of-plane motion of a ring is recorded"),
     ),
 }
 

@@ -86,7 +86,7 @@ def read_file(path: Path) -> tuple[Grid, str]:
     try:
         return reader(path.name, content), digest_of(content)
     except MemoryError:
-        raise ScanError(f"`{path.name}` takes more memory than there is", "thin it out") from None
+        raise ScanError(f"`{path.name}` needs more memory than is available", "use fewer points") from None
 
 
 def check_exists(path: Path) -> None:
@@ -101,12 +101,12 @@ def read_content(path: Path) -> bytes:
     """Read a file of at most ``MAX_BYTES``. Raises ScanError if that fails."""
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise ScanError(f"`{path.name}` has more than {MAX_BYTES / 1e6:.0f} MB", "thin it out")
+            raise ScanError(f"`{path.name}` has more than {MAX_BYTES / 1e6:.0f} MB", "use fewer points")
         return path.read_bytes()
     except OSError as error:
         raise ScanError(f"`{path.name}` cannot be read: {error.strerror}") from None
     except MemoryError:
-        raise ScanError(f"`{path.name}` takes more memory than there is", "thin it out") from None
+        raise ScanError(f"`{path.name}` needs more memory than is available", "use fewer points") from None
 
 
 def digest_of(content: bytes) -> str:
@@ -127,7 +127,7 @@ def _csv(name: str, content: bytes) -> Grid:
 def text_rows(name: str, content: bytes) -> tuple[list[list[str]], list[int]]:
     """Split a CSV file into its rows of cells, without comments, and their line numbers. Raises ScanError."""
     if content.count(b",") + content.count(b"\n") > 2 * MAX_POINTS:  # before parsing; includes comments
-        raise ScanError(f"`{name}` has more than {MAX_POINTS} cells", "thin it out")
+        raise ScanError(f"`{name}` has more than {MAX_POINTS} cells", "use fewer points")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -228,7 +228,7 @@ def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.nda
 def cell_values(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
     """Convert cells (n, width) to numbers; empty cells become NaN."""
     if len(rows) * width > MAX_POINTS:
-        raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "thin it out")
+        raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "use fewer points")
     out = np.full((len(rows), width), np.nan)
     for target, row, number in zip(out, rows, numbers, strict=True):
         if len(row) != width:
@@ -277,7 +277,7 @@ def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
     if len(s) != 1 or len(z) != 1 or p != (*z, *s):
         raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s {s}, z {z}, depth {p}")
     if math.prod(p) > MAX_POINTS:
-        raise ScanError(f"{math.prod(p)} points; at most {MAX_POINTS}", "thin it out")
+        raise ScanError(f"{math.prod(p)} points; at most {MAX_POINTS}", "use fewer points")
 
 
 def _ascending_grid(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:

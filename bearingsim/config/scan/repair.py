@@ -16,10 +16,8 @@ from bearingsim.config.scan.file import Grid, ScanError, mm, positions, read_fil
 MIN_POINTS = 5  # least points along either axis
 MAX_MISSING, MAX_GAP = 0.05, 9  # limits: share of missing cells; cells of one gap
 MAX_SPIKES, MAX_SPIKE_CELLS = 0.01, 2  # limits: share of cells in spikes; cells of one spike
-MIN_SPIKE, ROUGHNESS_WINDOW = (
-    8.0,
-    7,
-)  # least spike in standard deviations of the roughness; window of that roughness (cells)
+MIN_SPIKE = 8.0  # least spike, in standard deviations of the local roughness
+ROUGHNESS_WINDOW = 7  # cells, width of the window of the local roughness
 MIN_SPIKE_HEIGHT = 0.2  # least spike relative to the range of depths
 MAX_ROUGHNESS = 0.1  # limit of NOISE standard deviations of the surroundings, relative to the depth
 DAMAGED_SHARE = 0.2  # share of damaged cells of a side above which the damage reaches the side
@@ -59,7 +57,7 @@ def _read(path: Path, modified: int, size: int) -> Scan:
     grid, digest = read_file(path)
     if min(grid.depth.shape) < MIN_POINTS:
         rows, columns = grid.depth.shape
-        raise ScanError(f"{columns} places along s and {rows} along z: at least {MIN_POINTS} each are needed")
+        raise ScanError(f"{columns} points along s and {rows} along z: at least {MIN_POINTS} each are needed")
     for step in (_remove_spikes, _fill_gaps, _level, _centre):
         grid = step(grid)
     along, across = _extent(grid)
@@ -99,7 +97,7 @@ def _remove_spikes(grid: Grid) -> Grid:
     size = f"{_um(float(np.abs(deviations[spikes]).min()))} and more"
     if share > MAX_SPIKES:
         raise ScanError(f"{count} spikes of {size} ({share:.1%} of the cells; {where})", "filter it first")
-    note = f"{count} spike{'s' * (count > 1)} of {size} taken out: {where}"
+    note = f"{count} spike{'s' * (count > 1)} of {size} removed: {where}"
     return grid._replace(depth=np.where(spikes, median, grid.depth), notes=(*grid.notes, note))
 
 
@@ -132,7 +130,7 @@ def _fill_gaps(grid: Grid) -> Grid:
         return grid
     where = positions(np.argwhere(missing), grid)
     if count > MAX_MISSING * missing.size:
-        raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {where})", "measure it again")
+        raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {where})", "measure again")
     gaps = _regions(missing)
     largest = int(np.bincount(gaps.ravel())[1:].max())
     if largest > MAX_GAP:
@@ -145,8 +143,7 @@ def _fill_gaps(grid: Grid) -> Grid:
         counts = np.maximum(np.sum(np.isfinite(neighbours), axis=0), 1)
         mean = np.where(np.isfinite(neighbours).any(axis=0), np.nansum(neighbours, axis=0) / counts, np.nan)
         depth = np.where(np.isnan(depth), mean, depth)
-    cells, possessive = ("cells", "their") if count > 1 else ("cell", "its")
-    note = f"{count} missing {cells} filled from {possessive} neighbours: {where}"
+    note = f"{count} missing cell{'s' * (count > 1)} filled from the neighbours: {where}"
     return grid._replace(depth=depth, notes=(*grid.notes, note))
 
 
@@ -167,7 +164,7 @@ def _level(grid: Grid) -> Grid:
     if max(defect, burr) <= max(NOISE_LIMIT * deviation, 1e-12):
         raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if burr > defect:
-        message = f"it stands {_um(burr)} out of the race and goes {_um(max(defect, 0.0))} into it"
+        message = f"the surface rises {_um(burr)} above the race and goes {_um(max(defect, 0.0))} below it"
         raise ScanError(message, "if the values are heights, name the column `height`")
     if NOISE_LIMIT * deviation > MAX_ROUGHNESS * defect:
         message = (
@@ -183,10 +180,12 @@ def _level(grid: Grid) -> Grid:
     if not defect_cells.any():
         raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if deviation > 0.0:
-        remarks.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
+        remarks.append(
+            f"roughness of the surrounding race: {_um(deviation)}; depths within {_um(level)} are set to 0"
+        )
     specks = int(regions.max()) - len(np.unique(regions[defect_cells]))
     if specks:
-        remarks.append(f"{specks} speck{'s' * (specks > 1)} of less than {MIN_REGION} cells taken for the race")
+        remarks.append(f"{specks} speck{'s' * (specks > 1)} of less than {MIN_REGION} cells set to 0")
     return grid._replace(depth=np.where(defect_cells, depth, 0.0), notes=(*grid.notes, *remarks))
 
 
@@ -229,10 +228,10 @@ def _end_remarks(grid: Grid, damaged: np.ndarray) -> list[str]:
     sides = {"s": damaged[:, [0, -1]], "z": damaged[[0, -1], :].T}
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
-        message = f"there is no undamaged border: {share['s']:.0%} of a side along z lie off the surroundings"
+        message = f"there is no undamaged border: {share['s']:.0%} of a side along z deviate from the surroundings"
         raise ScanError(message, "include undamaged race before and behind the defect")
     if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _touches_ends(damaged)):
-        return ["the damage reaches the scan's end along z and is cut there"]
+        return ["the damage extends to the scan's end along z and is cut off there"]
     return []
 
 
@@ -249,7 +248,7 @@ def _centre(grid: Grid) -> Grid:
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
     rows = (grid.z >= across[0]) & (grid.z <= across[1])
-    note = f"the damage's middle, s = {mm(s)}, z = {mm(z)}, is placed at the defect's position"
+    note = f"the centre of the damage, s = {mm(s)}, z = {mm(z)}, is at the defect's position"
     notes = (*grid.notes, note) if max(abs(s), abs(z)) > 1e-9 else grid.notes
     return Grid(grid.s[columns] - s, grid.z[rows] - z, grid.depth[np.ix_(rows, columns)], notes)
 

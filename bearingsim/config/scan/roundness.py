@@ -129,7 +129,7 @@ def _fill_missing(profile: Profile) -> Profile:
         return profile
     where = _angle_list(profile.angles[missing])
     if count > MAX_MISSING * len(missing):
-        raise ScanError(f"{count} of {len(missing)} values are missing ({where})", "measure it anew")
+        raise ScanError(f"{count} of {len(missing)} values are missing ({where})", "measure again")
     note = f"{count} missing value{'s' * (count > 1)} filled from the neighbours: {where}"
     present = ~missing
     return profile._replace(
@@ -154,7 +154,7 @@ def _one_turn(profile: Profile) -> Profile:
         k = int(np.argmin(steps))
         raise ScanError(f"two points have the angle {degrees(angles[k]):.6g} deg", "give one value for each angle")
     if np.ptp(values) == 0.0:
-        raise ScanError(f"all values are the same ({_um(values[0])})", "leave `roundness` out for a round surface")
+        raise ScanError(f"all values are the same ({_um(values[0])})", "omit `roundness` for a round surface")
     notes += _closing_notes(angles, values)
     if span > 2.0 * pi - SAME_ANGLE:
         values = np.append(0.5 * (values[0] + values[-1]), values[1:-1])
@@ -173,7 +173,7 @@ def _closing_notes(angles: np.ndarray, values: np.ndarray) -> list[str]:
             f"the profile does not close: it differs by {_um(jump)} between {ends}", "remove the drift first"
         )
     if gap < SAME_ANGLE and jump > 1e-3 * size:
-        return [f"both ends of the turn are given and differ by {_um(jump)}: their mean is taken"]
+        return [f"both ends of the turn are given and differ by {_um(jump)}: their mean is used"]
     return []
 
 
@@ -191,7 +191,7 @@ def _remove_spikes(profile: Profile) -> Profile:
     where, size = _angle_list(profile.angles[spikes]), f"{_um(np.abs(deviations[spikes]).min())} and more"
     if count > MAX_SPIKES * len(values):
         raise ScanError(f"{count} spikes of {size} ({where})", "filter it first")
-    note = f"{count} spike{'s' * (count > 1)} of {size} taken out: {where}"
+    note = f"{count} spike{'s' * (count > 1)} of {size} removed: {where}"
     return profile._replace(angles=profile.angles[~spikes], values=values[~spikes], notes=(*profile.notes, note))
 
 
@@ -202,14 +202,18 @@ def check_resolution(profile: Profile, orders: tuple[int, int]) -> None:
     if count < POINTS_PER_WAVE * high:
         possible = count // POINTS_PER_WAVE
         hint = f"`orders: [{low}, {possible}]`, or more points" if possible >= low else "measure more points"
-        message = f"{count} points are too few for order {high}, which takes {POINTS_PER_WAVE * high}"
+        message = f"{count} points are too few for order {high}, which needs {POINTS_PER_WAVE * high}"
         raise ScanError(f"{message} ({POINTS_PER_WAVE} per wave)", hint)
     gaps = np.diff(profile.angles, append=profile.angles[0] + 2.0 * pi)
     k = int(np.argmax(gaps))
     if gaps[k] > MAX_GAP * 2.0 * pi / high:
         possible = int(MAX_GAP * 2.0 * pi / gaps[k])
         message = f"a gap of {degrees(gaps[k]):.3g} deg from {degrees(profile.angles[k]):.4g} deg"
-        hint = f"`orders: [{low}, {possible}]`, or measure it" if possible >= low else "measure the whole turn"
+        hint = (
+            f"`orders: [{low}, {possible}]`, or measure the whole turn"
+            if possible >= low
+            else "measure the whole turn"
+        )
         raise ScanError(f"{message} is over half a wave of order {high}", hint)
 
 
@@ -250,7 +254,7 @@ def form_range(profile: Profile, orders: tuple[int, int]) -> float:
 
 
 def remarks(profile: Profile, orders: tuple[int, int]) -> tuple[str, ...]:
-    """Return the repairs of a profile, and what is taken from it, in words."""
+    """Return the repairs of a profile, and the range of the orders used, in words."""
     eccentricity = float(abs(harmonics(profile, 1, on_outer=False)[1]))
     kept = form_range(profile, orders)
     text = f"orders {orders[0]} to {orders[1]}: {_um(kept)} from peak to valley"

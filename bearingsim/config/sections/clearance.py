@@ -63,7 +63,7 @@ def limits(clearance_class: Class, element: str, bore: float) -> tuple[float, fl
             low, high = row.limits[CLASSES.index(clearance_class)]
             return 1e-6 * low, 1e-6 * high
     bores = f"over {table[0].lower:g} to {table[-1].upper:g} mm"
-    raise ValueError(f"class {clearance_class} is known for bores {bores}, not for {millimetres:g} mm")
+    raise ValueError(f"class {clearance_class} is defined for bores {bores}, not for {millimetres:g} mm")
 
 
 def mean_clearance(clearance_class: Class, element: str, bore: float) -> float:

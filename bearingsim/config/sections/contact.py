@@ -44,7 +44,7 @@ def _oil(raw: Any) -> str:
     """Normalise the spelling of an ISO grade: `VG 68`."""
     grade = str(raw).upper().replace("ISO", "").replace("VG", "").strip()
     if not grade.isdecimal() or int(grade) not in GRADES:
-        choices = f"there are {', '.join(OIL_GRADES)}"
+        choices = f"available: {', '.join(OIL_GRADES)}"
         refuse("word", f"expected an ISO grade such as `VG 68`, got {describe_value(raw)}", choices)
     return f"VG {int(grade)}"
 
@@ -141,7 +141,7 @@ class Film(Section):
                 f"{self.temperature - ZERO_CELSIUS:g} C",
                 f"{MIN_CELSIUS:g} C to {MAX_CELSIUS:g} C",
             )
-            message = f"the viscosity of oils is known from {limits}, not at {temperature}"
+            message = f"the viscosity of oils is defined from {limits}, not at {temperature}"
             refuse("bound", message, "use `viscosity`", at="temperature")
         return self
 
@@ -152,7 +152,7 @@ class Film(Section):
                 "`film` at the element's natural frequency is an order-of-magnitude estimate (flooded, isothermal)"
             )
         return (
-            "`film` holds for slow motion, flooded and isothermal; at the element's natural frequency it damps"
+            "`film` is valid for slow motion, flooded and isothermal; at the element's natural frequency it damps"
             " less, for balls up to a hundred times (`at: own`)"
         )
 

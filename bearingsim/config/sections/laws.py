@@ -74,6 +74,6 @@ def _section(reference: str) -> type[Section] | None:
         if issubclass(section, Section):
             return section
         owner = extensions.owner(reference)
-        message = f"`{reference}` of the extension `{owner}` is no Section of bearingsim.config.fields"
+        message = f"`{reference}` of the extension `{owner}` is not a subclass of bearingsim.config.fields.Section"
     extensions.leave_out(extensions.owner(reference), message)
     return None

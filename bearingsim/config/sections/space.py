@@ -46,7 +46,9 @@ class Profile(Section):
             refuse("missing", "a crowned profile needs `drop`, a length such as `5 um`", at="drop")
         for name in ("drop", "straight_length"):
             if self.shape != "crowned" and getattr(self, name) is not None:
-                refuse("foreign", f"a {self.shape} profile has none", "leave it out, or use `crowned`", at=name)
+                refuse(
+                    "foreign", f"a {self.shape} profile has no `{name}`", "leave it out, or use `crowned`", at=name
+                )
         return self
 
 

@@ -92,12 +92,12 @@ def _read_measured_orders(raw: Any) -> Any:
 
 
 class Roundness(Section):
-    """Measured roundness profile of a race: a file, and the orders that are taken from it."""
+    """Measured roundness profile of a race: a file, and the orders used."""
 
     file: Text
     """CSV file with the columns `angle` and `deviation`, of which orders 0 and 1 are removed."""
     orders: Annotated[tuple[int, int], FileFormat(_read_measured_orders, _orders_schema)] = (2, 50)
-    """Lowest and highest order that is taken; the lowest is 2 or more."""
+    """Lowest and highest order used; the lowest is at least 2."""
     angle: Angle = 0.0
     """Angle on the race of the profile's angle zero."""
     digest: Text | None = None
@@ -124,7 +124,7 @@ class Roundness(Section):
         except ScanError as error:
             refuse("orders", error.message, error.hint, at="orders")
         if self.digest is not None and self.digest != profile.digest:
-            refuse("changed", f"`{self.file}` has changed since", "make the case anew", at="file")
+            refuse("changed", f"`{self.file}` has changed since", "create the case again", at="file")
         object.__setattr__(self, "digest", profile.digest)
         return self
 

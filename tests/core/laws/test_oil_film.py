@@ -252,11 +252,11 @@ def test_density():
 
 @pytest.mark.parametrize("grade", [0, 40, 69, -68])
 def test_other_grades_are_refused(grade):
-    with pytest.raises(ValueError, match=f"ISO VG {grade} is no grade of ISO 3448, which has 2, 3, 5"):
+    with pytest.raises(ValueError, match=f"ISO VG {grade} is not a grade of ISO 3448, which has 2, 3, 5"):
         iso_viscosity(grade, 40.0)
 
 
 @pytest.mark.parametrize("celsius", [-20.1, 150.1, float("nan"), 313.15])
 def test_other_temperatures_are_refused(celsius):
-    with pytest.raises(ValueError, match="known from -20 to 150 C"):
+    with pytest.raises(ValueError, match="defined from -20 to 150 C"):
         iso_viscosity(68, celsius)
