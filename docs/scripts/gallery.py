@@ -20,7 +20,7 @@ def gallery_page() -> str:
     return page(
         "Gallery",
         "Every figure of this documentation, with the study and the commands that make it. `make figures` draws"
-        " them anew in a clone of the repository, where the studies are in `studies/`.",
+        " them again in a clone of the repository, where the studies are in `studies/`.",
         *parts,
     )
 
