@@ -6,14 +6,14 @@ from scipy.signal import hilbert
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.advance import Monitor
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation.time_grid import requested_step
 from tests.independent import formed_rollers
 from tests.independent.formed_rollers import INNER, OUTER, ROLLER, Scene, with_contact_average
 from tests.independent.rollers import OMEGA_C, Z
-from tests.scenes.nf308 import SLOT, case
+from tests.scenes.nf308 import SLOT, advance_recorded, case
 
 PASS = 2 * np.pi / (Z * OMEGA_C)  # s
 PASSES, SAMPLES = 26, 512  # two turns of the cage; samples of a ball pass
@@ -56,7 +56,7 @@ def product_velocity(scene):
     model, step = assemble.model(of_scene), PASS / SAMPLES / stride
     y, _ = assemble.start(of_scene, model)
     rows, out = np.array([lay.VELOCITY + lay.X]), np.empty((1, stride * SAMPLES * PASSES))
-    steps, outcome, _ = advance(Verlet(step), model, Monitor(8, 1.0), 0, y, rows, out)
+    steps, outcome, _ = advance_recorded(Verlet(step), model, Monitor(8, 1.0), 0, y, rows, out)
     assert (steps, outcome) == (out.shape[1], SUCCESS)
     return out[0, stride - 1 :: stride]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from bearingsim.assemble.rest import static_bearing, static_model
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.defects.closed_forms import groups_of
 from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.excitations import Envelope
@@ -26,6 +26,7 @@ from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
 from tests.independent import planar
+from tests.scenes.nf308 import advance_recorded
 
 NO_CONTACT_PLAY = 0.01  # m: a pocket that no roller touches
 ROWS = np.array(
@@ -177,6 +178,8 @@ def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndar
     steps = round(duration / step)
     out = np.empty((len(ROWS), steps + 1))
     out[:, 0] = y[ROWS]
-    steps_taken, outcome, _ = advance(RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])
+    steps_taken, outcome, _ = advance_recorded(
+        RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:]
+    )
     assert (steps_taken, outcome) == (steps, SUCCESS)
     return step * np.arange(steps + 1), out

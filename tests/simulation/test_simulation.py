@@ -14,7 +14,7 @@ from bearingsim import assemble
 from bearingsim.config import FEATURES, Case, dataset_names
 from bearingsim.config.names import UNCERTAIN_PARAMETERS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, advance_and_sample, record
+from bearingsim.core.advance import Monitor, advance_and_sample, record
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import SUCCESS
@@ -23,7 +23,7 @@ from bearingsim.simulation.simulate import simulate
 from bearingsim.simulation.spectral_lines import OTHER_LINES
 from bearingsim.simulation.warm_up import warm
 from tests.independent import rollers
-from tests.scenes.nf308 import light_rollers
+from tests.scenes.nf308 import advance_recorded, light_rollers
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case
 
 WARM_UP = importlib.import_module("bearingsim.simulation.warm_up")
@@ -147,7 +147,7 @@ def integrate_steps(test_case: Case, passes: int) -> tuple[np.ndarray, float]:
     cells = np.array([channels.cell(name) for name in ROW])
     wide = np.empty((len(ROW), passes * grid.steps_per_pass + 1))
     record(y, cells, 0, wide)
-    advance(assemble.method(test_case, grid.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
+    advance_recorded(assemble.method(test_case, grid.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
     return wide, grid.step
 
 

@@ -7,12 +7,12 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.advance import Monitor
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import NOT_FINITE, STEP_LIMIT_EXCEEDED, SUCCESS
-from tests.scenes.nf308 import ROWS, SLOT, at_rest, case, drive
+from tests.scenes.nf308 import ROWS, SLOT, advance_recorded, at_rest, case, drive
 
 SMOOTH = {"clearance": "-4 um", "contact": {"damping": {"chi": "5 s/m"}}}  # preloaded: no contact opens
 
@@ -89,7 +89,7 @@ def test_run_in_chunks_is_identical(method):
     y, monitor, chunks = at_rest(model), Monitor(8, 1.0), []
     for start, count in ((0, 1000), (1000, 3001), (4001, 4999)):
         out = np.empty((len(ROWS), count))
-        advance(method, model, monitor, start, y, ROWS, out)
+        advance_recorded(method, model, monitor, start, y, ROWS, out)
         chunks.append(out)
     assert np.array_equal(np.hstack(chunks), expected)
 
@@ -97,7 +97,7 @@ def test_run_in_chunks_is_identical(method):
 def outcome(method, overrun_limit=13e-6, steps=60_000, **options):
     model = assemble.model(case(**options))
     out = np.empty((len(ROWS), steps))
-    return advance(method, model, Monitor(2, overrun_limit), 0, at_rest(model), ROWS, out)
+    return advance_recorded(method, model, Monitor(2, overrun_limit), 0, at_rest(model), ROWS, out)
 
 
 def test_monitor_passes_a_stable_run():

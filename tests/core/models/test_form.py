@@ -5,14 +5,14 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_initial_equilibrium
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation.time_grid import requested_step
 from tests.independent import formed_rollers
 from tests.independent.formed_rollers import INNER, OUTER, ROLLER
-from tests.scenes.nf308 import case
+from tests.scenes.nf308 import advance_recorded, case
 
 SOFT = {"rig": {"bracket_stiffness": "1000 N/m", "bracket_damping": "0 N s/m"}}
 PRELOADED = SOFT | {"load": "1 N", "clearance": "-8 um"}
@@ -52,7 +52,7 @@ def moving_places(times, **fields):
     model = assemble.with_friction_lag(assemble.model(moving), times[1] / stride)
     y, _ = assemble.start(moving, model)
     rows, out = np.array([lay.POSITION + lay.X, lay.POSITION + lay.Y]), np.empty((2, stride * (len(times) - 1)))
-    steps, outcome, _ = advance(Verlet(times[1] / stride), model, Monitor(8, 1.0), 0, y, rows, out)
+    steps, outcome, _ = advance_recorded(Verlet(times[1] / stride), model, Monitor(8, 1.0), 0, y, rows, out)
     assert (steps, outcome) == (out.shape[1], SUCCESS)
     return out[0, stride - 1 :: stride] + 1j * out[1, stride - 1 :: stride]
 
@@ -171,6 +171,7 @@ def test_moving_models_follow_the_closed_forms_slowly(model, what):
     fields = PRELOADED | {"speed": "1800 rpm" if model == "spatial" else "600 rpm"}
     shaft, cage, spin, _, _ = rates(fields)
     moving = fields | {"model": model} | (KINEMATIC if model in ("planar", "spatial") else {})
+    moving |= {"contact": {"slices": 4}} if model == "spatial" else {}  # a roller under an even load needs no more
     frequency, times = frequency_of(shaft, cage, spin), np.arange(1201) / 1200 / cage
 
     def amplitude(places, instants):
