@@ -13,7 +13,7 @@ from bearingsim.simulation.time_grid import requested_step
 from tests.independent import formed_rollers
 from tests.independent.formed_rollers import INNER, OUTER, ROLLER, Scene, with_contact_average
 from tests.independent.rollers import OMEGA_C, Z
-from tests.scenes.nf308 import SLOT, advance_recorded, case
+from tests.scenes.nf308 import SLOT, advance_recorded, case, on_all_elements
 
 PASS = 2 * np.pi / (Z * OMEGA_C)  # s
 PASSES, SAMPLES = 26, 512  # two turns of the cage; samples of a ball pass
@@ -44,6 +44,8 @@ def case_of(scene):
         surfaces.setdefault(names[int(element)], {"harmonics": []})["harmonics"].append(harmonic)
     if scene.diameters.any():
         surfaces.setdefault("rollers", {})["diameter"] = [f"{d} m" for d in scene.diameters]
+    if "rollers" in surfaces or len(surfaces) > 1:
+        surfaces = on_all_elements(surfaces)
     defect = {"defect": SLOT | {"width": f"{scene.slot} m"}} if scene.slot else {}
     fields = {"clearance": f"{scene.clearance} m", "load": f"{scene.load} N", "surfaces": surfaces}
     return case(method="verlet", **fields, **defect)

@@ -31,6 +31,15 @@ def case(**fields: Any) -> Case:
     return Case.model_validate(base | fields | damping)
 
 
+NEGLIGIBLE = {"harmonics": [{"order": 2, "amplitude": "1e-6 nm"}]}
+
+
+def on_all_elements(surfaces: dict[str, Any]) -> dict[str, Any]:
+    """``surfaces`` with negligible waves on the other elements, so that all share one type, compiled once."""
+    rollers = NEGLIGIBLE | surfaces.get("rollers", {})
+    return {"outer": NEGLIGIBLE, "inner": NEGLIGIBLE} | surfaces | {"rollers": rollers}
+
+
 def light_rollers(factor: float) -> dict[str, Any]:
     """Return fields of an NF308 whose inertia is that of a light material (the ring's mass is given)."""
     default = case()

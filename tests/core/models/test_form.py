@@ -12,7 +12,7 @@ from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation.time_grid import requested_step
 from tests.independent import formed_rollers
 from tests.independent.formed_rollers import INNER, OUTER, ROLLER
-from tests.scenes.nf308 import advance_recorded, case
+from tests.scenes.nf308 import advance_recorded, case, on_all_elements
 
 SOFT = {"rig": {"bracket_stiffness": "1000 N/m", "bracket_damping": "0 N s/m"}}
 PRELOADED = SOFT | {"load": "1 N", "clearance": "-8 um"}
@@ -24,15 +24,6 @@ A = 20e-9  # m, amplitude of a wave
 def wave(order, **more):
     """Fields of a surface with one wave of 20 nm and a phase of 40 deg."""
     return {"harmonics": [{"order": order, "amplitude": "20 nm", "phase": "40 deg"} | more]}
-
-
-NEGLIGIBLE = {"harmonics": [{"order": 2, "amplitude": "1e-6 nm"}]}
-
-
-def on_all_elements(surfaces):
-    """``surfaces`` with negligible waves on the other elements, so that all share one type, compiled once."""
-    rollers = NEGLIGIBLE | surfaces.get("rollers", {})
-    return {"outer": NEGLIGIBLE, "inner": NEGLIGIBLE} | surfaces | {"rollers": rollers}
 
 
 def static_places(times, **fields):
