@@ -61,8 +61,12 @@ def table_rows(
     for (number, line), cells in zip(rows, table, strict=True):
         mark = Mark(str(path), number, 1, line)
         if len(cells) != len(names):
-            values, hint = f"{len(cells)} value{'s' * (len(cells) != 1)}", "is the separator right?"
-            fail(mark, f"has {values} for the {len(names)} columns of line {head_line}", hint)
+            values, hint = f"{len(cells)} value{'s' * (len(cells) != 1)}", "are separator and quotes right?"
+            fail(
+                mark,
+                f"has {values} for the {len(names)} column{'s' * (len(names) != 1)} of line {head_line}",
+                hint,
+            )
             return
         headless = [column for name, (text, column) in zip(columns, cells, strict=True) if text and not name]
         if headless:
@@ -83,9 +87,18 @@ def _entries(
 
 
 def _cells(line: str, separator: str) -> list[tuple[str, int]]:
-    """Return the cells of a line, without quotes, with their columns from 1."""
-    cells, column = [], 1
-    for text in line.split(separator):
-        cells.append((text.strip().strip('"').strip(), column + len(text) - len(text.lstrip())))
-        column += len(text) + 1
+    """Return the cells of a line, without quotes, with their columns from 1.
+
+    Separators in quotes do not separate; what follows an open quote is left out.
+    """
+    cells: list[tuple[str, int]] = []
+    column, pieces, is_quoted = 1, list[str](), False
+    for piece in line.split(separator):
+        pieces.append(piece)
+        is_quoted ^= piece.count('"') % 2 == 1
+        if not is_quoted:
+            text = separator.join(pieces)
+            cells.append((text.strip().strip('"').strip(), column + len(text) - len(text.lstrip())))
+            column += len(text) + 1
+            pieces = []
     return cells

@@ -141,6 +141,7 @@ def test_mistakes_are_located_in_the_study(tmp_path, section):
         ("load [N],velocity@BPFO [Pa]\n150,1\n", "line.csv:1:10: measured: `Pa` is not a unit of velocity@BPFO"),
         ("load [g],velocity@BPFO [um/s]\n150,1\n", "line.csv:1:1: measured: load: expected a force"),
         ("load [N],velocity@BPFO\n150,1\n", "line.csv:1:10: measured: the unit of velocity@BPFO is missing"),
+        ('load [N],velocity@BPFO [um/s]\n150,"6,1"\n', "line.csv:2:5: measured: velocity@BPFO: expected a number"),
         ("load [N],velocity@BPFO [um/s]\n150,-1\n", "line.csv:2:5: measured: velocity@BPFO is never negative"),
         ("load [N],velocity@BPFO [um/s],\n150,1,x\n", "line.csv:2:7: has a value in a column without a header"),
         ("load [N],velocity@BPFO [um/s],load [kN]\n1,1,1\n", "line.csv:1:1: has two columns `load`"),
@@ -164,6 +165,19 @@ def test_columns_without_head_may_be_empty(tmp_path):
     (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s],,\n150,1,,\n300,2,,\n")
     (entry,) = load(tmp_path, "measured: [{points: line.csv}]\n").measured
     assert [point.features for point in entry.points] == [{"velocity@BPFO": 1e-6}, {"velocity@BPFO": 2e-6}]
+
+
+def test_quoted_separators_do_not_separate(tmp_path):
+    text = 'load [N];"velocity@BPFO [um/s]";model\n"150";"6,1";"ring"\n'
+    for separator in (";", "|"):
+        (tmp_path / "line.csv").write_text(f"# a;b\n{text}".replace(";", separator))
+        (entry,) = load(tmp_path, "measured: [{points: line.csv}]\n").measured
+        assert entry.points[0].features == pytest.approx({"velocity@BPFO": 6.1e-6})
+    (tmp_path / "line.csv").write_text('load [N],"velocity@BPFO [um/s]","rig.sensor.on"\n150,6.1,"a,b"\n')
+    assert (
+        "left out line.csv:2: the study has rig.sensor.on ring"
+        in load(tmp_path, "measured: [{points: line.csv}]\n").notes[-1]
+    )
 
 
 @pytest.mark.parametrize("labels", [("a", "a"), ("line", None)])
