@@ -51,10 +51,10 @@ KINDS = {
     ),
     "series": Kind("series.draw_series", "channels over time", (*CURVES, *TIME, "band", "mean")),
     "spectrum": Kind(
-        "spectra.draw_spectrum", "amplitude spectra of channels", (*CURVES, *TIME, *SPECTRAL), range="frequency"
+        "spectra.draw", "amplitude spectra of channels", (*CURVES, *TIME, *SPECTRAL), range="frequency"
     ),
     "envelope": Kind(
-        "spectra.draw_envelope_spectrum", "spectra of the squared envelope of channels",
+        "spectra.draw", "spectra of the squared envelope of channels",
         (*CURVES, *TIME, *SPECTRAL, "band"), range="frequency",
     ),
     "spectrogram": Kind(

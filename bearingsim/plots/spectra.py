@@ -40,16 +40,6 @@ DECADES = 5  # largest range of a logarithmic axis below the largest value
 Spectrum = Callable[[np.ndarray, float], Curve]
 
 
-def draw_spectrum(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
-    """Draw the amplitude spectra of channels: a sine of amplitude A gives a peak of height A."""
-    return _draw(results, figure, jobs)
-
-
-def draw_envelope_spectrum(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
-    """Draw the spectra of the squared envelope of channels, or of their content in a band."""
-    return _draw(results, figure, jobs)
-
-
 def _spectrum_of(figure: "Figure") -> Spectrum:
     """Return the function that computes the spectrum of a kind of figure."""
     from bearingsim import signals
@@ -92,7 +82,8 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
     return content(results, records, recorded.channels_for(records, figure.y), figure, display)
 
 
-def _draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw the spectra of channels, of amplitude or of the squared envelope: a sine of amplitude A has height A."""
     panels = grid(spectra_of(results, figure, jobs), figure.title)
     limits = frequency_range(figure, (job for row in panels.jobs for job in row))
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
