@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim import cpu_time
+from bearingsim import cpu_time, store
 from bearingsim.runner import Engine, Interrupted, run
 
 ENGINE = Engine(
@@ -32,6 +32,9 @@ class FakeError(Exception):
     def __init__(self, reason: str, advice: str, time: float | None) -> None:
         super().__init__(reason)
         self.reason, self.advice, self.time = reason, advice, time
+
+
+PROVENANCE: dict[str, int | str] = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
 
 
 @dataclass(frozen=True)
@@ -207,6 +210,12 @@ def _count(flag: str, case: FakeCase) -> None:
     """Note that a case has been computed once more."""
     with Path(flag).open("a") as file:
         file.write(f"{case_id(case)}\n")
+
+
+def store_jobs(root: Path, study: Any, jobs: list[Any] | None = None) -> list[Path]:
+    """Store jobs of a study (all by default) as a run would."""
+    store.write_plan(root, study, study.jobs())
+    return store.write_units(root, [(job, record_of(job.case)) for job in jobs or study.jobs()], PROVENANCE)
 
 
 def main(out: str, jobs: str, count: str, seconds: str) -> None:

@@ -8,8 +8,7 @@ import pytest
 
 from bearingsim import store
 from bearingsim.store import Results
-from tests.scenes.fake_studies import FakeJob, FakeStudy, record_of
-from tests.store.test_store import PROVENANCE
+from tests.scenes.fake_studies import PROVENANCE, FakeJob, FakeStudy, record_of
 
 LOADS = [150.0, 300.0]
 
