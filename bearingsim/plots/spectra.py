@@ -83,7 +83,7 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
 
 
 def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
-    """Draw the spectra of channels, of amplitude or of the squared envelope: a sine of amplitude A has height A."""
+    """Draw spectra of channels, of amplitude (a sine of amplitude A has height A) or of the squared envelope."""
     panels = grid(spectra_of(results, figure, jobs), figure.title)
     limits = frequency_range(figure, (job for row in panels.jobs for job in row))
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
