@@ -201,8 +201,7 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
 
 
 def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
-    from bearingsim.diagnosis import NONE
-    from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
+    from bearingsim.diagnosis.thresholds import decibels
 
     heads = [
         "line", "expected (Hz)", "found (Hz)", "deviation", "harmonics (dB)", "levelled (dB)", "score (dB)",
@@ -232,6 +231,15 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
         f", {100.0 * diagnosis.crowded:.0f} % of all periodicities reach the score of {LINE_NAMES[diagnosis.best]}"
     )
     say(f"strongest other periodicity: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{share}")
+    _print_remarks(diagnosis)
+
+
+def _print_remarks(diagnosis: "Diagnosis") -> None:
+    """Print other causes of the strongest periodicities, and the width of the defect."""
+    from bearingsim.diagnosis import NONE
+    from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
+
+    rival = diagnosis.rival
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
         say(
             "this periodicity matches no line of this bearing at this speed: its cause is another part of the "
