@@ -10,7 +10,7 @@ from bearingsim.assemble import form, rest
 from bearingsim.assemble.reduced import static_case
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.core.models.equilibrium import mean_position
+from bearingsim.core.models.mean_equilibrium import mean_position
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from bearingsim.core.defects.excitations import Envelope
 from bearingsim.core.defects.pairs import GROUP_WEIGHT, Defects, pack_defects
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.laws.damping.undamped import Undamped
-from bearingsim.core.models.equilibrium import MeanEquilibrium, mean_equilibrium, mean_ring_damping
+from bearingsim.core.models.mean_equilibrium import MeanEquilibrium, mean_equilibrium, mean_ring_damping
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support

@@ -19,7 +19,8 @@ from bearingsim.core.laws.friction.interface import mu, mu_derivative_bound
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.models.equilibrium import mean_equilibrium, solve_initial_equilibrium
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
+from bearingsim.core.models.mean_equilibrium import mean_equilibrium
 from bearingsim.core.models.planar import Planar
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import Bearing, Support

@@ -25,7 +25,7 @@ from bearingsim.core.clock import is_over
 from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
-from bearingsim.core.models.arms import roller_arms, shared_arms
+from bearingsim.core.models.differences import roller_arms, shared_arms
 from bearingsim.core.models.extremes import copy_forces, update_forces_within
 from bearingsim.core.models.interface import (
     accelerations,

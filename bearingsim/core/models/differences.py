@@ -11,9 +11,23 @@ from typing import Any
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, generic, jit
-from bearingsim.core.models.arms import roller_arms, shared_arms
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom
 from bearingsim.core.parameters import lanes
+
+
+@jit
+def shared_arms(b):
+    """Return the lever arms of the shared coordinates, in the order of ``layout.shared_cell``; b: the bearing."""
+    R_mean = 0.5 * (b.R_o + b.R_i)
+    planar_arms = (1.0, 1.0, b.R_o, R_mean, 1.0, 1.0, 1.0, 1.0)
+    return (*planar_arms, 1.0, 1.0, 1.0, b.R_o, R_mean, b.R_i, b.R_o, R_mean, b.R_i)
+
+
+@jit
+def roller_arms(b):
+    """Return the lever arms of a roller's six coordinates."""
+    return 1.0, 0.5 * (b.R_o + b.R_i), b.R_w, 1.0, b.R_w, b.R_w
+
 
 DISPLACEMENT = 2e-11  # m (at the lever arm of an angle): small against approaches, large against their rounding
 SPEED = 1e-7  # m/s

@@ -6,7 +6,7 @@ m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(thet
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.circle import cos_sin
+from bearingsim.core.geometry.plane import cos_sin
 from bearingsim.core.jit import add, inlined, jit
 from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.sums import sum_loads

@@ -31,9 +31,8 @@ from bearingsim.core.defects.pairs import (
     Defects,
     nearest_roller,
 )
-from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_direction, small_angle
+from bearingsim.core.geometry.plane import Centre, approach, centre_at, cos_sin, roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound

@@ -31,10 +31,8 @@ def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     u = R_w * abs(theta_v - beta_v)  # rolling speed: of the surface relative to the orbiting contact
 
     arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
-    cos_o, cos_i = (
-        1.0 / sqrt(1.0 + normal_slope_o * normal_slope_o),
-        1.0 / sqrt(1.0 + normal_slope_i * normal_slope_i),
-    )
+    cos_o = 1.0 / sqrt(1.0 + normal_slope_o * normal_slope_o)
+    cos_i = 1.0 / sqrt(1.0 + normal_slope_i * normal_slope_i)
     sin_o, sin_i = normal_slope_o * cos_o, normal_slope_i * cos_i
     ring_arm_o, ring_arm_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i
     s_o = (
@@ -53,10 +51,8 @@ def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     s_o += SLIP_OFFSET if s_o > 0.0 else -SLIP_OFFSET
     s_i += SLIP_OFFSET if s_i > 0.0 else -SLIP_OFFSET
     inverse = 1.0 / (s_o * s_i)
-    k_o, k_i = (
-        mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * inverse,
-        mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * inverse,
-    )
+    k_o = mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * inverse
+    k_i = mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * inverse
     f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along_lag, across_lag)
 
     along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.DEFECT_FORCE_O + j] - f_o * cos_o

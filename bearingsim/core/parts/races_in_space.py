@@ -103,11 +103,9 @@ def clear_sums(side, y, n):
         y[base + lay.CONTACT_ZETA_FORCE_Z + j] = 0.0
         y[base + lay.COUPLE_R + j], y[base + lay.COUPLE_T + j], y[base + lay.COUPLE_Z + j] = 0.0, 0.0, 0.0
         y[base + lay.KAPPA_0 + j], y[base + lay.KAPPA_1 + j], y[base + lay.KAPPA_2 + j] = 0.0, 0.0, 0.0
-        y[base + lay.KAPPA_SLIP_0 + j], y[base + lay.KAPPA_SLIP_1 + j], y[base + lay.KAPPA_SLIP_Z + j] = (
-            0.0,
-            0.0,
-            0.0,
-        )
+        y[base + lay.KAPPA_SLIP_0 + j] = 0.0
+        y[base + lay.KAPPA_SLIP_1 + j] = 0.0
+        y[base + lay.KAPPA_SLIP_Z + j] = 0.0
         y[base + lay.KAPPA_ARM + j] = 0.0
         y[base + lay.KAPPA_R + j] = 0.0
         y[base + lay.KAPPA_T + j] = 0.0
@@ -122,18 +120,25 @@ def add_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, k, y
     effect of a defect on the slice.
     """
     load_row, approach_row = slice_rows(side)
+    force_sum, approach_sum, _, slip_sum, tangential_sum = contact_rows(side)
     row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
     for j in range(n & LANE_MASK):
-        load, approach = load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, j)
+        load, approach, tangential, slip = load_slice(
+            side, law, friction, form, bearing, ring, zeta, weight, drop, y, j
+        )
         y[row + (load_row + j)] = load
         y[row + (approach_row + j)] = approach
+        y[force_sum + j] += load
+        y[tangential_sum + j] += tangential
+        y[slip_sum + j] += weight * slip
+        y[approach_sum + j] += weight * max(approach, 0.0)
 
 
 @inlined
 def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, j):
-    """Compute position, motion, force and friction of a slice of roller ``j``; add its forces to the sums.
+    """Compute position, motion, force and friction of a slice of roller ``j``; add its forces to the moments.
 
-    Returns the load (N) and the approach (m) of the slice.
+    Returns the load (N), the approach (m), the force of a defect around the race (N) and the slip (m/s).
 
     Equations (S2) and (S3) of docs/spatial.md; with form (F1) and (F2) of docs/form.md.
     """
@@ -159,11 +164,8 @@ def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, 
     defect_slope = y[base + lay.NORMAL_SLOPE + j]
     normal_slope = defect_slope - rise_of_slice(form, side, inverse_rho, y, j)
     cosine = 1.0 - versine(form, base, normal_slope, y, j)
-    on_roller, roll_speed, sine = (
-        y[base + lay.ROLLER_DEFECT + j],
-        y[base + lay.ROLL_SPEED + j],
-        sigma * normal_slope * cosine,
-    )
+    on_roller, roll_speed = y[base + lay.ROLLER_DEFECT + j], y[base + lay.ROLL_SPEED + j]
+    sine = sigma * normal_slope * cosine
     rho_minus_r += lateral_squared * (inverse_product * rho)
     delta = sigma * (y[lay.RADIAL + j] + rho_minus_r) - clearance - y[base + lay.ROLLER_DROP + j]
     delta = delta - recess_of_slice(form, side, y, j)
@@ -188,6 +190,20 @@ def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, 
     g_r = f_n * n_r + f_t * t_r - f * e_r - f_b * b_r
     g_t = f_n * n_t + f_t * t_t - f * e_t - f_b * b_t
     g_z = f_n * n_z + f_t * t_z - f * e_z - f_b * b_z
+    torque = arm * f + on_roller * (defect_slope * force) * rho - torque_of_roller_form(form, side, force, y, j)
+    y[base + lay.COUPLE_AXIAL + j] -= torque
+    add_moments(base, zeta, arm, (g_r, g_t, g_z), (f, f_b), kappa, (e_r, e_t, e_z), y, j)
+    return force, delta, f_t, slip
+
+
+@inlined
+def add_moments(base, zeta, arm, force, friction, kappa, along, y, j):
+    """Add force (N), couple (N m) and kappa (N s/m) of a slice of roller ``j`` and their moments to the sums.
+
+    zeta: axial position (m); arm: lever arm of the friction about the roller's axis (m); force: radial, tangential
+    and axial; friction: around the race and along it (N); along: unit vector around the race.
+    """
+    (g_r, g_t, g_z), (f, f_b), (e_r, e_t, e_z) = force, friction, along
     couple, zeta_kappa = arm * f_b, zeta * kappa
     y[base + lay.CONTACT_FORCE_R + j] += g_r
     y[base + lay.CONTACT_FORCE_T + j] += g_t
@@ -195,8 +211,6 @@ def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, 
     y[base + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
     y[base + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
     y[base + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
-    torque = arm * f + on_roller * (defect_slope * force) * rho - torque_of_roller_form(form, side, force, y, j)
-    y[base + lay.COUPLE_AXIAL + j] -= torque
     y[base + lay.COUPLE_R + j] += couple * e_r
     y[base + lay.COUPLE_T + j] += couple * e_t
     y[base + lay.COUPLE_Z + j] += couple * e_z
@@ -210,12 +224,6 @@ def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, 
     y[base + lay.KAPPA_R + j] += kappa * e_r
     y[base + lay.KAPPA_T + j] += kappa * e_t
     y[base + lay.KAPPA_Z + j] += kappa * e_z
-    force_row, approach_row, _, slip_row, tangential_row = contact_rows(side)
-    y[force_row + j] += force
-    y[tangential_row + j] += f_t
-    y[slip_row + j] += weight * slip
-    y[approach_row + j] += weight * max(delta, 0.0)
-    return force, delta
 
 
 @jit

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bearingsim.core.geometry.circle import cos_sin
+from bearingsim.core.geometry.plane import cos_sin
 from bearingsim.core.jit import jit
 
 
