@@ -38,6 +38,7 @@ from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged
+from bearingsim.core.models import interface
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
     accelerate_shared,
@@ -46,18 +47,7 @@ from bearingsim.core.models.by_roller import (
     shared,
 )
 from bearingsim.core.models.extremes import update_forces
-from bearingsim.core.models.interface import (
-    ModelKind,
-    accelerations,
-    begin,
-    damping_per_mass,
-    degrees_of_freedom,
-    linearise,
-    monitored,
-    state_width,
-    stiffness_per_mass,
-    update_extremes,
-)
+from bearingsim.core.models.interface import ModelKind, accelerations
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.models.planar_derivatives import planar_jacobian
 from bearingsim.core.models.planar_forces import tangential_forces
@@ -99,12 +89,12 @@ class Planar(NamedTuple):
     form: Any = Smooth()
 
 
-@state_width.register(Planar)
+@interface.state_width.register(Planar)
 def _state_width(model):
     return 2 * lay.ROW + lay.FIRST_LANE + lanes(model.bearing)
 
 
-@monitored.register(Planar)
+@interface.monitored.register(Planar)
 def _monitored(model):
     return model.bearing.Z
 
@@ -277,15 +267,15 @@ def _accelerate_roller(model, common, alpha_cage, y, j):
     y[lay.SPIN_A + j] = cage_constraint(cage, mask * (y[lay.TORQUE + j] * (1.0 / b.I_r) - alpha_spin))
 
 
-@begin.register(Planar)
+@interface.begin.register(Planar)
 def _begin(model, t, y):
     accelerations(model, t, y)
 
 
-update_extremes.register(Planar)(update_forces)
+interface.update_extremes.register(Planar)(update_forces)
 
 
-@stiffness_per_mass.register(Planar)
+@interface.stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
     """Return the largest stiffness over mass of the roller between its races, its pocket, and the rings'
     supports."""
@@ -297,7 +287,7 @@ def _stiffness_per_mass(model, y, j):
     )
 
 
-@damping_per_mass.register(Planar)
+@interface.damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
     """Return the largest damping over mass of the contacts, the rings' supports and the friction
     (``lagged_friction``).
@@ -313,12 +303,12 @@ def _damping_per_mass(model, y, j):
     return max(y[lay.INVERSE_MASS + j] * (outer + inner), supports, lagged(friction_rate, model.lag))
 
 
-@degrees_of_freedom.register(Planar)
+@interface.degrees_of_freedom.register(Planar)
 def _degrees_of_freedom(model):
     return 3, 8
 
 
-@linearise.register(Planar)
+@interface.linearise.register(Planar)
 def _linearise(model, t, y):
     planar_jacobian(model, t, y)
 

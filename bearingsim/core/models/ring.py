@@ -39,6 +39,7 @@ from bearingsim.core.laws.damping.interface import (
 )
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
+from bearingsim.core.models import interface
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
     accelerate_shared,
@@ -48,18 +49,7 @@ from bearingsim.core.models.by_roller import (
 )
 from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_defects, roller_balance
 from bearingsim.core.models.extremes import update_forces
-from bearingsim.core.models.interface import (
-    ModelKind,
-    accelerations,
-    begin,
-    damping_per_mass,
-    degrees_of_freedom,
-    linearise,
-    monitored,
-    state_width,
-    stiffness_per_mass,
-    update_extremes,
-)
+from bearingsim.core.models.interface import ModelKind, accelerations
 from bearingsim.core.models.outer_ring import (
     accelerate_ring,
     fill_roller_angle,
@@ -85,12 +75,12 @@ class Ring(NamedTuple):
     form: Any = Smooth()
 
 
-@state_width.register(Ring)
+@interface.state_width.register(Ring)
 def _state_width(model):
     return lay.FIRST_LANE
 
 
-@monitored.register(Ring)
+@interface.monitored.register(Ring)
 def _monitored(model):
     return 1
 
@@ -193,15 +183,15 @@ def _accelerate_roller(model, common, body_acceleration, y, j):
     """Do nothing, because massless rollers have no acceleration."""
 
 
-@begin.register(Ring)
+@interface.begin.register(Ring)
 def _begin(model, t, y):
     accelerations(model, t, y)
 
 
-update_extremes.register(Ring)(update_forces)
+interface.update_extremes.register(Ring)(update_forces)
 
 
-@stiffness_per_mass.register(Ring)
+@interface.stiffness_per_mass.register(Ring)
 def _stiffness_per_mass(model, y, j):
     """Return the sum of all contact stiffnesses and the bracket's over the ring's mass.
 
@@ -216,7 +206,7 @@ def _stiffness_per_mass(model, y, j):
     return (total + model.support.k_b) / model.bearing.m_o
 
 
-@damping_per_mass.register(Ring)
+@interface.damping_per_mass.register(Ring)
 def _damping_per_mass(model, y, j):
     total = 0.0
     for i in range(lanes(model.bearing)):
@@ -227,7 +217,7 @@ def _damping_per_mass(model, y, j):
     return (total + model.support.c_b) / model.bearing.m_o
 
 
-@degrees_of_freedom.register(Ring)
+@interface.degrees_of_freedom.register(Ring)
 def _degrees_of_freedom(model):
     return 0, 2
 
@@ -274,7 +264,7 @@ def derivatives_over_defect_in_series(model, y, j):
     return share * K - (1.0 - share) * drop_derivative * C, 0.5 * C
 
 
-@linearise.register(Ring)
+@interface.linearise.register(Ring)
 def _linearise(model, t, y):
     n, common = lanes(model.bearing), shared(model, t, y)
     for j in range(n):

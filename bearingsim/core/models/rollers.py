@@ -26,6 +26,7 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, Defects, pass
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
+from bearingsim.core.models import interface
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
     accelerate_shared,
@@ -34,21 +35,7 @@ from bearingsim.core.models.by_roller import (
     shared,
 )
 from bearingsim.core.models.extremes import update_forces
-from bearingsim.core.models.interface import (
-    ModelKind,
-    accelerations,
-    begin,
-    bend_at,
-    damping_per_mass,
-    degrees_of_freedom,
-    harmonics,
-    linearise,
-    monitored,
-    read_sensor,
-    state_width,
-    stiffness_per_mass,
-    update_extremes,
-)
+from bearingsim.core.models.interface import ModelKind, accelerations, harmonics, linearise, read_sensor
 from bearingsim.core.models.outer_ring import (
     accelerate_ring,
     fill_roller_angle,
@@ -79,7 +66,7 @@ class Rollers(NamedTuple):
     form: Any = Smooth()
 
 
-@state_width.register(Rollers)
+@interface.state_width.register(Rollers)
 def _state_width(model):
     count = harmonics(model)
     return lay.MODES_S + count if count > 0 else lay.FIRST_LANE + lanes(model.bearing)
@@ -90,7 +77,7 @@ def _harmonics(model):
     return bending.harmonics(model.bending)
 
 
-@monitored.register(Rollers)
+@interface.monitored.register(Rollers)
 def _monitored(model):
     return model.bearing.Z
 
@@ -174,15 +161,15 @@ def _accelerate_roller(model, common, body_acceleration, y, j):
     y[lay.RADIAL_A + j] = y[lay.INVERSE_MASS + j] * (centrifugal + y[lay.Q_I + j] - y[lay.Q_O + j])
 
 
-@begin.register(Rollers)
+@interface.begin.register(Rollers)
 def _begin(model, t, y):
     accelerations(model, t, y)
 
 
-update_extremes.register(Rollers)(update_forces)
+interface.update_extremes.register(Rollers)(update_forces)
 
 
-@bend_at.register(Rollers)
+@interface.bend_at.register(Rollers)
 def _bend_at(model, y, j):
     return bending.bend(model.bending, y, j)
 
@@ -192,7 +179,7 @@ def _read_sensor(model, y):
     bending.read_sensor(model.bending, y)
 
 
-@stiffness_per_mass.register(Rollers)
+@interface.stiffness_per_mass.register(Rollers)
 def _stiffness_per_mass(model, y, j):
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
@@ -201,14 +188,14 @@ def _stiffness_per_mass(model, y, j):
     )
 
 
-@damping_per_mass.register(Rollers)
+@interface.damping_per_mass.register(Rollers)
 def _damping_per_mass(model, y, j):
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     return y[lay.INVERSE_MASS + j] * (outer + inner) + bending.race_damping(model.bending, outer)
 
 
-@degrees_of_freedom.register(Rollers)
+@interface.degrees_of_freedom.register(Rollers)
 def _degrees_of_freedom(model):
     return 1, 2
 

@@ -36,21 +36,11 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged
+from bearingsim.core.models import interface
 from bearingsim.core.models.bodies_in_space import accelerate_rings_and_cage, bodies, set_mounted_rings
 from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, is_free_coordinate
 from bearingsim.core.models.extremes import update_largest_forces
-from bearingsim.core.models.interface import (
-    ModelKind,
-    accelerations,
-    begin,
-    damping_per_mass,
-    degrees_of_freedom,
-    linearise,
-    monitored,
-    state_width,
-    stiffness_per_mass,
-    update_extremes,
-)
+from bearingsim.core.models.interface import ModelKind, accelerations
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import cage_constraint, orbit_drag, pocket_stiffness
 from bearingsim.core.parts.cage_in_space import axial_stiffness, pocket_forces_in_space
@@ -103,12 +93,12 @@ class Spatial(NamedTuple):
     form: Any = Smooth()
 
 
-@state_width.register(Spatial)
+@interface.state_width.register(Spatial)
 def _state_width(model):
     return 5 * lay.ROW + lay.FIRST_LANE + lanes(model.bearing)
 
 
-@monitored.register(Spatial)
+@interface.monitored.register(Spatial)
 def _monitored(model):
     return model.bearing.Z
 
@@ -214,13 +204,13 @@ def _accelerations(model, t, y):
     accelerate_rollers(model, common.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * common.ramp_rate, y, n)
 
 
-@begin.register(Spatial)
+@interface.begin.register(Spatial)
 def _begin(model, t, y):
     set_mounted_rings(model, y)
     accelerations(model, t, y)
 
 
-@update_extremes.register(Spatial)
+@interface.update_extremes.register(Spatial)
 def _update_extremes(model, y):
     n = lanes(model.bearing)
     update_largest_forces(y, n)
@@ -268,7 +258,7 @@ def sum_over_slices(model, y, j):
     return k, c, k_tilt, c_tilt
 
 
-@stiffness_per_mass.register(Spatial)
+@interface.stiffness_per_mass.register(Spatial)
 def _stiffness_per_mass(model, y, j):
     """Return the largest stiffness over inertia of the roller between its races (radial or tilting), its pocket,
     the flanges, and the rings' supports."""
@@ -281,7 +271,7 @@ def _stiffness_per_mass(model, y, j):
     return max(per_mass * k, k_tilt / model.I_t, supports, mounts, pocket, flange)
 
 
-@damping_per_mass.register(Spatial)
+@interface.damping_per_mass.register(Spatial)
 def _damping_per_mass(model, y, j):
     """Return the largest damping over inertia of contacts (radial, tilting), friction and the rings' supports.
 
@@ -302,12 +292,12 @@ def _damping_per_mass(model, y, j):
     return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_mobility, supports, mounts)
 
 
-@degrees_of_freedom.register(Spatial)
+@interface.degrees_of_freedom.register(Spatial)
 def _degrees_of_freedom(model):
     return 6, 17
 
 
-@linearise.register(Spatial)
+@interface.linearise.register(Spatial)
 def _linearise(model, t, y):
     difference_jacobian(model, t, y)
 
