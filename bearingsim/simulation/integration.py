@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import islice
 from math import exp, factorial, hypot, inf, nan
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -292,12 +292,25 @@ def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passe
         raise run_failure(setup, outcomes.SKIPPED, missed, end)
 
 
+_COMPILED: set[tuple] = set()
+"""Types of method, model, monitor and samples whose integrator is compiled or loaded in this process."""
+
+
 def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: np.ndarray) -> None:
-    """Compile or load the integrator outside of the measured CPU time, by a step that is discarded."""
+    """Compile or load an integrator outside of the measured CPU time, by a step that is discarded."""
+    types = nested_types((setup.method, setup.model, setup.monitor, samples))
+    if types in _COMPILED:
+        return
     y = y.copy()
     y[lay.CPU_END] = cpu_time.end()
     columns = np.empty((len(cells), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
     advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, cells, columns, samples)
+    _COMPILED.add(types)
+
+
+def nested_types(value: Any) -> Any:
+    """Return the nested types of parameters, which determine the compiled code; exponents of laws may be types."""
+    return (type(value), *map(nested_types, value)) if isinstance(value, tuple) else type(value)
 
 
 def _record_steps(

@@ -7,6 +7,7 @@ from typing import Any
 from bearingsim import assemble, cpu_time
 from bearingsim.config import Case, Section
 from bearingsim.simulation import channels, choice
+from bearingsim.simulation.integration import nested_types
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.simulate import simulate
 
@@ -25,7 +26,7 @@ def warm(cases: Iterable[Case], on_compile: Callable[[int, int, float], None] | 
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
         kinds.setdefault(
-            (_settings_key(choice.resolve(case)), _nested_types(laws), channels.stores_raw_values(case)), case
+            (_settings_key(choice.resolve(case)), nested_types(laws), channels.stores_raw_values(case)), case
         )
     new = {kind: case for kind, case in kinds.items() if kind not in _COMPILED}
     for number, (kind, case) in enumerate(new.items(), 1):
@@ -45,8 +46,3 @@ def _settings_key(value: Any) -> Any:
     if isinstance(value, tuple):
         return bool(value)
     return value if isinstance(value, str | bool | None) else type(value)
-
-
-def _nested_types(value: Any) -> Any:
-    """Return the nested types of a law; its exponents may be types as well."""
-    return (type(value), *map(_nested_types, value)) if isinstance(value, tuple) else type(value)
