@@ -1,5 +1,7 @@
 """Cases with fields reset that do not affect a computation, so that equal computations share a cached result."""
 
+from functools import lru_cache
+
 from bearingsim.catalogue import EXPLICIT
 from bearingsim.config import Case
 from bearingsim.config.sections.contact import Undamped
@@ -11,11 +13,13 @@ NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 
 """Fields of a rig that do not affect the equilibrium of a ring under its load alone."""
 
 
+@lru_cache(maxsize=256)
 def bearing_of(case: Case) -> Case:
     """Reset the fields that do not affect the bearing, so that all its computations share cached parameters."""
     return case.model_copy(update=RESET_OPTIONS)
 
 
+@lru_cache(maxsize=256)
 def healthy_case(case: Case) -> Case:
     """Return the case without defects, with fields reset that do not affect the static load."""
     defaults = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}

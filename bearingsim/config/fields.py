@@ -27,6 +27,16 @@ class Section(BaseModel):
     """Part of a study: immutable, without unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    __slots__ = ("_hash",)  # not copied by `model_copy`, nor pickled
+
+    def __hash__(self) -> int:
+        """Return the hash of all fields, computed once, because cases are the keys of caches."""
+        try:
+            value: int = object.__getattribute__(self, "_hash")
+        except AttributeError:
+            value = hash(tuple(map(self.__dict__.get, type(self).model_fields)))
+            object.__setattr__(self, "_hash", value)
+        return value
 
 
 @dataclass(frozen=True)

@@ -231,7 +231,8 @@ def generic(
         return entry if callable(entry) else constant(entry, name)
 
     def dispatch(*arguments: Any) -> Any:
-        return implementation(type(arguments[0]))(*arguments)
+        kind = type(arguments[0])
+        return (implementations.get(kind) or implementation(kind))(*arguments)
 
     def choose(parameters: Any, *rest: Any) -> Callable:
         try:

@@ -1,5 +1,6 @@
 """Buffer cells of the channels, and channel values from the recorded rows."""
 
+from functools import lru_cache
 from math import cos, sin
 from typing import Any
 
@@ -85,8 +86,9 @@ def cell(name: str) -> int:
     return row + roller - 1
 
 
+@lru_cache(maxsize=256)
 def recorded_cells(case: Case) -> np.ndarray:
-    """Return the buffer cells (C,) recorded for a case: ``feature_cells``, then its channels.
+    """Return the buffer cells (C,) recorded for a case, read-only: ``feature_cells``, then its channels.
 
     If the motion may be periodic, a channel of one roller is recorded for all rollers, because the roller repeats
     the motion of the others.
@@ -100,9 +102,11 @@ def recorded_cells(case: Case) -> np.ndarray:
             [requested_cells, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()]
         )
     first_cells = feature_cells(case)
-    return np.array(
+    cells = np.array(
         [*first_cells, *dict.fromkeys(p for p in requested_cells.tolist() if p not in first_cells)], dtype=np.int64
     )
+    cells.flags.writeable = False
+    return cells
 
 
 def requested_rows(case: Case, cells: np.ndarray) -> np.ndarray:

@@ -81,6 +81,7 @@ class SpringRates(NamedTuple):
     C_max: float
 
 
+@lru_cache(maxsize=256)
 def step_limits(case: Case) -> Limits:
     """Return the step limits of a case with a named method. Raises ``Refused`` if there is no equilibrium."""
     try:
@@ -201,6 +202,7 @@ def unbalance_speed(case: Case) -> float:
     return case.unbalance.mass_radius * case.speed**2 / c if c > 0.0 else inf
 
 
+@lru_cache(maxsize=256)
 def rest_case(case: Case) -> Case:
     """Return the case without defects, with the lowest model that has contact forces if its own has none."""
     healthy = assemble.healthy_case(case)

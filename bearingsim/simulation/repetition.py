@@ -6,6 +6,7 @@ position: roller j with roller j + m of m passes before. Further periods are not
 
 from collections import deque
 from collections.abc import Callable
+from functools import lru_cache
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
@@ -35,6 +36,7 @@ CONDITIONS: dict[str, Callable[[Case], bool]] = {
 """Conditions on the other fields for a periodic motion."""
 
 
+@lru_cache(maxsize=256)
 def may_repeat(case: Case) -> bool:
     """Check if the motion of a case with a named method may become periodic and be computed until then only.
 
@@ -44,6 +46,7 @@ def may_repeat(case: Case) -> bool:
     return fields.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
 
 
+@lru_cache(maxsize=256)
 def may_be_periodic(case: Case) -> bool:
     """Check if the motion of a case may be periodic, even if `periodic: false` computes it in full."""
     return may_repeat(case.model_copy(update={"periodic": True}))
@@ -139,6 +142,8 @@ class Search:
         self.compared_rows = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
         self.compared_rows = self.compared_rows[cells[self.compared_rows] != lay.SENSOR_A]
         self.weights = np.zeros(12 * lay.ROW) if memoryless else length_factors(model)
+        self.lane = lay.lane_of(cells)
+        self.lane_rows = set((cells - self.lane)[self.lane >= 0].tolist())
         self.min_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
         capacity = int(MAX_STORED // (8 * len(cells) * steps))
         self.periods = range(1, 1 + min(LONGEST_PERIOD, capacity))
@@ -162,13 +167,14 @@ class Search:
         if not self.periods:
             return 0, nan
         self.recordings.append(window[self.compared_rows])
-        self.end_states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights)
+        self.end_states.append((y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights).reshape(2, 6, lay.ROW))
         self.peaks.append(peaks)
-        ranges = self._ranges(window)
+        ranges = self._ranges(self.recordings[-1])
+        end_ranges = self._end_ranges(ranges)
         for period in self.periods:
             if period < len(self.end_states):
                 differences = self.differences[period]
-                differences.append(self._difference(period, ranges))
+                differences.append(self._difference(period, ranges, end_ranges))
                 passes = self.closeness.pass_count + period - 1  # each pass of a period must agree
                 if all(
                     _has_converged(differences[: len(differences) - n], self.closeness, self.slowest_ratio)
@@ -177,23 +183,29 @@ class Search:
                     return period, differences[-1]
         return 0, min((differences[-1] for differences in self.differences.values() if differences), default=nan)
 
-    def _ranges(self, window: np.ndarray) -> np.ndarray:
-        """Return the range of the quantity of each recorded row (C,)."""
-        high, low = np.zeros(len(window)), np.zeros(len(window))
-        for c in self.compared_rows:
-            high[c], low[c] = window[c].max(), window[c].min()
+    def _ranges(self, recording: np.ndarray) -> np.ndarray:
+        """Return the range of the quantity of each recorded row (C,), 0 if it is not compared."""
+        high, low = np.zeros(len(self.cells)), np.zeros(len(self.cells))
+        high[self.compared_rows], low[self.compared_rows] = recording.max(axis=1), recording.min(axis=1)
         ranges = high - low
         for pair in (ranges[:2], ranges[2:4]):
             pair[:] = np.maximum(pair, MIN_RELATIVE_RANGE * pair.max())
-        lane = lay.lane_of(self.cells)
-        for row in set((self.cells - lane)[lane >= 0].tolist()):  # one range for all rollers
-            rows = (lane >= 0) & (self.cells - lane == row)
+        for row in self.lane_rows:  # one range for all rollers
+            rows = (self.lane >= 0) & (self.cells - self.lane == row)
             ranges[rows] = high[rows].max() - low[rows].min()
         return ranges
 
-    def _difference(self, period: int, ranges: np.ndarray) -> float:
+    def _end_ranges(self, ranges: np.ndarray) -> np.ndarray:
+        """Return the range (2, 6) of each row of positions and velocities, from the last final state."""
+        rollers = self.end_states[-1][:, :, lay.FIRST_LANE : lay.FIRST_LANE + self.Z]
+        ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
+        return np.maximum(ring_ranges, rollers.max(axis=2) - rollers.min(axis=2))
+
+    def _difference(self, period: int, ranges: np.ndarray, end_ranges: np.ndarray) -> float:
         """Return the largest difference from ``period`` passes before; only that of the ends if it is large."""
-        end_difference = self._end_difference(period, ranges)
+        previous_end = rotate_state(self.end_states[-1 - period], self.model, -period)
+        end_differences = np.abs(self.end_states[-1] - previous_end).max(axis=2)
+        end_difference = _largest_ratio(end_differences, end_ranges)  # of lengths and speeds
         if not end_difference <= NEAR_FACTOR * self.closeness.sum_limit:
             return end_difference
         current, previous = self.recordings[-1], self.recordings[-1 - period]
@@ -204,15 +216,6 @@ class Search:
         peak_differences = np.abs(self.peaks[-1] - self.peaks[-1 - period])
         peak_ratio = _largest_ratio(peak_differences, np.maximum(self.peaks[-1], min_peaks))
         return max(end_difference, _largest_ratio(row_differences, ranges[self.compared_rows]), peak_ratio)
-
-    def _end_difference(self, period: int, ranges: np.ndarray) -> float:
-        """Return the largest difference between the final states of two passes, as lengths and speeds."""
-        current, previous = (self.end_states[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
-        previous = rotate_state(previous, self.model, -period)
-        lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
-        ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
-        roller_ranges = current[:, :, lanes].max(axis=2) - current[:, :, lanes].min(axis=2)
-        return _largest_ratio(np.abs(current - previous).max(axis=2), np.maximum(ring_ranges, roller_ranges))
 
 
 def rotated_rows(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
@@ -236,8 +239,9 @@ def rotate_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
 
 def _largest_ratio(differences: np.ndarray, ranges: np.ndarray) -> float:
     """Return the largest ratio of difference to range; a zero difference counts as 0 even for a zero range."""
+    differs = differences != 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
+        return float((differences[differs] / ranges[differs]).max(initial=0.0))
 
 
 def _has_converged(differences: list[float], closeness: Closeness, slowest_ratio: float) -> bool:

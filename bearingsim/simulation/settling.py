@@ -169,8 +169,10 @@ def _linearised(
 
 
 def _radial_cells(model: Any) -> np.ndarray:
-    """Return the cells of a state for in-plane motion and bending of rings and radial motion of rollers."""
-    lanes, modes = lay.FIRST_LANE + np.arange(model.bearing.Z), np.arange(harmonics(model))
+    """Return the cells of a state for in-plane motion and bending of rings and radial motion of rollers, if they
+    have mass."""
+    rollers = model.bearing.Z if model.bearing.m_r > 0.0 else 0
+    lanes, modes = lay.FIRST_LANE + np.arange(rollers), np.arange(harmonics(model))
     return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + modes, lay.MODES_S + modes]
 
 

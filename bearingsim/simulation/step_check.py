@@ -255,7 +255,7 @@ def check_on_pilot(
     or None.
     """
     allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
-    pilot_case = pilot_case.model_copy(update={"periodic": False})
+    pilot_case = pilot_case.model_copy(update={"periodic": False, "step_check": False})
     coarse = previous[0] if previous is not None else set_up(pilot_case, step_fraction, allowed)
     fine = set_up(
         with_finer_tolerance(pilot_case),
