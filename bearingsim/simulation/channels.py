@@ -125,6 +125,8 @@ def stores_raw_values(case: Case) -> bool:
 def contact_force_mask(case: Case, cells: np.ndarray) -> np.ndarray:
     """Return a mask (R,) of the cells (R,) of contact forces that the case records."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
+    if not names:
+        return np.zeros(len(cells), dtype=bool)
     return np.isin(cells, [p for name in names for p in cells_of(case, name)])
 
 

@@ -232,6 +232,8 @@ def rotated_rows(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
 def rotate_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
     """Return positions and velocities (2, 6, ROW) with the rollers rotated by ``passes`` ball passes."""
     rotated, row_count = state.copy(), degrees_of_freedom(model)[0]
+    if row_count == 0:  # rollers without mass
+        return rotated
     lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)
     rotated[:, :row_count, lanes] = np.roll(rotated[:, :row_count, lanes], passes, axis=2)
     return rotated
