@@ -167,7 +167,8 @@ class Search:
         if not self.periods:
             return 0, nan
         self.recordings.append(window[self.compared_rows])
-        self.end_states.append((y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights).reshape(2, 6, lay.ROW))
+        end_state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights
+        self.end_states.append(end_state.reshape(2, 6, lay.ROW))
         self.peaks.append(peaks)
         ranges = self._ranges(self.recordings[-1])
         end_ranges = self._end_ranges(ranges)

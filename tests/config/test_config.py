@@ -1,4 +1,5 @@
 import math
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -369,3 +370,12 @@ def test_an_angle_beyond_a_turn_is_refused(field: Any, angle: str) -> None:
 
 def test_a_full_turn_may_be_rounded() -> None:
     assert case(start_angle="6.2832 rad").start_angle == 6.2832
+
+
+def test_the_hash_of_a_changed_copy_is_its_own() -> None:
+    """Cases are keys of caches, and their hash is computed once."""
+    original = case(load="150 N")
+    before = hash(original)
+    changed = original.model_copy(update={"load": 200.0})
+    assert hash(changed) == hash(case(load="200 N")) != before
+    assert hash(pickle.loads(pickle.dumps(original))) == hash(original) == before
