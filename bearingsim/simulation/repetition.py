@@ -6,7 +6,7 @@ position: roller j with roller j + m of m passes before. Further periods are not
 
 from collections import deque
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
@@ -31,25 +31,27 @@ CONSTANT = frozenset(
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
     **{name: condition.is_met for name, condition in PASS_CONDITIONS.items()},
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
-    "periodic": lambda case: case.periodic,
 }
-"""Conditions on the other fields for a periodic motion."""
+"""Conditions on the other fields but `periodic` for a periodic motion."""
 
 
-@lru_cache(maxsize=256)
 def may_repeat(case: Case) -> bool:
-    """Check if the motion of a case with a named method may become periodic and be computed until then only.
+    """Check if the motion of a case with a named method may become periodic and be computed until then only."""
+    return case.periodic and may_be_periodic(case)
+
+
+def may_be_periodic(case: Case) -> bool:
+    """Check if the motion of a case may be periodic, even if `periodic: false` computes it in full.
 
     A case with a field in neither ``CONSTANT`` nor ``CONDITIONS`` is computed in full.
     """
-    fields = CONSTANT | CONDITIONS.keys()
-    return fields.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
+    return _has_only_known_fields(type(case)) and all(holds(case) for holds in CONDITIONS.values())
 
 
-@lru_cache(maxsize=256)
-def may_be_periodic(case: Case) -> bool:
-    """Check if the motion of a case may be periodic, even if `periodic: false` computes it in full."""
-    return may_repeat(case.model_copy(update={"periodic": True}))
+@cache
+def _has_only_known_fields(cases: type[Case]) -> bool:
+    """Check if it is known how each field of a class of cases acts on the ball passes."""
+    return {*CONSTANT, *CONDITIONS, "periodic"}.issuperset(cases.model_fields)
 
 
 def searches_for_period(case: Case) -> bool:
