@@ -40,7 +40,7 @@ def test_case() -> Case:
 @pytest.fixture
 def empty_caches() -> None:
     """Clear the caches of earlier cases."""
-    for function in (limits._common_limits, limits.loads_at_rest, limits.fast_body_rates):
+    for function in (limits.step_limits, limits._common_limits, limits.loads_at_rest, limits.fast_body_rates):
         function.cache_clear()
 
 
