@@ -21,12 +21,13 @@ from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import may_be_periodic, searches_for_period
 from bearingsim.simulation.run_setup import NotPeriodic, Setup, StepRefused, set_up
-from bearingsim.simulation.settling import decay_time, extrapolation_passes
+from bearingsim.simulation.settling import decay_time, extrapolation_passes, slow_modes
 from bearingsim.simulation.step_check import (
     COARSE_BOUNDS,
     FINER_BOUNDS,
     MAX_COST_RATIO,
     SECOND_PILOT,
+    Beginning,
     StepCheck,
     check_on_orbit,
     check_on_pilot,
@@ -72,6 +73,56 @@ class PilotRuns:
         return None if run is None or run.setup.grid.passes < pilot_setup.grid.passes else run
 
 
+class WholeRun(NamedTuple):
+    """Run that is already computed, of which a pilot is a part."""
+
+    raw: RawRecord
+
+    def beginning(self, passes: int, max_cpu: float) -> RawRecord:
+        """Return the record, of at least ``passes`` ball passes."""
+        return self.raw
+
+
+class ShortRuns:
+    """Whole runs of a motion that may be periodic but is not within its few ball passes.
+
+    Its pilots are parts of them. The search for a period is the run at the first step if it has computed all ball
+    passes. A pilot as long as the run is not computed separately.
+    """
+
+    def __init__(self, coarse: Setup, searched: RawRecord | None) -> None:
+        """Start with the search for a period, ``searched``, at the step of ``coarse``; None if there was none."""
+        case = coarse.case
+        self.coarse = coarse
+        self.runs = {} if searched is None or not case.periodic else {coarse.step_fraction: searched}
+        # Raw values are sampled at other instants, an extrapolated start differs, and strict pilots may be long.
+        self.contain_pilots = (
+            may_be_periodic(case)
+            and not (channels.stores_raw_values(case) or slow_modes(case) > 0 or case.step_check == "strict")
+            and case.until is None
+        )
+
+    def run_of(self, pilot_setup: Setup) -> WholeRun | None:
+        """Return the run that contains a pilot, computed now if it is as long; None if there is no such run."""
+        if not self.contain_pilots:
+            return None
+        step_fraction = pilot_setup.step_fraction
+        if step_fraction not in self.runs and pilot_setup.grid.passes == self.coarse.grid.passes:
+            self.runs[step_fraction] = integrate(replace(pilot_setup, case=self.coarse.case))
+        raw = self.runs.get(step_fraction)
+        if raw is None or raw.repetition.period > 0 or raw.repetition.computed < pilot_setup.grid.passes:
+            return None
+        rows = len(channels.recorded_cells(pilot_setup.case))  # the first ones
+        return WholeRun(replace(raw, cells=raw.cells[:rows], fine=raw.fine[:rows]))
+
+    def record(self, step_fraction: float) -> RawRecord | None:
+        """Return the whole run at a step; None if it is not computed."""
+        raw = self.runs.get(step_fraction) if self.contain_pilots else None
+        if raw is None or (raw.repetition.period == 0 and raw.repetition.computed < self.coarse.grid.passes):
+            return None
+        return raw
+
+
 def begins_with_pilot(case: Case) -> bool:
     """Check if a run of a case begins with its pilots, step by step.
 
@@ -88,18 +139,20 @@ def refine_step(case: Case, step_fraction: float, patience: int = 0) -> Refineme
     found. Raises ``StepRefused`` if no step is accepted, and like ``integrate``.
     """
     coarse = set_up(case, _start(case, step_fraction))
-    if not searches_for_period(coarse.case):
-        return _refine_on_pilots(coarse, is_stable=coarse.step_fraction == INITIAL_FACTOR * step_fraction)
-    if (periodic := _refine_on_orbit(coarse)) is not None:
-        return periodic
-    if patience > 0:
-        raise NotPeriodic("no ball pass repeats another", "name a `method`")
-    return _refine_on_pilots(coarse, is_stable=coarse.step_fraction == INITIAL_FACTOR * step_fraction)
+    is_stable, searched = coarse.step_fraction == INITIAL_FACTOR * step_fraction, None
+    if searches_for_period(coarse.case):
+        searched = _search(coarse)
+        if (periodic := _refine_on_orbit(coarse, searched)) is not None:
+            return periodic
+        if patience > 0:
+            raise NotPeriodic("no ball pass repeats another", "name a `method`")
+    return _refine_on_pilots(coarse, ShortRuns(coarse, searched), is_stable)
 
 
 def refine_periodic(case: Case, step_fraction: float) -> Refinement | None:
     """Refine the step of a case like ``refine_step``; None if the motion is not periodic within a few passes."""
-    return _refine_on_orbit(set_up(case, _start(case, step_fraction)))
+    coarse = set_up(case, _start(case, step_fraction))
+    return _refine_on_orbit(coarse, _search(coarse))
 
 
 def _start(case: Case, step_fraction: float) -> float:
@@ -109,15 +162,24 @@ def _start(case: Case, step_fraction: float) -> float:
     return step_fraction * min(INITIAL_FACTOR, SAFETY * choice.limits(case).at_impact / requested_step(case))
 
 
-def _refine_on_orbit(coarse: Setup) -> Refinement | None:
-    """Refine the step of a motion that is periodic within a few ball passes; None if it is not.
+def _until_periodic(setup: Setup) -> Setup:
+    """Return a setup that is computed until it is periodic."""
+    return replace(setup, case=setup.case.model_copy(update={"periodic": True}))
+
+
+def _search(coarse: Setup) -> RawRecord:
+    """Return the first ball passes of a run, until it is periodic."""
+    max_passes = max(int(price("patience")), extrapolation_passes(coarse.case))
+    return integrate(_until_periodic(coarse), max_passes=max_passes)
+
+
+def _refine_on_orbit(coarse: Setup, raw: RawRecord) -> Refinement | None:
+    """Refine the step of a motion that is periodic within a search, ``raw``; None if it is not.
 
     The finer run is the result, unless the case is computed in full or the record contains a transient, because it
     starts before the run is steady and before its modes have decayed.
     """
-    case = coarse.case
-    setup = replace(coarse, case=case.model_copy(update={"periodic": True}))
-    raw = integrate(setup, max_passes=max(int(price("patience")), extrapolation_passes(case)))
+    case, setup = coarse.case, _until_periodic(coarse)
     is_steady = steady_time(setup, raw) <= case.settle_s or decay_time(case) <= case.settle_s
     while raw.repetition.period > 0:
         finer, finer_raw = finer_orbit(setup, raw)
@@ -132,7 +194,7 @@ def _refine_on_orbit(coarse: Setup) -> Refinement | None:
     return None
 
 
-def _refine_on_pilots(coarse: Setup, is_stable: bool) -> Refinement:
+def _refine_on_pilots(coarse: Setup, short_runs: ShortRuns, is_stable: bool) -> Refinement:
     """Refine the step of a non-periodic motion on pilots.
 
     is_stable: whether the first step is not limited by stability. An adaptive method always uses the finer
@@ -142,12 +204,16 @@ def _refine_on_pilots(coarse: Setup, is_stable: bool) -> Refinement:
     runs = PilotRuns(coarse.case)
     previous: tuple[Setup, RunSignals] | None = None
 
+    def run_of(pilot_setup: Setup) -> Beginning | None:
+        return runs.run_of(pilot_setup) or short_runs.run_of(pilot_setup)
+
     def refinement(fraction: float, check: StepCheck) -> Refinement:
-        return Refinement(set_up(coarse.case, fraction), None, check, runs.begun.get(fraction))
+        raw = short_runs.record(fraction)
+        return Refinement(set_up(coarse.case, fraction), raw, check, runs.begun.get(fraction))
 
     while True:
         pilot_run = pilot(case, factor)
-        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous, runs.run_of)
+        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous, run_of)
         if is_doubtful and factor < SECOND_PILOT and pilot(case, SECOND_PILOT) != pilot_run:
             factor, previous = SECOND_PILOT, None
             continue

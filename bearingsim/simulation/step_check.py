@@ -18,7 +18,7 @@ the finer of the two runs that agree.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.comparison import RunSignals, compare, orbit_signals, pilot_signals, steady_time
-from bearingsim.simulation.integration import Run, integrate
+from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pilot
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, rotate_state
@@ -230,6 +230,13 @@ def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
     return rotate_state(state, coarse.model, raw.repetition.computed)
 
 
+class Beginning(Protocol):
+    """Run that begins with a pilot."""
+
+    def beginning(self, passes: int, max_cpu: float) -> RawRecord:
+        """Return the record of at least ``passes`` ball passes, computed within ``max_cpu`` (s)."""
+
+
 class PilotCheck(NamedTuple):
     """Step check by a pilot; finer: the finer pilot.
 
@@ -247,7 +254,7 @@ def check_on_pilot(
     pilot_case: Case,
     passes: int,
     previous: tuple[Setup, RunSignals] | None = None,
-    run_of: Callable[[Setup], Run | None] = lambda pilot_setup: None,
+    run_of: Callable[[Setup], Beginning | None] = lambda pilot_setup: None,
 ) -> PilotCheck:
     """Check the step of a case by a pilot of ``passes``.
 
@@ -298,7 +305,7 @@ def check_on_pilot(
     )
 
 
-def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0, run: Run | None = None) -> RunSignals:
+def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0, run: Beginning | None = None) -> RunSignals:
     """Run a pilot; return its compared signals. run: the run that it begins, if that is to be continued."""
     raw = integrate(setup, perturbation) if run is None else run.beginning(setup.grid.passes, setup.max_cpu)
     return pilot_signals(setup, raw, passes)

@@ -629,3 +629,40 @@ def test_step_check_detects_the_error_of_a_second_defect() -> None:
     error = abs(result.features["velocity.rms"] / reference.features["velocity.rms"] - 1.0)
     assert error > 0.005
     assert check.rms > 0.25 * error
+
+
+def test_a_run_as_short_as_its_pilot_is_computed_once_at_each_step() -> None:
+    """The features are those of a run whose pilots are computed separately."""
+    short = case(defect=SLOT, duration="10 ms", settle="10 ms", record=[])
+    shared = simulate(short)
+    with (
+        mock.patch.object(refinement.ShortRuns, "run_of", return_value=None),
+        mock.patch.object(refinement.ShortRuns, "record", return_value=None),
+    ):
+        separate = simulate(short)
+    np.testing.assert_array_equal(list(shared.features.values()), list(separate.features.values()))
+    assert int(shared.info["steps_taken"]) < 0.75 * int(separate.info["steps_taken"])
+
+
+def test_a_pilot_longer_than_the_search_for_a_period_is_computed() -> None:
+    coarse = set_up(choice.resolve(case(defect=SLOT)), 1.0)
+    runs = refinement.ShortRuns(coarse, integrate(coarse, max_passes=4))
+    pilot_case, _ = pilot.pilot(coarse.case)
+    pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
+    assert 4 < pilot_setup.grid.passes < coarse.grid.passes
+    assert runs.run_of(pilot_setup) is None
+    assert runs.record(1.0) is None
+
+
+def test_the_pilot_is_part_of_a_search_that_contains_it() -> None:
+    coarse = set_up(choice.resolve(rollers(record=["roller.2.radial"], **LIGHT)), 1.0)
+    pilot_case, passes = pilot.pilot(coarse.case)
+    pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
+    searched = integrate(coarse, max_passes=pilot_setup.grid.passes)
+    contained = refinement.ShortRuns(coarse, searched).run_of(pilot_setup)
+    assert contained is not None
+    read, computed = (
+        comparison.pilot_signals(pilot_setup, raw, passes) for raw in (contained.raw, integrate(pilot_setup))
+    )
+    for quantity, value, expected in zip(computed._fields, read, computed, strict=True):
+        np.testing.assert_array_equal(value, expected, quantity)
