@@ -103,7 +103,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
         (
             "law: film, oil: VG 70, temperature: 55 C",
             "VG 70",
-            "damping.oil: expected an ISO grade such as `VG 68`, got `VG 70` (there are VG 2, VG 3, VG 5,",
+            "damping.oil: expected an ISO grade such as `VG 68`, got `VG 70` (available: VG 2, VG 3, VG 5,",
         ),
         (
             "law: film, oil: SAE 30, temperature: 55 C",
