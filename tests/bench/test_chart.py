@@ -189,7 +189,7 @@ def test_report_gives_recommendations_with_reasons():
 
 
 @pytest.mark.parametrize(
-    ("share", "text"), [(0.012, "1.2 %"), (1e-6, "under 0.01 %"), (2.0, "3 times"), (inf, "not known")]
+    ("share", "text"), [(0.012, "1.2 %"), (1e-6, "under 0.01 %"), (2.0, "3 times"), (inf, "unknown")]
 )
 def test_percent_texts(share, text):
     assert verdict.percent(share) == text

@@ -70,7 +70,7 @@ def test_each_roller_is_drawn_at_its_own_angle(tilted):
 
 def test_ring_tilt_has_two_components_at_any_sensor_angle(tilted):
     [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1], y=["ring.lean"]))[1].axes
-    assert ax.get_ylabel().replace("\n", " ") == "Lean of the outer ring's axis (µrad)"
+    assert ax.get_ylabel().replace("\n", " ") == "Tilt of the outer ring's axis (µrad)"
     assert {line.get_label(): line.get_ydata()[0] for line in ax.lines} == pytest.approx(
         {"x": 5.0, "y": 7.0}, rel=1e-6
     )

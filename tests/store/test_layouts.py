@@ -110,7 +110,7 @@ def test_duplicate_ids_and_incomplete_blocks_are_refused(plan: dict[str, Any]) -
     with pytest.raises(Unreadable, match="twice"):
         layouts.check_plan(plan | {"jobs": [*plan["jobs"], plan["jobs"][0]]})
     ids = [entry["job"] for entry in plan["jobs"]]
-    with pytest.raises(Unreadable, match="do not fit"):
+    with pytest.raises(Unreadable, match="inconsistent"):
         layouts.check_plan(plan | {"design": DESIGN | {"ids": ids[:3]}})
 
 
