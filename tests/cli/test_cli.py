@@ -268,7 +268,8 @@ def test_a_case_without_equilibrium_is_refused(study_folder, monkeypatch):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
     monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", raise_no_equilibrium)
-    limits._common_limits.cache_clear()
+    for cached in (limits.step_limits, limits._common_limits):
+        cached.cache_clear()
     _, stderr = type_("check", "small.yaml", code=2)
     place = "8 jobs refused, the first at load 150 N, model static"
     assert (
