@@ -18,7 +18,6 @@ set of extensions (``extension_sources``).
 """
 
 import hashlib
-import sys
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
@@ -123,7 +122,7 @@ def code(reference: str, expected: type = object) -> Any:
     """
     module, _, name = reference.partition(":")
     try:
-        loaded = sys.modules.get(module) or import_module(module)
+        loaded = import_module(module)
         loaded = getattr(loaded, name) if name else loaded
     except (Exception, SystemExit) as error:  # any failure of another package
         raise _error_of(reference, f"does not load ({extensions.reason(error)})") from error

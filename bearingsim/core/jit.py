@@ -231,8 +231,7 @@ def generic(
         return entry if callable(entry) else constant(entry, name)
 
     def dispatch(*arguments: Any) -> Any:
-        kind = type(arguments[0])
-        return (implementations.get(kind) or implementation(kind))(*arguments)
+        return implementation(type(arguments[0]))(*arguments)
 
     def choose(parameters: Any, *rest: Any) -> Callable:
         try:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import islice
 from math import exp, factorial, hypot, inf, nan
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -33,7 +33,14 @@ from bearingsim.simulation.repetition import (
     may_repeat,
     rotate_state,
 )
-from bearingsim.simulation.run_setup import MethodFailure, NotPeriodic, Setup, SimulationError, run_failure
+from bearingsim.simulation.run_setup import (
+    MethodFailure,
+    NotPeriodic,
+    Setup,
+    SimulationError,
+    nested_types,
+    run_failure,
+)
 from bearingsim.simulation.settling import SlowModes, slowest_decay
 
 SECONDS_PER_CALL = 0.1  # s, approximate CPU time between two readings of the clock
@@ -180,9 +187,8 @@ def integrate(
         if inspector is not None and is_inspected and inspector.ends(run.inspected_record()):
             break
         if passes == patience:
-            raise NotPeriodic(
-                f"no ball pass of {passes} repeats another", "name a `method`", passes / setup.grid.rate
-            )
+            seconds = passes / setup.grid.rate
+            raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", seconds)
     raw = run.raw_record(period, difference)
     if period > 0 and run.recording.stores_raw_values:
         run.recording.fill_repeated_passes(raw.repetition)
@@ -306,11 +312,6 @@ def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: n
     columns = np.empty((len(cells), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
     advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, cells, columns, samples)
     _COMPILED.add(types)
-
-
-def nested_types(value: Any) -> Any:
-    """Return the nested types of parameters, which determine the compiled code; exponents of laws may be types."""
-    return (type(value), *map(nested_types, value)) if isinstance(value, tuple) else type(value)
 
 
 def _record_steps(

@@ -161,3 +161,8 @@ def advice(setup: Setup, outcome: int) -> str:
 def body_name(model: Any, body: int) -> str:
     """Return the name of a monitored body."""
     return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"
+
+
+def nested_types(value: Any) -> Any:
+    """Return the nested types of parameters, which determine the compiled code; exponents of laws may be types."""
+    return (type(value), *map(nested_types, value)) if isinstance(value, tuple) else type(value)

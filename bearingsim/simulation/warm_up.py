@@ -7,8 +7,8 @@ from typing import Any
 from bearingsim import assemble, cpu_time
 from bearingsim.config import Case, Section
 from bearingsim.simulation import channels, choice
-from bearingsim.simulation.integration import nested_types
 from bearingsim.simulation.pricing import price
+from bearingsim.simulation.run_setup import nested_types
 from bearingsim.simulation.simulate import simulate
 
 _COMPILED: set[tuple] = set()  # kinds of case whose code is compiled or loaded in this process

@@ -137,7 +137,7 @@ class _Reader:
         """Yield the points of a table, or of a list of rows in the study."""
         if isinstance(node.value, str):
             path = self.find(node)
-            rows = [] if path is None else list(table_rows(path, self.problems, self.check_head))
+            rows = [] if path is None else list(table_rows(path, self.problems, self.check_header))
         else:
             marks = [item.mark for item in node.items]
             rows = [
@@ -153,7 +153,7 @@ class _Reader:
             if point is not None:
                 yield point
 
-    def check_head(self, name: str, number: str, mark: Mark) -> None:
+    def check_header(self, name: str, number: str, mark: Mark) -> None:
         """Add a problem for a header that is neither feature nor path, and a number ("": none) in a wrong unit."""
         node = Node(number, mark, mark)
         if name not in FEATURES:

@@ -15,11 +15,11 @@ COMMENT = "#"
 
 
 def table_rows(
-    path: FilePath, problems: list[Problem], check_head: Callable[[str, str, Mark], None]
+    path: FilePath, problems: list[Problem], check_header: Callable[[str, str, Mark], None]
 ) -> Iterator[tuple[str, Node]]:
     """Yield place and entries of each row of a table in a text file; values have the unit of their column.
 
-    Columns are separated by a semicolon, tab, comma or bar. ``check_head`` adds a problem for a wrong name of a
+    Columns are separated by a semicolon, tab, comma or bar. ``check_header`` adds a problem for a wrong name of a
     column, or number with its unit ("" for a column of words), at a place; rows below a wrong header are not read.
     Mistakes are added to ``problems``.
     """
@@ -40,22 +40,24 @@ def table_rows(
     if len(numbered) < 2:
         fail(Mark(str(path)), "has no row below a header line", "as in `load [N], velocity@BPFO [um/s]`")
         return
-    (head_line, head), *rows = numbered
-    separator = next((mark for mark in SEPARATORS if mark in head), ",")
-    cells_of_head = _cells(head, separator)
-    heads = [HEADER.match(text) for text, _ in cells_of_head]
-    names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in heads]
+    (header_line, header), *rows = numbered
+    separator = next((mark for mark in SEPARATORS if mark in header), ",")
+    header_cells = _cells(header, separator)
+    matches = [HEADER.match(text) for text, _ in header_cells]
+    names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in matches]
     columns = [name for name, _ in names]
     twice = next((name for name in columns if name and columns.count(name) > 1), None)
     if twice is not None:
-        fail(Mark(str(path), head_line, 1, head), f"has two columns `{twice}`", "remove one of them")
+        fail(Mark(str(path), header_line, 1, header), f"has two columns `{twice}`", "remove one of them")
         return
     count, table = len(problems), [_cells(line, separator) for _, line in rows]
-    for index, ((name, unit), (_, column)) in enumerate(zip(names, cells_of_head, strict=True)):
+    for index, ((name, unit), (_, column)) in enumerate(zip(names, header_cells, strict=True)):
         texts = [cells[index][0] for cells in table if index < len(cells) and cells[index][0]]
         has_numbers = unit or (texts and all(is_number(text.replace(",", ".")) for text in texts))
         if name:
-            check_head(name, f"1 {unit}".strip() if has_numbers else "", Mark(str(path), head_line, column, head))
+            check_header(
+                name, f"1 {unit}".strip() if has_numbers else "", Mark(str(path), header_line, column, header)
+            )
     if len(problems) > count:
         return
     for (number, line), cells in zip(rows, table, strict=True):
@@ -64,13 +66,13 @@ def table_rows(
             values, hint = f"{len(cells)} value{'s' * (len(cells) != 1)}", "are separator and quotes right?"
             fail(
                 mark,
-                f"has {values} for the {len(names)} column{'s' * (len(names) != 1)} of line {head_line}",
+                f"has {values} for the {len(names)} column{'s' * (len(names) != 1)} of line {header_line}",
                 hint,
             )
             return
-        headless = [column for name, (text, column) in zip(columns, cells, strict=True) if text and not name]
-        if headless:
-            fail(replace(mark, column=headless[0]), "has a value in a column without a header", "name the column")
+        nameless = [column for name, (text, column) in zip(columns, cells, strict=True) if text and not name]
+        if nameless:
+            fail(replace(mark, column=nameless[0]), "has a value in a column without a header", "name the column")
             return
         yield f"{path.name}:{number}", Node(dict(_entries(names, cells, mark, separator)), mark)
 
