@@ -1,44 +1,20 @@
 """Effect of each option on each kind of figure; other options are refused by name."""
 
-import math
-import re
 from dataclasses import fields
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from bearingsim.config import dataset_names
-from bearingsim.figure_kinds import KEYS, KINDS, OptionError, View, limits, view_of
+from bearingsim.figure_kinds import KEYS, KINDS, OptionError, View
 from bearingsim.plots import PlotError
 from bearingsim.plots.plot import drawn
 from bearingsim.store import layouts
-from bearingsim.study import StudyError, stored_figure
-from tests.plots.test_plots import BPFO, only, results, text_of
+from tests.scenes.figure_results import long_curves, results, text_of
+from tests.scenes.signal_results import DESIGN, PASS, STUDY, make_results
 
-__all__ = ["results"]
+__all__ = ["make_results", "results"]
 
-STUDY = """\
-study: options
-bearing: nf308
-speed: 1800 rpm
-load: 150 N
-defect: {race: outer, shape: circular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, angle: 0 deg}
-model: rollers
-sampling: 51200 Hz
-duration: 0.1 s
-record: [ring.acceleration, roller.1.outer_force]
-sweep:
-  defect.length: [3 mm, 6 mm, 9 mm]
-  load: [150 N, 300 N]
-"""
-DESIGN = STUDY[: STUDY.index("sweep:")] + (
-    "sweep: {sobol: {n: 8, over: {defect.length: [3 mm, 9 mm]}}, load: [150 N, 300 N]}\n"
-)
-OFFSET = 2.0  # m/s2, mean of the acceleration
-START = -0.2  # rad, angle of roller 1 at time zero
-PASS = 1.0 / BPFO
 VALUES = {
     "y": None,
     "x": "load",
@@ -69,27 +45,6 @@ Y_TEXTS = {
 CHANNELS = {"roller": "roller.1.outer_force", "load": "roller.1.outer_line_load"}
 
 
-def record_of(case):
-    """Sines at BPFO, 4 kHz and 8 kHz (modulated) with a mean; half the amplitude in the healthy bearing."""
-    time = np.arange(round(case.duration * case.sampling)) / case.sampling
-    amplitude = 1.0 if case.defects else 0.5
-    passes, low, high = (2.0 * math.pi * hertz * time for hertz in (BPFO, 4000.0, 8000.0))
-    sines = np.sin(passes) + 0.1 * np.sin(low) + 0.2 * (1.0 + np.cos(passes)) * np.sin(high)
-    signal = OFFSET + amplitude * sines
-    names = [name for channel in case.record for name in dataset_names(channel)]
-    series = {name: signal if name.endswith((".x", "force")) else 0.0 * signal for name in names}
-    features = {"velocity@BPFO": 1e-6 * amplitude, "velocity@BPFO.phase": 0.1, "velocity.rms": 1e-5 * amplitude,
-                "acceleration.peak": amplitude}  # fmt: skip
-    info = {"cpu_s": 0.1, "cage_angle_start_rad": START}
-    return SimpleNamespace(time=time, series=series, features=features, info=info)
-
-
-@pytest.fixture
-def make_results(results, monkeypatch):
-    monkeypatch.setattr("tests.plots.test_plots.record", record_of)
-    return lambda text=STUDY, **options: results(text, **options)
-
-
 def value_of(kind, option):
     if option == "y":
         if not KINDS[kind].of_jobs:
@@ -105,10 +60,6 @@ def value_of(kind, option):
 
 
 # Effect of each option on the axes of the first row
-
-
-def _curves(ax):
-    return [line for line in ax.lines if len(line.get_xdata()) > 2]
 
 
 def _texts(canvas):
@@ -130,7 +81,7 @@ def check_effect(kind, option, before, canvas):
         for value, end in zip(_seconds(canvas), expected[option], strict=True):
             assert end is None or value == pytest.approx(end, abs=1e-3)
     elif option in ("from", "to", "span", "around"):  # a shorter record: wider lines
-        assert len(_curves(ax)[0].get_xdata()) < len(_curves(reference)[0].get_xdata())
+        assert len(long_curves(ax)[0].get_xdata()) < len(long_curves(reference)[0].get_xdata())
     elif option == "y":
         text = Y_TEXTS.get(kind, "cceleration of the outer ring x")
         assert any(text in label for label in _texts(canvas))
@@ -150,13 +101,13 @@ def check_effect(kind, option, before, canvas):
         unit = {"sweep": "mm/s", "design": "mm/s", "roller": "kN", "envelope": "mm²/s⁴"}.get(kind, "mm/s²")
         assert any(unit in text for text in _texts(canvas))
     elif option == "mean":
-        means = [abs(np.nanmean(_curves(drawn_axes)[0].get_ydata())) for drawn_axes in (ax, reference)]
+        means = [abs(np.nanmean(long_curves(drawn_axes)[0].get_ydata())) for drawn_axes in (ax, reference)]
         assert means[0] < 0.2 * means[1]
     elif option == "band" and kind == "series":
-        assert np.ptp(_curves(ax)[0].get_ydata()[500:]) == pytest.approx(200.0, rel=0.05)  # mm/s2
+        assert np.ptp(long_curves(ax)[0].get_ydata()[500:]) == pytest.approx(200.0, rel=0.05)  # mm/s2
     elif option == "band":  # without the modulated sine
         assert any("squared envelope of 3 to 5 kHz" in text for text in _texts(canvas))
-        largest = [max(_curves(drawn_axes)[0].get_ydata()) for drawn_axes in (ax, reference)]
+        largest = [max(long_curves(drawn_axes)[0].get_ydata()) for drawn_axes in (ax, reference)]
         assert largest[0] < 0.01 * largest[1]
     elif option == "healthy" and KINDS[kind].of_jobs:
         assert canvas.axes[1].get_title(loc="left").startswith("healthy")
@@ -291,174 +242,3 @@ def test_impact_of_healthy_bearing_is_refused(make_results):
 def test_spectrogram_of_coarse_record_is_refused(make_results):
     with pytest.raises(PlotError, match=r"needs `sampling` of 40\d\d\d Hz or more"):
         drawn(make_results(STUDY.replace("51200 Hz", "10240 Hz")), kind="spectrogram")
-
-
-# Numbers
-
-
-def test_limits_share_a_unit():
-    assert limits("0..2 kHz", "frequency") == (0.0, 2000.0)
-    assert limits("500 Hz .. 2 kHz", "frequency") == (500.0, 2000.0)
-    assert limits("-5..5 deg", "angle") == pytest.approx((-math.radians(5.0), math.radians(5.0)))
-
-
-def test_level_is_relative_to_the_reference_value_of_iso_1683(make_results):
-    """1 m/s2 is 120 dB over 1 um/s2 (ISO 1683)."""
-    _, canvas = only(
-        drawn(make_results(), kind="spectrum", db=True, where={"load": "150 N", "defect.length": "3 mm"})
-    )
-    damaged, healthy = _curves(canvas.axes[0])
-    assert max(damaged.get_ydata()) == pytest.approx(120.0, abs=0.1)
-    assert max(healthy.get_ydata()) == pytest.approx(120.0 - 20.0 * math.log10(2.0), abs=0.1)
-
-
-def test_healthy_curve_is_thinner_and_drawn_on_top(make_results):
-    _, canvas = only(drawn(make_results(), kind="spectrum", where={"load": "150 N", "defect.length": "3 mm"}))
-    damaged, healthy = _curves(canvas.axes[0])
-    assert healthy.get_zorder() > damaged.get_zorder()
-    assert healthy.get_linewidth() < damaged.get_linewidth()
-
-
-@pytest.mark.parametrize(
-    ("kind", "db"), [("series", False), ("spectrum", False), ("spectrum", True), ("envelope", True)]
-)
-def test_damaged_and_healthy_panels_have_equal_scales(make_results, monkeypatch, kind, db):
-    def quiet(case):
-        result = record_of(case)
-        result.series = {name: values * (1.0 if case.defects else 1e-3) for name, values in result.series.items()}
-        return result
-
-    stored = make_results()
-    monkeypatch.setattr("tests.plots.test_plots.record", quiet)
-    stored.path.rename(stored.path.with_name("first"))
-    where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(make_results(), kind=kind, db=db, healthy="below", where=where))
-    damaged, healthy = canvas.axes
-    assert damaged.get_ylim() == healthy.get_ylim()
-    low, high = damaged.get_ylim()
-    assert low < max(damaged.lines[0].get_ydata()) <= high
-    assert not db or high - low <= 110.0
-
-
-def test_labels_of_rows_do_not_overlap(make_results):
-    _, canvas = only(
-        drawn(
-            make_results(),
-            kind="spectrum",
-            y=["ring.acceleration", "ring.acceleration.y"],
-            where={"load": "150 N"},
-        )
-    )
-    canvas.draw_without_rendering()
-    boxes = [ax.yaxis.label.get_window_extent() for ax in canvas.axes]
-    assert len(boxes) == 6
-    assert not [box for n, box in enumerate(boxes) if any(box.overlaps(other) for other in boxes[:n])]
-
-
-def test_marks_show_their_frequency_and_do_not_overlap(make_results):
-    stored = make_results()
-    where = {"load": "150 N", "defect.length": "3 mm"}
-    _, near = only(drawn(stored, kind="spectrum", where=where, range="0..500 Hz"))
-    names = [text.get_text() for text in near.axes[0].texts]
-    assert names == ["BPFO 159.0 Hz", "2 BPFO 318.0 Hz", "3 BPFO 477.0 Hz"]
-    _, far = only(drawn(stored, kind="spectrum", where=where, range="0..20 kHz"))
-    assert 1 < len(far.axes[0].texts) < 15
-    assert len(far.axes[0].lines) < 60
-
-
-def test_impact_is_passage_of_roller_over_defect(make_results):
-    """Roller 1 starts at -0.2 rad and passes the defect at 0 rad at the speed of the cage."""
-    _, canvas = only(
-        drawn(make_results(), kind="roller", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
-    )
-    low, high = canvas.axes[0].get_xlim()
-    assert low < 0.0 < high
-    assert high - low == pytest.approx(math.degrees(4.5 * 0.8 / 38.5), rel=0.01)
-
-
-def test_a_sweep_shows_the_level_of_the_healthy_bearing(make_results):
-    stored = make_results()
-    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"]))
-    [level] = [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
-    assert list(level.get_ydata()) == [0.5] * 3
-    assert text_of(canvas)[-1] == "healthy"
-    _, without = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], healthy="off"))
-    assert not [line for line in without.axes[0].lines if line.get_gid() == "healthy"]
-    _, change = only(drawn(stored, x="defect.length", y=["velocity@BPFO-healthy"]))
-    assert not [line for line in change.axes[0].lines if line.get_gid() == "healthy"]
-
-
-def test_rounding_errors_are_labelled_as_zero(make_results, monkeypatch):
-    def tiny(case):
-        result = record_of(case)
-        result.features["velocity@BPFO"] = 1e-14
-        return result
-
-    stored = make_results()
-    _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"]))
-    assert not canvas.axes[0].texts
-    monkeypatch.setattr("tests.plots.test_plots.record", tiny)
-    stored.path.rename(stored.path.with_name("first"))
-    _, canvas = only(drawn(make_results(), x="load", y=["velocity@BPFO"]))
-    assert [text.get_text() for text in canvas.axes[0].texts] == ["zero within numerical errors"]
-
-
-# Figures of a study file
-
-SIGNALS = """\
-figures:
-  - {y: velocity@BPFO, x: load}
-  - {kind: spectrum, y: ring.acceleration, range: 0 Hz..2 kHz, db: true, by: load, where: {defect.length: 3 mm}}
-  - {kind: series, around: impact, mean: 0, healthy: off, where: {load: 150 N}}
-"""
-
-
-def test_a_study_names_figures_of_signals(make_results):
-    sheets = drawn(make_results(STUDY + SIGNALS))
-    assert [name.split("-")[0] for name, _ in sheets] == ["fig1", "fig2", "fig3"]
-    _, spectrum, series = (canvas for _, canvas in sheets)
-    assert spectrum.axes[0].get_xlim() == (0.0, 2000.0)
-    assert len(spectrum.axes) == 1
-    assert len(series.axes) == 3
-    assert series.axes[-1].get_xlabel() == "Time from the middle of the defect (ms)"
-
-
-def test_options_of_the_command_replace_those_of_the_study(make_results):
-    stored = make_results(STUDY + "figures: [{y: velocity@BPFO, x: load, healthy: off}]\n")
-    _, canvas = only(drawn(stored, healthy="beside"))
-    assert [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
-    assert not stored.plan["figures"][0]["view"]["db"]
-
-
-@pytest.mark.parametrize(
-    ("figure", "message"),
-    [
-        ("{kind: spectrun, y: ring.acceleration}", r"no kind of figure `spectrun`.*did you mean `spectrum`"),
-        ("{kind: spectrum, y: ring.acceleration, range: 1 kHz}", r"figures.range: expected two limits"),
-        ("{kind: spectrum, y: ring.acceleration, band: 0..1 kHz}", r"figures.band: a spectrum has no option"),
-        ("{kind: spectrum, y: ring.acceleration, x: load}", r"figures.x: a spectrum has no option `x`"),
-        ("{kind: spectrum, y: ring.velocity}", r"the channel `ring.velocity` is not recorded.*add it to `record`"),
-        ("{kind: spectrum, y: ring.acelleration}", r"no channel `ring.acelleration`.*did you mean"),
-        ("{y: velocity@BPFO, x: load, range: 0..1 kHz}", r"figures.range: a sweep has no option `range`"),
-    ],
-)
-def test_invalid_figure_of_a_study_is_refused_at_its_position(make_results, figure, message):
-    with pytest.raises(StudyError) as caught:
-        make_results(f"{STUDY}figures:\n  - {figure}\n")
-    text = " ".join(str(caught.value).split())
-    assert re.search(message, text), text
-    assert "^" in str(caught.value)
-
-
-def test_figures_of_plans_without_kind_are_sweeps():
-    entry = {"y": ["velocity@BPFO"], "x": "load", "by": [], "panels": [], "where": {}, "title": None, "log": []}
-    figure = stored_figure(entry)
-    assert (figure.kind, figure.view) == ("sweep", View())
-    assert figure.features == ("velocity@BPFO",)
-
-
-def test_a_stored_view_is_restored():
-    view = view_of("spectrum", {"range": "0..2 kHz", "db": "true", "from": "1 ms"})
-    entry = {"y": [], "x": "", "by": [], "panels": [], "where": {}, "title": None, "log": [], "kind": "spectrum",
-             "view": {"range": [0.0, 2000.0], "db": True, "start": 1e-3, "of a later version": 1}}  # fmt: skip
-    assert stored_figure(entry).view == view

@@ -9,7 +9,7 @@ from matplotlib.text import Text
 
 from bearingsim.plots import style
 from bearingsim.plots.plot import drawn
-from tests.plots.test_plots import STUDY, only, results
+from tests.scenes.figure_results import STUDY, only, results
 
 __all__ = ["results"]
 

@@ -8,7 +8,7 @@ import pytest
 from bearingsim import runner, store
 from bearingsim.plots.plot import drawn
 from bearingsim.study import load_study
-from tests.plots.test_plots import text_of
+from tests.scenes.figure_results import text_of
 
 STUDIES = sorted((Path(__file__).parents[2] / "studies/paper").glob("*.yaml"))
 

@@ -3,7 +3,7 @@
 import pytest
 
 from bearingsim.plots.plot import drawn
-from tests.plots.test_plots import STUDY, lines, only, results, text_of
+from tests.scenes.figure_results import STUDY, lines, only, results, text_of
 
 __all__ = ["results"]
 

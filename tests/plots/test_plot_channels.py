@@ -16,7 +16,7 @@ from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.spectra import whole_periods
 from bearingsim.report import columns
 from bearingsim.store import Series
-from tests.plots.test_plots import BPFO, STUDY, only, record, results, text_of
+from tests.scenes.figure_results import BPFO, STUDY, only, record, results, text_of
 
 __all__ = ["results"]
 
@@ -44,7 +44,7 @@ def record_of(case):
 
 @pytest.fixture
 def planar(results, monkeypatch):
-    monkeypatch.setattr("tests.plots.test_plots.record", record_of)
+    monkeypatch.setattr("tests.scenes.figure_results.record", record_of)
     return results(PLANAR)
 
 
@@ -105,7 +105,7 @@ def test_span_limits_series(planar):
 
 def test_series_without_recorded_channel_is_refused(results, monkeypatch):
     monkeypatch.setattr(
-        "tests.plots.test_plots.record", lambda case: record_of(case.model_copy(update={"record": ()}))
+        "tests.scenes.figure_results.record", lambda case: record_of(case.model_copy(update={"record": ()}))
     )
     opened = results(PLANAR.replace(RECORD, "record: []\n"))
     with pytest.raises(PlotError, match="did not record any channel"):
@@ -196,7 +196,7 @@ def test_squared_envelope_has_squared_unit(results, monkeypatch):
         result.series["ring.velocity.x"] = 7e-6 * tone * np.cos(2.0 * math.pi * 2000.0 * time)
         return result
 
-    monkeypatch.setattr("tests.plots.test_plots.record", swinging)
+    monkeypatch.setattr("tests.scenes.figure_results.record", swinging)
     opened = results(STUDY)
     _, canvas = only(drawn(opened, kind="envelope", jobs=opened.jobs[:1]))
     [ax] = canvas.axes

@@ -16,7 +16,7 @@ from bearingsim.plots.passage import cut, defects_of, distinct_sections
 from bearingsim.plots.plot import drawn as figures
 from bearingsim.store import case_of, flat_parameters
 from bearingsim.study import load_study
-from tests.plots.test_plots import STUDY, results
+from tests.scenes.figure_results import STUDY, results
 from tests.scenes.short_cases import case
 
 __all__ = ["results"]

@@ -9,7 +9,7 @@ from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, design
 from bearingsim.plots.plot import drawn
 from tests.plots.test_plot_along import caption_of
-from tests.plots.test_plots import STUDY, only, results, text_of
+from tests.scenes.figure_results import STUDY, only, results, text_of
 
 __all__ = ["results"]
 

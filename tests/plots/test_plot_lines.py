@@ -8,7 +8,7 @@ from bearingsim.plots import PlotError, lines
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.ticks import log_ticks
 from bearingsim.report import columns
-from tests.plots.test_plots import STUDY, only, record, results, text_of
+from tests.scenes.figure_results import STUDY, only, record, results, text_of
 
 __all__ = ["results"]
 
@@ -62,7 +62,7 @@ def of_race(results, monkeypatch):
         return result
 
     def make(race, change=("", "")):
-        monkeypatch.setattr("tests.plots.test_plots.record", with_lines)
+        monkeypatch.setattr("tests.scenes.figure_results.record", with_lines)
         return results(STUDY.replace("shape:", f"race: {race}, shape:").replace(*change))
 
     return make

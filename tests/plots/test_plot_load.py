@@ -12,7 +12,7 @@ from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError
 from bearingsim.plots.line_load import LoadAlong, instants
 from bearingsim.plots.plot import drawn
-from tests.plots.test_plots import only, results
+from tests.scenes.figure_results import only, results
 from tests.scenes.scan_files import bowl, write_grid
 
 __all__ = ["results"]
@@ -63,7 +63,7 @@ def record(case):
 
 @pytest.fixture
 def loaded(results, monkeypatch):
-    monkeypatch.setattr("tests.plots.test_plots.record", record)
+    monkeypatch.setattr("tests.scenes.figure_results.record", record)
     return lambda **changed: results(changed.get("text", STUDY))
 
 
@@ -127,7 +127,7 @@ def test_tilt_and_skew_share_time_axis_of_load_map(loaded, monkeypatch):
         result.series |= {"roller.2.tilt": 3e-6 * (1.0 + result.time), "roller.2.skew": 0.0 * result.time}
         return result
 
-    monkeypatch.setattr("tests.plots.test_plots.record", tilted)
+    monkeypatch.setattr("tests.scenes.figure_results.record", tilted)
     opened = loaded(
         text=STUDY.replace(
             "[roller.2.outer_line_load]", "[roller.2.outer_line_load, roller.2.tilt, roller.2.skew]"
@@ -229,7 +229,7 @@ def test_unrecorded_channel_is_refused(results, monkeypatch, recorded, options, 
         series = {name: rows.get(name, 0.0 * time) for name in case.record}
         return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": START})
 
-    monkeypatch.setattr("tests.plots.test_plots.record", made)
+    monkeypatch.setattr("tests.scenes.figure_results.record", made)
     with pytest.raises(PlotError, match=message):
         drawn(results(STUDY.replace("roller.2.outer_line_load", recorded)), kind="load", **options)
 

@@ -13,7 +13,7 @@ from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job
 from bearingsim.simulation.simulate import simulate
 from bearingsim.store import Series, flat_parameters
-from tests.plots.test_plots import STUDY, results
+from tests.scenes.figure_results import STUDY, results
 from tests.scenes.short_cases import SLOT, case
 
 __all__ = ["results"]
@@ -118,7 +118,7 @@ def test_recorded_path_is_drawn_over_sections(results, monkeypatch):
         series = {name: np.full(len(time), values[name]) for c in test_case.record for name in dataset_names(c)}
         return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": -0.6})
 
-    monkeypatch.setattr("tests.plots.test_plots.record", made)
+    monkeypatch.setattr("tests.scenes.figure_results.record", made)
     text = STUDY.replace("[static, ring]", "[rollers]") + f"record: [{', '.join(RECORD)}]\n"
     opened = results(text)
     _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:2])[0]

@@ -4,7 +4,7 @@ import pytest
 
 from bearingsim.plots import PlotError
 from bearingsim.plots.plot import drawn
-from tests.plots.test_plots import FIGURES, STUDY, lines, only, results
+from tests.scenes.figure_results import FIGURES, STUDY, lines, only, results
 
 __all__ = ["results"]
 

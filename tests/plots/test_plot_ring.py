@@ -16,7 +16,7 @@ from bearingsim.plots.plot import drawn
 from bearingsim.plots.ring import draw_shape, sensor_position, view
 from bearingsim.plots.ring_shape import PARTS, ring_shape
 from bearingsim.plots.select import case_rows, done_jobs
-from tests.plots.test_plots import STUDY, only, results
+from tests.scenes.figure_results import STUDY, only, results
 from tests.scenes.nf308 import SLOT
 
 __all__ = ["results"]

@@ -9,7 +9,7 @@ import pytest
 from bearingsim.config import dataset_names
 from bearingsim.plots import PlotError, labels, recorded
 from bearingsim.plots.plot import drawn
-from tests.plots.test_plots import only, results, text_of
+from tests.scenes.figure_results import only, results, text_of
 
 __all__ = ["results"]
 
@@ -40,7 +40,7 @@ def record(case):
 
 @pytest.fixture
 def tilted(results, monkeypatch):
-    monkeypatch.setattr("tests.plots.test_plots.record", record)
+    monkeypatch.setattr("tests.scenes.figure_results.record", record)
     return results(STUDY)
 
 

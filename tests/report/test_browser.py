@@ -11,9 +11,9 @@ import pytest
 
 from bearingsim.report.page import page_of
 from bearingsim.report.render import html
-from tests.plots import test_plots
 from tests.plots.test_plot_designs import HEAD, OVER
 from tests.report.chromium import PROGRAM, Tab, browser
+from tests.scenes import figure_results
 
 pytestmark = pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
 
@@ -44,7 +44,7 @@ def record(case):
     return made
 
 
-ORIGINAL = test_plots.record
+ORIGINAL = figure_results.record
 
 
 @pytest.fixture(scope="module")
@@ -52,10 +52,10 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Pages by name, each beside the results that it shows."""
     written = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(test_plots, "record", record)
+        patch.setattr(figure_results, "record", record)
         for name, text, lost in (("swept", SWEPT, {4: "failed", 5: "missing"}), ("design", DESIGN, {})):
             folder = tmp_path_factory.mktemp(name)
-            opened = test_plots.results.__wrapped__(folder)(text, lost)  # type: ignore[attr-defined]
+            opened = figure_results.results.__wrapped__(folder)(text, lost)  # type: ignore[attr-defined]
             written[name] = opened.path / "report.html"
             written[name].write_text(html(page_of(opened)), encoding="utf-8")
     return written

@@ -10,8 +10,8 @@ from bearingsim.report.signals import MAX_POINTS, reduce
 from bearingsim.study import load_study
 from bearingsim.text.yamlfile import StudyError
 from tests.plots.test_plot_designs import HEAD, SOBOL
-from tests.plots.test_plots import FIGURES, STUDY, results
 from tests.scenes.commands import type_
+from tests.scenes.figure_results import FIGURES, STUDY, results
 from tests.store.test_results_of_before import ARCHIVE
 
 __all__ = ["results"]

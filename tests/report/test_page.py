@@ -12,7 +12,7 @@ from bearingsim.report.charts import rounded
 from bearingsim.report.figures import collect
 from bearingsim.report.page import page_of
 from bearingsim.report.render import embedded, html
-from tests.plots.test_plots import FIGURES, STUDY, results
+from tests.scenes.figure_results import FIGURES, STUDY, results
 
 __all__ = ["results"]
 

@@ -6,13 +6,13 @@ from pathlib import Path
 from bearingsim.report import figures, page, render
 from bearingsim.report.page import page_of
 from bearingsim.report.render import html
-from tests.plots import test_plots
-from tests.plots.test_plots import FIGURES, STUDY, results
+from tests.scenes import figure_results
+from tests.scenes.figure_results import FIGURES, STUDY, results
 
 __all__ = ["results"]
 
 FIG16 = Path(__file__).parents[2] / "studies/fig16_angle.yaml"
-ORIGINAL = test_plots.record
+ORIGINAL = figure_results.record
 
 
 def record(case):
@@ -22,7 +22,7 @@ def record(case):
 
 
 def test_page_of_fig16_is_small_and_soon_written(results, monkeypatch):
-    monkeypatch.setattr(test_plots, "record", record)
+    monkeypatch.setattr(figure_results, "record", record)
     opened = results(
         FIG16.read_text()
         .replace("accuracy: 2 %\n", "")

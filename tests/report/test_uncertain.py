@@ -12,7 +12,7 @@ from bearingsim.report.page import page_of
 from bearingsim.report.render import html
 from bearingsim.report.statements import assumption_texts
 from bearingsim.text.numbers import significant
-from tests.plots.test_plots import STUDY, results
+from tests.scenes.figure_results import STUDY, results
 
 __all__ = ["results"]
 
