@@ -31,7 +31,7 @@ from benchmarks.speed.report import Curve, Section, Target
 from benchmarks.speed.scenes import case
 from benchmarks.speed.timing import Measure, cost_at, cpu_time, measure_in_turns
 from tests.independent import exudyn_planar
-from tests.independent.planar import frictionless
+from tests.independent.planar_scene import frictionless
 from tests.scenes import planar_bearing
 
 ROUNDS, MIN_TURN_TIME = 4, 0.1  # rounds of turns, shortest duration of a turn (s)

@@ -22,7 +22,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import accelerations
 from benchmarks.speed.timing import cpu_time
 from tests.independent import exudyn_planar
-from tests.independent.planar import Coulomb
+from tests.independent.planar_scene import Coulomb
 
 PACKAGES = {"scipy": "scipy", "scikit-sundae": "sksundae", "numbalsoda": "numbalsoda", "exudyn": "exudyn"}
 """Peers, and the module imported of each."""

@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tests.independent.planar import OUTER, Coulomb, Defect, HuntCrossley, Scene, anchor_of, start
+from tests.independent.planar import anchor_of, start
+from tests.independent.planar_scene import OUTER, Coulomb, Defect, HuntCrossley, Scene
 
 RESULTS = Path(__file__).parents[1] / "data" / "exudyn_planar.npz"
 HEAVY = 1e12  # kg, kg m^2

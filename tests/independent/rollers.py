@@ -11,6 +11,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
+from tests.independent.planar_scene import path_depth_and_slope
+
 Z, D_W, D_M, L_W = 13, 0.012, 0.065, 0.012
 R_W, R_O, R_I = D_W / 2, (D_M + D_W) / 2, (D_M - D_W) / 2
 OMEGA_C = 2 * np.pi * 30 * (1 - D_W / D_M) / 2
@@ -25,16 +27,6 @@ REDUCED_O, REDUCED_I = 1 / (1 / R_W - 1 / R_O), 1 / (1 / R_W + 1 / R_I)
 
 def elastic(delta):
     return K * np.maximum(delta, 0.0) ** (10 / 9)
-
-
-def path_depth_and_slope(s, width, depth, reduced):
-    """h(s) = min over t of p(t) + (t - s)^2/(2 reduced), and dh/ds at the minimiser (envelope theorem)."""
-    defect = np.linspace(-width / 2, width / 2, 2001)
-    t = np.concatenate([defect, defect[[0, -1]], [s]])
-    profile = np.concatenate([np.full(defect.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
-    gap = profile + (t - s) ** 2 / (2 * reduced)
-    best = np.argmin(gap)
-    return gap[best], (s - t[best]) / reduced
 
 
 def roller_at_rest(u_r):

@@ -1,12 +1,7 @@
 """Choice of models before the first job, and its use by later runs and shards."""
 
-import json
 import os
 import shlex
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -16,52 +11,29 @@ import pytest
 from bearingsim import selection, store
 from bearingsim.cli.plan import plan_of
 from bearingsim.cli.remarks import model_choices as choice_remarks
-from bearingsim.runner import Interrupted, RunSummary, run
+from bearingsim.runner import run
 from bearingsim.runner.select import MissingChoices, choose_models
 from bearingsim.selection import ModelSelector
 from bearingsim.selection.choices import key
-from bearingsim.study import Study, case_id, load_study
+from bearingsim.study import case_id, load_study
 from tests.scenes import trials
+from tests.scenes.choices import (
+    LOADS,
+    compute,
+    count_trials,
+    log,
+    make_extended,
+    model_errors,
+    plan_notes,
+    read_choices,
+    read_results,
+    take_lines,
+)
 from tests.scenes.commands import type_
 from tests.scenes.study_text import Write
 from tests.scenes.trials import ENGINE, LOG, TEXT, accuracy_study
 
-ROOT = Path(__file__).parents[2]
-RIGID = "rig: {ring: {bends: false}}\n"
-
-
-@pytest.fixture
-def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the log of the calls of the engine."""
-    path = tmp_path / "log"
-    path.touch()
-    monkeypatch.setenv(LOG, str(path))
-    return path
-
-
-def compute(study: Study, out: Path, **options: Any) -> RunSummary:
-    defaults: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE}
-    return run(study, out, **defaults | options)
-
-
-def take_lines(log: Path) -> list[str]:
-    lines = log.read_text().splitlines()
-    log.write_text("")
-    return lines
-
-
-def count_trials(log: Path) -> int:
-    return sum(line.startswith("try") for line in take_lines(log))
-
-
-def read_choices(out: Path) -> dict[str, Any]:
-    choices: dict[str, Any] = json.loads((out / "choices.json").read_text())["choices"]
-    return choices
-
-
-def read_results(out: Path) -> pd.DataFrame:
-    """Read the table, without the columns that differ between runs."""
-    return pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"])
+__all__ = ["log"]
 
 
 def test_choices_are_stored_before_the_first_job(
@@ -142,25 +114,6 @@ def test_extended_study_keeps_earlier_choices(write: Write, tmp_path: Path, log:
     assert {name: after[name] for name in before} == before
     assert [choice["candidate"] for name, choice in after.items() if name not in before] == ["reference"]
     assert {line.split()[2] for line in take_lines(log) if line.startswith("try")} == {"600"}
-
-
-LOADS = "150 N, 300 N, 450 N"
-
-
-def make_extended(write: Write, loads: str) -> Study:
-    return accuracy_study(write, TEXT.replace(LOADS, loads))
-
-
-def plan_notes(out: Path) -> list[str]:
-    notes: list[str] = store.read_plan(out)["accuracy"]["notes"]
-    return notes
-
-
-def model_errors(out: Path) -> dict[float, float]:
-    """Return the error of the model of each case by load."""
-    table = store.open_results(out).table()
-    cases = table[table["healthy"] != ""]
-    return dict(zip(cases["load"], cases["error.model"], strict=True))
 
 
 def test_quick_study_stores_choices_in_its_own_folder(
@@ -258,88 +211,6 @@ def test_change_of_the_model_along_an_extended_curve_is_reported(
     assert note in type_("show", tmp_path / "out")[0].splitlines()
 
 
-# Interrupts
-
-
-def test_interruption_keeps_finished_trials(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    original, remaining = trials.try_out, [5]
-
-    def interrupt(*arguments: Any) -> Any:
-        remaining[0] -= 1
-        if remaining[0] == 0:
-            raise KeyboardInterrupt
-        return original(*arguments)
-
-    monkeypatch.setattr(trials, "try_out", interrupt)
-    with pytest.raises(Interrupted) as interruption:
-        compute(accuracy_study(write), tmp_path / "out")
-    summary = interruption.value.summary
-    assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
-    assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
-    assert (
-        "models were being compared, before the first job: 4 trials kept" in str(interruption.value).splitlines()
-    )
-    assert "run the same command to continue" in str(interruption.value)
-    assert len(selection.read_trials(tmp_path / "out")) == 4
-    assert not (tmp_path / "out/choices.json").exists()
-    remaining[0] = 0
-    assert compute(accuracy_study(write), tmp_path / "out").failed == 0
-    compute(accuracy_study(write), tmp_path / "whole")
-    assert read_choices(tmp_path / "out") == read_choices(tmp_path / "whole")
-
-
-def test_jobs_stored_by_trials_count_as_resumed(
-    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    remaining = [2]
-
-    def repeat(case: Any, features: Any, passes: int, turn: float) -> Any:
-        remaining[0] -= 1
-        if remaining[0] < 0:
-            raise KeyboardInterrupt
-        return trials.trial(case.load, passes, repeats=True, names=features), trials.simulate(case)
-
-    monkeypatch.setattr(trials, "try_out", repeat)
-    with pytest.raises(Interrupted) as interruption:
-        compute(accuracy_study(write), tmp_path / "out")
-    assert (interruption.value.summary.planned, interruption.value.summary.resumed) == (6, 2)
-
-
-@pytest.mark.parametrize(
-    "arguments", [("run", "--jobs", "1"), ("run", "--jobs", "2"), ("check", "--pilots", "--jobs", "2")]
-)
-def test_ctrl_c_during_trials(write: Write, tmp_path: Path, arguments: tuple[str, ...]) -> None:
-    """The message names the kept trials and the next command, without a traceback."""
-    accuracy_study(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
-    # a process started in the background by a shell ignores SIGINT, and its children inherit that
-    handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    code = f"{handler_code}; from tests.scenes import trials; trials.main()"
-    out = tmp_path / "out"
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, *arguments, str(tmp_path / "study.yaml"), "--out", str(out)],
-        cwd=ROOT,
-        env={**os.environ, trials.SECONDS: "0.2"},
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-    )
-    end = time.monotonic() + 60.0
-    while len(selection.read_trials(out)) < 3:
-        assert time.monotonic() < end
-        assert process.poll() is None
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
-    output, errors = process.communicate(timeout=30)
-    assert process.returncode == 130, (output, errors)
-    assert "Traceback" not in errors
-    assert "models were being compared, before the first job: " in errors
-    assert "run the same command to continue" in errors
-    assert ("0 of 12 jobs done" in errors) == (arguments[0] == "run")
-    assert not [path for path in out.rglob("*") if path.suffix in (".part", ".started")]
-    assert not (out / "choices.json").exists()
-
-
 def test_other_accuracy_leads_to_other_choices(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
@@ -357,73 +228,6 @@ def test_fresh_start_repeats_the_trials(write: Write, tmp_path: Path, log: Path)
     trial_count = count_trials(log)
     compute(accuracy_study(write), out, fresh=True)
     assert count_trials(log) == trial_count > 0
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"a": 3}', '{"a": {"model": "ring"}}', "\xff"])
-def test_damaged_choices_are_refused(write: Write, tmp_path: Path, text: str) -> None:
-    out = tmp_path / "out"
-    compute(accuracy_study(write), out)
-    (out / "choices.json").write_text(text, encoding="latin-1")
-    with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: restore it, or remove it"):
-        compute(accuracy_study(write), out)
-
-
-@pytest.mark.parametrize("kept_length", [0, 1, 40, -3])
-def test_damaged_trial_is_repeated(write: Write, tmp_path: Path, log: Path, kept_length: int) -> None:
-    out = tmp_path / "out"
-    compute(accuracy_study(write), out)
-    before = read_choices(out)
-    take_lines(log)
-    (out / "choices.json").unlink()
-    path = sorted((out / "trials").glob("*.json"))[0]
-    lost_count = len(json.loads(path.read_text())["trials"])
-    path.write_text(path.read_text()[:kept_length])
-    compute(accuracy_study(write), out)
-    assert read_choices(out) == before
-    assert count_trials(log) == lost_count < 12
-
-
-def test_failed_trial_does_not_end_the_run(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    original = trials.try_out
-
-    def fail_rollers(case: Any, *arguments: Any) -> Any:
-        if case.model == "rollers":
-            raise RuntimeError("not this one")
-        return original(case, *arguments)
-
-    monkeypatch.setattr(trials, "try_out", fail_rollers)
-    summary = compute(accuracy_study(write), tmp_path / "out")
-    assert summary.failed == 0
-    assert {choice["candidate"] for choice in read_choices(tmp_path / "out").values()} == {"reference"}
-
-
-def test_run_killed_during_trials_chooses_the_same_models(write: Write, tmp_path: Path) -> None:
-    """The run is killed at different trials."""
-    complete = tmp_path / "whole"
-    study = accuracy_study(write)
-    compute(study, complete)
-    script = (
-        "import os, signal, sys; from tests.scenes import trials; from bearingsim.runner import run;"
-        "from bearingsim.study import load_study; plain = trials.try_out; left = [int(sys.argv[3])]\n"
-        "def dying(*of):\n"
-        "    left[0] -= 1\n"
-        "    if left[0] < 0: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return plain(*of)\n"
-        "trials.try_out = dying\n"
-        "run(load_study(sys.argv[1]), sys.argv[2], jobs=1, progress=False, engine=trials.ENGINE)"
-    )
-    out = tmp_path / "out"
-    for count in (1, 4):
-        process = subprocess.run(
-            [sys.executable, "-c", script, study.path, str(out), str(count)], cwd=ROOT, check=False
-        )
-        assert process.returncode == -signal.SIGKILL
-        assert not (out / "choices.json").exists()
-        assert selection.read_trials(out)
-    compute(accuracy_study(write), out)
-    assert read_choices(out) == read_choices(complete)
-    assert not [*out.rglob("*.part")]
-    pd.testing.assert_frame_equal(read_results(complete), read_results(out))
 
 
 def test_choices_do_not_depend_on_the_number_of_processes(write: Write, tmp_path: Path) -> None:
@@ -450,97 +254,6 @@ def test_periodic_reference_is_not_computed_again(
     assert len(trials_found) == 3
     assert ModelSelector(study, range(3)).next_trials(trials_found) == []
     assert [job.id for job in study.planned()][:3] == [case_id(case) for case in study.cases()]
-
-
-# The table
-
-
-def test_table_contains_models_and_error_bounds(write: Write, tmp_path: Path) -> None:
-    compute(accuracy_study(write, TEXT + RIGID), tmp_path / "out")
-    table = store.open_results(tmp_path / "out").table()
-    error_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
-    assert [name for name in table.columns if name in error_columns] == error_columns
-    cases, baselines = table[table["healthy"] != ""], table[table["healthy"] == ""]
-    assert list(cases["model"]) == ["rollers"] * 3
-    assert cases["error.model"].to_numpy() == pytest.approx([150 / 450 * 0.01, 300 / 450 * 0.01, 0.01], rel=1e-6)
-    assert (cases["error.step"] == 0.0).all()
-    assert cases["error"].to_numpy() == pytest.approx(cases["error.model"].to_numpy())
-    assert (baselines["model"] == "").all()
-    assert baselines[error_columns[1:]].isna().all(axis=None)
-
-
-def test_table_contains_the_error_of_friction(write: Write, tmp_path: Path) -> None:
-    """Two of three cases, at the ends of the curve, are tried with friction in other processes."""
-    text = TEXT.replace("friction: none\n", "") + RIGID
-    compute(accuracy_study(write, text), tmp_path / "out", jobs=2)
-    choices = store.read_choices(tmp_path / "out").values()
-    assert sorted(choice.inferred for choice in choices) == [False, False, True]
-    table = store.open_results(tmp_path / "out").table()
-    cases = table[table["healthy"] != ""]
-    assert cases["error.friction"].to_numpy() == pytest.approx([0.002 / 3.0, 0.002, 0.002], rel=1e-6)
-    assert cases["error"].to_numpy() == pytest.approx((cases["error.model"] + cases["error.friction"]).to_numpy())
-    plan = store.read_plan(tmp_path / "out")
-    assert "dry friction assumed" in " ".join(plan["assumptions"])
-    assert len(plan["accuracy"]["audits"]) == 3
-
-
-def test_no_total_error_for_a_ring_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
-    summary = compute(accuracy_study(write), tmp_path / "out")
-    table = store.open_results(tmp_path / "out").table()
-    assert table["error"].isna().all()
-    assert table["error.model"].notna().sum() == 3
-    output = str(summary)
-    assert "models for 5 %: `rollers` in 3 of 3 cases" in output
-    assert "3 of 3 cases are within 5 % of the reference model" in output
-    assert (
-        "audit: 3 of 3 jobs recomputed with their reference are within the accuracy; largest difference 0.99 %"
-        in output
-    )
-
-
-def test_no_accuracy_is_reported_before_the_first_job(write: Write, tmp_path: Path) -> None:
-    from bearingsim.runner.promises import accuracy_notes
-
-    compute(accuracy_study(write), tmp_path / "out")
-    frame = store.job_frame(tmp_path / "out").assign(status="missing")
-    assert not list(accuracy_notes(store.read_plan(tmp_path / "out"), frame))
-
-
-def test_audits_compare_differences_from_the_healthy_case(
-    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The records differ far more than the trials, so the audits fail."""
-    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
-    study = load_study(write(text))
-
-    def make_trial(case: Any, features: Any, passes: int, turn: float) -> Any:
-        return trials.trial(
-            (1.0 + bool(case.defects)) * case.load * trials.MODEL_FACTORS[case.model], passes, names=features
-        ), None
-
-    monkeypatch.setattr(trials, "try_out", make_trial)
-    original = trials.simulate
-    monkeypatch.setattr(
-        trials, "simulate", lambda case: _scale_line(original(case), 1.5 if case.model == "rollers" else 1.0)
-    )
-    summary = compute(study, tmp_path / "out")
-    output = str(summary)
-    assert (
-        "audit: 0 of 3 jobs recomputed with their reference are within the accuracy; largest difference 34 %"
-        in output
-    )
-    assert summary.exit_code == 0
-    assert "withdrawn for 3 of 3 cases: velocity@BPFO-healthy is 34 % different" in output.splitlines()[1]
-    assert "of the reference model" not in output
-    table = store.open_results(tmp_path / "out").table()
-    assert table["error"].dropna().tolist() == pytest.approx([0.34] * 3, abs=0.005)
-    printed = type_("show", tmp_path / "out")[0]
-    assert output.splitlines()[1] in printed.splitlines()
-
-
-def _scale_line(record: Any, factor: float) -> Any:
-    record.features["velocity@BPFO"] *= factor
-    return record
 
 
 def test_engine_log_is_off_by_default() -> None:

@@ -1,6 +1,7 @@
 """Defects of every kind for the tests, and what a roller feels of them by brute force."""
 
 import numpy as np
+from hypothesis import assume
 from hypothesis import strategies as st
 
 from bearingsim.core.defects.depth import (
@@ -12,6 +13,8 @@ from bearingsim.core.defects.depth import (
     ScannedDefect,
     ShiftedDefect,
     Triangular,
+    extent,
+    section,
 )
 from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.defects.profile import depth_at
@@ -20,6 +23,7 @@ from bearingsim.core.defects.spall import Spall
 R_OUTER, R_INNER = outer_reduced_radius(0.006, 0.0385), inner_reduced_radius(0.006, 0.0265)
 SMOOTH = (Rectangular, Triangular, Circular, Elliptical)
 
+fractions = st.floats(-0.95, 0.95)
 radii = st.sampled_from([R_OUTER, R_INNER])
 lengths, widths, depths = st.floats(1e-3, 12e-3), st.floats(5e-5, 4e-3), st.floats(1e-7, 1e-4)
 shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SMOOTH), lengths, widths, depths)
@@ -60,3 +64,11 @@ def brute_force(profile, s, R, reach=1e-3):
 
 SHAPES = {"rectangular": Rectangular, "triangular": Triangular, "circular": Circular}
 """Shapes whose path has a closed form, by their words."""
+
+
+def section_at(defect, fraction):
+    """Return the section at a fraction of the defect's half length; skip examples without a section."""
+    _, _, low, high = extent(defect)
+    profile = section(defect, (low + high) / 2 + fraction * (high - low) / 2)
+    assume(len(profile.pieces))
+    return profile

@@ -26,7 +26,7 @@ from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
-from tests.independent import planar
+from tests.independent import planar_scene
 from tests.scenes.nf308 import advance_recorded
 
 NO_CONTACT_PLAY = 0.01  # m: a pocket that no roller touches
@@ -84,22 +84,22 @@ def _mu_derivative_bound_zone(law, u):
 
 def friction(law: Any) -> Any:
     """The package's law for a friction of the reference."""
-    if law is planar.frictionless:
+    if law is planar_scene.frictionless:
         return Frictionless()
-    if isinstance(law, planar.Coulomb):
+    if isinstance(law, planar_scene.Coulomb):
         return RegularisedCoulomb(law.mu, law.zone)
     mu_s, mu_d = float(law(0.02)), float(law(1.0))
     return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
 
 
-def defect_pairs(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefectPair]:
+def defect_pairs(scene: planar_scene.Scene, defect: planar_scene.Defect) -> list[RollerDefectPair]:
     """A box over the full length, as each contact meets it."""
     rings: dict[Any, tuple[int, float, tuple[int, ...]]] = {
-        planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
-        planar.INNER: (ON_INNER, scene.R_i, (INNER,)),
+        planar_scene.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
+        planar_scene.INNER: (ON_INNER, scene.R_i, (INNER,)),
     }
     carrier, radius, sides = rings.get(defect.on) or (defect.on[1], scene.R_w, (OUTER, INNER))
-    reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
+    reduced = {OUTER: scene.reduced(planar_scene.OUTER), INNER: scene.reduced(planar_scene.INNER)}
     return [
         RollerDefectPair(
             side,
@@ -113,7 +113,7 @@ def defect_pairs(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefec
     ]
 
 
-def planar_model(scene: planar.Scene) -> Planar:
+def planar_model(scene: planar_scene.Scene) -> Planar:
     """The scene as the package's model."""
     bearing = Bearing(
         Z=scene.Z,
@@ -162,7 +162,7 @@ def planar_model(scene: planar.Scene) -> Planar:
     )
 
 
-def at_rest(scene: planar.Scene) -> tuple[Planar, np.ndarray]:
+def at_rest(scene: planar_scene.Scene) -> tuple[Planar, np.ndarray]:
     """The scene as the package's model, and a buffer in its static start."""
     model = planar_model(scene)
     y = lay.buffer(scene.Z, scene.m_r)
@@ -173,7 +173,7 @@ def at_rest(scene: planar.Scene) -> tuple[Planar, np.ndarray]:
     return model, y
 
 
-def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+def simulate(scene: planar_scene.Scene, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
     model, y = at_rest(scene)
     steps = round(duration / step)

@@ -6,6 +6,7 @@ from bearingsim import assemble
 from bearingsim.core.advance import Monitor
 from bearingsim.core.outcomes import SUCCESS
 from tests.independent import planar_bodies as bodies
+from tests.independent import planar_sums
 from tests.scenes import nf308
 from tests.scenes.nf308 import case
 
@@ -24,8 +25,8 @@ def record_run(model, method, span, y):
 def balances(model, t, out):
     """Balances at all instants, some thousands at a time."""
     slices_ = [slice(k, k + 4000) for k in range(0, len(t), 4000)]
-    parts = [bodies.balance(bodies.scene(model, t[slice_], out[:, slice_])) for slice_ in slices_]
-    return bodies.Balance(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    parts = [planar_sums.balance(bodies.scene(model, t[slice_], out[:, slice_])) for slice_ in slices_]
+    return planar_sums.Balance(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def energy_error(model, method, span, y):

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from bearingsim.config import Case
 from tests.scenes.nf308 import CHI
 
@@ -16,3 +18,8 @@ def case(**fields: Any) -> Case:
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "80 ms", "settle": "30 ms"}
     damping = {"contact": {"damping": CHI} | fields.get("contact", {})}
     return Case.model_validate(base | {"model": "ring"} | fields | damping)
+
+
+def line(features: dict[str, float], name: str) -> complex:
+    """A line's complex amplitude."""
+    return features[name] * np.exp(1j * features[f"{name}.phase"])

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from tests.independent import exudyn_planar, planar
+from tests.independent import exudyn_planar, planar, planar_scene
 from tests.scenes import planar_bearing
 
 
@@ -67,17 +67,17 @@ def test_stored_results_equal_exudyn(name):
 class TestReference:
     """Balances of the independent solution itself."""
 
-    FREE = planar.Scene(
-        **planar.WITH_FRICTION | {"friction": planar.static_dynamic()},
+    FREE = planar_scene.Scene(
+        **planar.WITH_FRICTION | {"friction": planar_scene.static_dynamic()},
         torsion=(1e3, 1.0),
         cage_moves=True,
         roller_drag=6e-3,
         cage_drag=2e-4,
         eps=tuple(4e-3 * (-1.0) ** j for j in range(13)),
         defects=(
-            planar.Defect(planar.OUTER, 0.5e-3, 0.05e-3, np.pi / 13),
-            planar.Defect(planar.INNER, 0.5e-3, 0.05e-3, -np.pi / 13),
-            planar.Defect(("roller", 2), 0.5e-3, 0.05e-3, 0.01),
+            planar_scene.Defect(planar_scene.OUTER, 0.5e-3, 0.05e-3, np.pi / 13),
+            planar_scene.Defect(planar_scene.INNER, 0.5e-3, 0.05e-3, -np.pi / 13),
+            planar_scene.Defect(("roller", 2), 0.5e-3, 0.05e-3, 0.01),
         ),
     )
 

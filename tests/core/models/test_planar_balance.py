@@ -1,6 +1,6 @@
 """`planar` against mechanics: momentum, torque and power, at any state and along a motion.
 
-The bodies and the forces on them are in `tests/independent/planar_bodies.py`.
+The bodies are in `tests/independent/planar_bodies.py`, the forces on them and all sums in `planar_sums.py`.
 """
 
 import numpy as np
@@ -15,6 +15,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.parts.cage import RingGuided
 from tests.independent import planar_bodies as bodies
+from tests.independent import planar_sums
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.planar_runs import balances, energy_error, orders, record_run, start_planar
 
@@ -100,7 +101,7 @@ def balances_ahead(model, y):
     slope = np.concatenate([y[velocities], y[velocities + lay.ACCELERATION - lay.VELOCITY]])
     ahead = h * np.arange(-2, 3)
     states = y[cells][:, np.newaxis] + ahead * slope[:, np.newaxis]
-    return bodies.balance(bodies.scene(model, BALANCE_TIME + ahead, states)), h
+    return planar_sums.balance(bodies.scene(model, BALANCE_TIME + ahead, states)), h
 
 
 def rate(values, h):

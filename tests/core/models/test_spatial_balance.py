@@ -1,6 +1,6 @@
 """`spatial` against mechanics: momentum, angular momentum and power at any state.
 
-The bodies and the forces on them are in `tests/independent/spatial_bodies.py`.
+The bodies are in `tests/independent/spatial_bodies.py`, the forces on them and all sums in `spatial_sums.py`.
 """
 
 from math import pi
@@ -24,6 +24,7 @@ from tests.core.models.test_planar_balance import ALL_EFFECTS, BALANCE_TIME, CAG
 from tests.core.models.test_planar_balance import SETUPS as PLANAR_SETUPS
 from tests.core.models.test_planar_balance import random_state as planar_state
 from tests.independent import spatial_bodies as bodies
+from tests.independent import spatial_sums
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.spatial_bearing import L_W, empty, spatial_model
 
@@ -132,7 +133,7 @@ def balances_ahead(model, y, h=2e-8):
     slope = np.concatenate([y[velocities], y[velocities + lay.ACCELERATION - lay.VELOCITY]])
     ahead = h * np.arange(-2, 3)
     states = y[cells][:, np.newaxis] + ahead * slope[:, np.newaxis]
-    return bodies.balance(bodies.scene(model, BALANCE_TIME + ahead, states)), h
+    return spatial_sums.balance(bodies.scene(model, BALANCE_TIME + ahead, states)), h
 
 
 STATES = [(1e-5, True), (2e-3, False)]

@@ -1,0 +1,115 @@
+"""From steps to samples, for a prescribed motion: passband, start, time axis."""
+
+import importlib
+import math
+from collections.abc import Callable
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor
+from bearingsim.core.outcomes import SUCCESS
+from bearingsim.simulation.simulate import simulate
+from tests.scenes.short_cases import RATE, case, line
+
+INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
+
+
+def record_of_signal(test_case: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
+    """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
+
+    def prescribed(
+        method: Any,
+        model: Any,
+        monitor: Monitor,
+        start: int,
+        y: np.ndarray,
+        rows: np.ndarray,
+        out: np.ndarray,
+        samples: Any,
+    ) -> tuple:
+        out[:] = 0.0
+        out[rows.tolist().index(lay.VELOCITY + lay.X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
+        return out.shape[1], SUCCESS, -1
+
+    with mock.patch.object(INTEGRATION, "advance_and_sample", prescribed):
+        return simulate(test_case.model_copy(update={"step_check": False}))
+
+
+SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize("share", [0.03, 0.37])
+def test_tone_in_the_passband_keeps_amplitude_and_phase(sampling: float, share: float) -> None:
+    omega = 2 * np.pi * share * sampling
+    result = record_of_signal(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
+    t = 0.03 + result.time
+    assert np.abs(result.series["ring.velocity.x"] - np.cos(omega * t + 0.7)).max() < 3e-4
+    assert not result.series["ring.velocity.y"].any()
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS[1:])
+@pytest.mark.parametrize("share", [0.62, 1.02, 2.7, 3.9, 4.05, 8.03])
+def test_a_tone_that_would_alias_is_rejected(sampling: float, share: float) -> None:
+    test_case = case(sampling=sampling, step="1 us")
+    result = record_of_signal(test_case, lambda t: np.cos(2 * np.pi * share * sampling * t))
+    assert np.abs(result.series["ring.velocity.x"]).max() < 10 ** (-70 / 20)
+
+
+def test_constant_signal_is_recorded_unchanged() -> None:
+    result = record_of_signal(case(), lambda t: np.full_like(t, 0.3))
+    assert result.series["ring.velocity.x"] == pytest.approx(0.3, rel=1e-13)
+    assert math.isnan(result.features["velocity.crest"])
+
+
+@pytest.mark.parametrize("settle", [0.03, 0.0371])
+def test_raw_samples_of_a_straight_line_are_exact(settle: float) -> None:
+    result = record_of_signal(case(antialias=False, settle=settle, sampling=7777.7), lambda t: 2.0 - 5.0 * t)
+    assert result.series["ring.velocity.x"] == pytest.approx(2.0 - 5.0 * (settle + result.time), abs=1e-12)
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize("settle", [0.03, 0.0371])
+def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
+    test_case = case(sampling=sampling, settle=settle, start_angle=0.2)
+    lines = {1: (2.0, 0.4), 2: (0.3, -2.0), 3: (1e-3, 3.0), 5: (0.2, 1.0), 7: (3.0, 0.1), 61: (1.0, 1.2)}
+
+    def signal(t: np.ndarray) -> np.ndarray:
+        Z_theta = 13 * 0.2 + 2 * np.pi * RATE * t
+        return 1.0 + np.sum([A * np.cos(k * Z_theta + phase) for k, (A, phase) in lines.items()], axis=0)
+
+    result = record_of_signal(test_case, signal).features
+    for k in range(1, 6):
+        A, phase = lines.get(k, (0.0, 0.0))
+        name = "velocity@BPFO" if k == 1 else f"velocity@{k}BPFO"
+        assert abs(line(result, name) - A * np.exp(1j * phase)) < 2e-4
+        assert result[f"{name}-scatter"] < 1e-9
+    assert result["displacement@BPFO"] == 0.0
+    expected = 1j * 2 * np.pi * RATE * line(result, "velocity@BPFO")
+    assert line(result, "acceleration@BPFO") == pytest.approx(expected, rel=1e-9)
+
+
+def test_features_exclude_the_settling_time() -> None:
+    """Signal until 35 ms, then 2 ms for transients of the filters: `settle` ends at 37 ms, within a ball pass."""
+    result = record_of_signal(
+        case(settle=0.037, periodic=False), lambda t: np.where(t < 0.035, np.cos(2 * np.pi * RATE * t), 0.0)
+    )
+    assert result.features["velocity.peak"] < 1e-3
+    assert result.features["velocity@BPFO"] < 1e-6
+    assert result.features["velocity@BPFO-scatter"] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("duration", "sampling", "count"), [(0.29, 10000.0, 2900), (0.0101, 10240.0, 103), (0.05, 333.3, 16)]
+)
+def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
+    result = simulate(case(duration=duration, sampling=sampling))
+    assert len(result.time) == count
+    assert all(len(series) == count for series in result.series.values())
+    assert result.time[0] == 0.0
+    assert result.time == pytest.approx(np.arange(count) / sampling, rel=1e-15)
