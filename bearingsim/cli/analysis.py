@@ -188,12 +188,14 @@ def verdict_text(diagnosis: "Diagnosis") -> str:
 
 
 def _print_header(recording: "Recording", bearing: str, tolerance: float, diagnosis: "Diagnosis") -> None:
+    from bearingsim.plots.labels import pretty
+
     rate, speed, lines = recording.rate, recording.speed, diagnosis.lines
     seconds = len(next(iter(recording.channels.values()))) / rate.value
     say(f"{short_path(recording.path)}: {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
     units: dict[str, list[str]] = {}
     for name, unit in recording.units.items():
-        units.setdefault(f"{unit.value or 'no unit'} ({unit.source})", []).append(name)
+        units.setdefault(f"{pretty(unit.value) or 'no unit'} ({unit.source})", []).append(name)
     for text, names in units.items():
         say(f"unit of {', '.join(names[:4])}{' ...' if len(names) > 4 else ''}: {text}")
     if speed is not None:
@@ -201,6 +203,7 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
 
 
 def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
+    from bearingsim.diagnosis.claims import MOST_CROWDED
     from bearingsim.diagnosis.thresholds import decibels
 
     heads = [
@@ -226,11 +229,12 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     print_table(heads, rows)
     low, high = band
     say(f"harmonics: envelope of {low / 1e3:.3g} to {high / 1e3:.3g} kHz; levelled: whole band, tones removed")
-    rival = diagnosis.rival
-    share = (
-        f", {100.0 * diagnosis.crowded:.0f} % of all periodicities reach the score of {LINE_NAMES[diagnosis.best]}"
+    rival, line = diagnosis.rival, LINE_NAMES[diagnosis.best]
+    count = f"{100.0 * diagnosis.crowded:.0f} %" if diagnosis.crowded > 0.0 else "none"
+    say(
+        f"strongest other periodicity: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB; "
+        f"{count} of the other periodicities score as high as {line} (limit {100.0 * MOST_CROWDED:.0f} %)"
     )
-    say(f"strongest other periodicity: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB{share}")
     _print_remarks(diagnosis)
 
 

@@ -160,19 +160,28 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
     if factor is not None:
         from bearingsim.measured.si import FACTORS
+        from bearingsim.plots.labels import pretty
 
         unit = pair.unit or "the unit of the file, which is not stated"
-        in_unit = "" if unit in FACTORS else f", in {unit}"
+        in_unit = "" if unit in FACTORS else f", in {pretty(unit)}"
         say(f"simulated signal times {factor:.4g}, to the measured RMS{in_unit}")
 
 
 def _print_features(rows: "list[Row]") -> None:
     """Print the features of both signals, and the meaning of a dash."""
+    from bearingsim.plots.labels import pretty
+    from bearingsim.report.measured import DIFFERENCE, RATIO
+
     cells = [
-        [row.name, row.unit, *(_number(value) for value in (row.simulated, row.measured)), *_differences(row)]
+        [
+            row.name,
+            pretty(row.unit),
+            *(_number(value) for value in (row.simulated, row.measured)),
+            *_differences(row),
+        ]
         for row in rows
     ]
-    print_table(["", "unit", "simulated", "measured", "difference", "ratio"], cells, text_columns=2)
+    print_table(["", "unit", "simulated", "measured", DIFFERENCE, RATIO], cells, text_columns=2)
     if any("-" in row for row in cells):
         say("-: not found in the signal, or no ratio because the values are in dB")
 

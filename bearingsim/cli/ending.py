@@ -43,7 +43,9 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         say(text)
     assumptions = summary.findings.assumptions
     if assumptions:
-        say(f"{len(assumptions)} assumption{'s' * (len(assumptions) != 1)} not varied: {', '.join(assumptions)}")
+        count = "1 assumption" if len(assumptions) == 1 else f"{len(assumptions)} assumptions"
+        order = ", strongest first" * (len(assumptions) > 1)
+        say(f"{count} not varied{order}: {', '.join(assumptions)}")
         say(f"  amplitudes depend on them: bearingsim show {short_path(summary.folder)} --assumptions")
     if quick:
         say("this was the reduced grid; run without --quick for the whole study")

@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from bearingsim.diagnosis import NONE, Diagnosis
 from bearingsim.diagnosis.thresholds import decibels
-from bearingsim.plots.labels import PlotError
+from bearingsim.plots.labels import PlotError, pretty
 from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.plot import FORMATS, MADE_BY, is_replaceable
 from bearingsim.plots.style import COLOURS, PAGE_IN, drawing, take_literally
@@ -70,7 +70,7 @@ def diagnosis_figure(
     canvas = Figure(figsize=(PAGE_IN, 0.8 * PAGE_IN), layout="constrained")
     (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
     values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
-    in_unit = f" ({unit})" if unit else ""
+    in_unit = f" ({pretty(unit)})" if unit else ""
     _draw_time(time, values, fs, diagnosis, f"Signal{in_unit}")
     _draw_spectrum(spectrum, values, fs, f"Amplitude{in_unit}")
     _draw_envelope(envelope, diagnosis, band)
@@ -214,7 +214,7 @@ def comparison_figure(
         passes = (np.arange(len(part)) - quarter) / signal.fs * signal.lines.of_race(race)
         own = float(np.abs(part).max())
         if factor is None:
-            part, name = part / own, f"{name}, 1 = {own:.3g} {unit} over time"
+            part, name = part / own, f"{name}, 1 = {own:.3g} {pretty(unit)} over time"
         time.plot(passes, part, color=colour, lw=width, label=name)
         centres, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
         whole.semilogy(1e-3 * centres, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")
@@ -225,7 +225,8 @@ def comparison_figure(
     for number in range(1, HARMONICS + 2):
         order = number * simulated.lines.of_race(race) / simulated.lines.shaft
         envelope.axvline(order, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
-    line, quantity, in_unit = SHOWN_LINES[race], QUANTITIES.get(unit, "Signal"), f" ({unit})" if unit else ""
+    line, quantity = SHOWN_LINES[race], QUANTITIES.get(unit, "Signal")
+    in_unit = f" ({pretty(unit)})" if unit else ""
     time.set_xlabel(f"Time in passes ({line}), from the largest sample; band to {band[1] / 1e3:.3g} kHz")
     time.set_ylabel(f"{quantity},\nof its largest sample" if factor is None else f"{quantity}{in_unit}")
     whole.set_xlabel("Frequency (kHz)")

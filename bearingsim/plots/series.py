@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}
 """Ball passes shown by default, by channel; other channels are shown in full."""
 CROSSING = "0.93"
+LOW_PASS = "drawn through a low-pass that does not ring before an impact: peaks differ from those of the table"
 SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
 
@@ -95,7 +96,7 @@ def _texts(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]
     filtered = any(recorded.is_filtered_causally(job, name) for job in records.values() for name in channels)
     return [
         *([f"band {band[0] / 1e3:.4g} to {band[1] / 1e3:.4g} kHz"] if band else []),
-        *(["drawn through a causal low-pass, so peaks differ from the features"] if filtered else []),
+        *([LOW_PASS] if filtered else []),
         *(["grey: the contact is over the defect"] if figure.view.around else []),
         *(["mean subtracted"] if figure.view.zero_mean else []),
     ]

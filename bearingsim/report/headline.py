@@ -124,8 +124,8 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
         if len(ends) > 1 and not unknown:
             common = [float(ends["least"].max()), float(ends["largest"].min())]
-            shared = f"all cases can have {_range(name, pd.Series(common), unit, factor)}"
-            texts.append(shared if common[0] < common[1] else "the ranges of some cases are separate")
+            overlap = f"the ranges of all cases overlap at {_range(name, pd.Series(common), unit, factor)}"
+            texts.append(overlap if common[0] < common[1] else "the ranges of some cases do not overlap")
         if jobs:
             yield f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}: {', '.join(texts)}"
 

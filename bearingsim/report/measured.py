@@ -11,7 +11,9 @@ from bearingsim.text.numbers import significant
 if TYPE_CHECKING:
     from bearingsim.store import MeasuredSet, Results
 
-HEADS = ("feature", "parameters", "unit", "measured", "simulated", "difference", "ratio", "job")
+DIFFERENCE, RATIO = "simulated\n- measured", "simulated\n/ measured"
+"""Headings of the difference and of the ratio of two values, also in `compare`."""
+HEADS = ("feature", "parameters", "unit", "measured", "simulated", DIFFERENCE, RATIO, "job")
 TEXT_COLUMNS = 3
 MAX_ROWS = 1000
 """Largest number of rows of a table."""
@@ -30,10 +32,7 @@ class MeasuredTable(NamedTuple):
 
 
 def measured_tables(results: "Results") -> list[MeasuredTable]:
-    """Return a table for each measured source of a study.
-
-    The difference is simulated less measured, the ratio simulated over measured.
-    """
+    """Return a table for each measured source of a study."""
     return [_table(results, entry) for entry in results.measured]
 
 

@@ -114,11 +114,11 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         studied=list(studied(results)),
         results=headlines,
         accuracy=[
-            with_symbols(text)
+            with_symbols(plain(text))
             for text in [*end_of_run.withdrawn, *end_of_run.accuracy]
             if not (text.startswith(LARGEST_STEP_ERRORS) and any(result.error for result in headlines))
         ],
-        warnings=list(map(with_symbols, end_of_run.warnings)),
+        warnings=[with_symbols(plain(text)) for text in end_of_run.warnings],
         charts=figures.charts,
         pictures=figures.pictures,
         influences=figures.influences,

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+INFLUENCE = ("rigid ring", "smooth surfaces", "clearance", "damping", "bracket", "no slip", "no oil drag")
+"""Assumptions by their usual influence on amplitudes, the strongest first (docs/uncertainty.md)."""
+
+
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     """Collect the statements on the results of a plan; frame: from ``store.job_frame``."""
     cases = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
@@ -50,7 +54,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *transient_warnings(cases),
             *missing_values(info),
         ),
-        assumptions=tuple(_assumption_names(plan, cases)),
+        assumptions=tuple(sorted(_assumption_names(plan, cases), key=INFLUENCE.index)),
         details=(
             *selection_notes(plan, frame),
             *periodicity_notes(info),
@@ -151,20 +155,21 @@ def scatter_warnings(
     if (known_errors.to_numpy() > 0.0).any():
         worst = float(known_errors.to_numpy().max())
         factor = ceil((worst / notable) ** 2)
-        remedy = f"{percent(notable)} needs {factor} times the `duration`"
-        yield f"{_job_counts(known_errors > 0.0)} has standard error {percent(worst)}; {remedy}"
+        remedy = f"a `duration` {factor} times as long reduces it to {percent(notable)} (docs/step-check.md)"
+        yield f"{_job_counts(known_errors > 0.0)} up to {percent(worst)}; {remedy}"
     is_estimated = pd.Series({name: has_error_estimate(table, name) for name in names})
     if (unknown & is_estimated).to_numpy().any():
-        yield f"{_job_counts(unknown & is_estimated)} has unknown standard error; try a longer `duration`"
+        yield f"{_job_counts(unknown & is_estimated)} unknown; try a longer `duration`"
     if (unknown & ~is_estimated).to_numpy().any():
-        yield f"{_job_counts(unknown & ~is_estimated)} has no standard error (not estimated for this feature)"
+        yield f"{_job_counts(unknown & ~is_estimated)} not estimated"
 
 
 def _job_counts(flags: "pd.DataFrame") -> str:
-    """Format jobs and a feature, as `2 of 8 jobs chaotic: velocity.rms`; flags: jobs by features."""
+    """Format jobs and a feature, as `2 of 8 jobs chaotic: standard error of velocity.rms`; flags: jobs by
+    features."""
     names = [str(name) for name in flags if flags[name].any()]
     more = f" (and {len(names) - 1} more)" if len(names) > 1 else ""
-    return f"{flags.any(axis=1).sum()} of {len(flags)} jobs chaotic: {names[0]}{more}"
+    return f"{flags.any(axis=1).sum()} of {len(flags)} jobs chaotic: standard error of {names[0]}{more}"
 
 
 OTHER_STEP_ERRORS = {
@@ -201,8 +206,8 @@ def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     if len(errors):
         jobs = f"{len(errors)} job{'s' * (len(errors) > 1)}"
         yield (
-            f"{jobs}: parts of the record differ, with an error of up to {percent(errors.max())}"
-            " (`error.start`); use a longer `duration`, or a longer `settle`"
+            f"{jobs}: error of up to {percent(errors.max())} (`error.start`), because the record is short or not"
+            " settled; use a longer `duration` or `settle` (docs/settling.md)"
         )
 
 
@@ -238,11 +243,11 @@ def _range_text(values: "pd.Series[float]", template: str) -> str:
 def assumption_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the assumptions of a study, and the cost of varying the damping if it is not varied."""
     values = {variation["what"] for variation in plan.get("variations", ())}
-    if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
-        yield from _damping_note(plan, frame)
     yield from plan.get("assumptions", ())
     if _has_smooth_surfaces(plan, frame):
         yield SMOOTH_SURFACES
+    if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
+        yield from _damping_note(plan, frame)
 
 
 def _damping_note(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

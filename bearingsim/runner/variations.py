@@ -10,6 +10,8 @@ from bearingsim.text.numbers import percent
 if TYPE_CHECKING:
     import pandas as pd
 
+MEANING = "(largest minus smallest value of a case, relative to nominal; docs/uncertainty.md)"
+
 
 def variation_effects(
     plan: Mapping[str, Any], frame: "pd.DataFrame", features: Sequence[str] = ()
@@ -36,7 +38,7 @@ def variation_effects(
                 else f" {PARAMETER_KINDS[quantity].range_text(tried_values)}"
             )
             effects_text = ", ".join(map(str, effects)).replace("by", preposition, 1)
-            yield f"{quantity}{values_text} changes {effects_text}"
+            yield f"{quantity}{values_text} changes {effects_text} {MEANING}"
             yield from _chaotic_variations(plan, frame, quantity)
 
 

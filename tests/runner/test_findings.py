@@ -39,8 +39,8 @@ def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
         {"features/error.start": [0.03, 0.002, 0.02], "features/error.start.rms": [0.0, 0.001, 0.05]}
     )
     assert list(transient_warnings(frame)) == [
-        "2 jobs: parts of the record differ, with an error of up to 5 % (`error.start`);"
-        " use a longer `duration`, or a longer `settle`"
+        "2 jobs: error of up to 5 % (`error.start`), because the record is short or not settled;"
+        " use a longer `duration` or `settle` (docs/settling.md)"
     ]
     frame["features/cage.slip.mean"] = 0.1  # scatter of a free cage is reported as a standard error
     assert not list(transient_warnings(frame))
@@ -48,10 +48,7 @@ def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
 
 @pytest.mark.parametrize(
     ("features", "statement"),
-    [
-        ({"velocity@BPFO-scatter": float("inf")}, "has unknown standard error; try a longer `duration`"),
-        ({}, "has no standard error (not estimated for this feature)"),
-    ],
+    [({"velocity@BPFO-scatter": float("inf")}, "unknown; try a longer `duration`"), ({}, "not estimated")],
 )
 def test_longer_duration_is_advised_only_where_the_error_is_estimated(
     features: dict[str, float], statement: str
@@ -59,7 +56,7 @@ def test_longer_duration_is_advised_only_where_the_error_is_estimated(
     row = {"velocity@BPFO": 1.0, "chaotic": 1.0, **features}
     frame = pd.DataFrame([row], index=[JOB]).add_prefix("features/")
     [text] = scatter_warnings(frame, ["velocity@BPFO"])
-    assert text == f"1 of 1 jobs chaotic: velocity@BPFO {statement}"
+    assert text == f"1 of 1 jobs chaotic: standard error of velocity@BPFO {statement}"
 
 
 def test_step_errors_of_chaotic_jobs_are_left_out() -> None:

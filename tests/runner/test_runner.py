@@ -41,22 +41,26 @@ def journal_of(out: Path) -> list[dict[str, Any]]:
         (
             [0.02, 0.04, 0.0],
             [0.0, 0.0, 0.0],
-            ["2 of 3 jobs chaotic: velocity@BPFO has standard error 4 %; 0.5 % needs 64 times the `duration`"],
+            [
+                "2 of 3 jobs chaotic: standard error of velocity@BPFO up to 4 %;"
+                " a `duration` 64 times as long reduces it to 0.5 % (docs/step-check.md)"
+            ],
         ),
         (
             [0.02],
             [0.05],
             [
-                "1 of 1 jobs chaotic: velocity@BPFO (and 1 more) has standard error 5 %;"
-                " 0.5 % needs 100 times the `duration`"
+                "1 of 1 jobs chaotic: standard error of velocity@BPFO (and 1 more) up to 5 %;"
+                " a `duration` 100 times as long reduces it to 0.5 % (docs/step-check.md)"
             ],
         ),
         (
             [math.inf, 0.0],
             [0.01, 0.0],
             [
-                "1 of 2 jobs chaotic: velocity.rms has standard error 1 %; 0.5 % needs 4 times the `duration`",
-                "1 of 2 jobs chaotic: velocity@BPFO has unknown standard error; try a longer `duration`",
+                "1 of 2 jobs chaotic: standard error of velocity.rms up to 1 %;"
+                " a `duration` 4 times as long reduces it to 0.5 % (docs/step-check.md)",
+                "1 of 2 jobs chaotic: standard error of velocity@BPFO unknown; try a longer `duration`",
             ],
         ),
     ],

@@ -278,7 +278,7 @@ def test_range_of_damping_excludes_the_variations(finished_run: tuple[Path, str]
 def test_run_without_variations_reports_their_cost(study_folder: Path) -> None:
     output, _ = type_("-v", "run", "small.yaml", "--jobs", "1")
     unwrapped = " ".join(output.split())
-    assert "damping not varied: `uncertainty: {damping: [0.5 us, 10 us]}` adds 6 jobs, " in unwrapped
+    assert "; `uncertainty: {damping: [0.5 us, 10 us]}` adds 6 jobs, " in unwrapped
     with Path("small.yaml").open("a") as file:
         file.write("uncertainty: none\n")
     for command in (("check", "small.yaml"), ("-v", "run", "small.yaml", "--jobs", "1")):
