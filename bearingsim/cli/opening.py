@@ -1,5 +1,6 @@
 """Results and jobs named by the arguments of a command."""
 
+import os
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -70,6 +71,13 @@ def find_job(results: "Results", word: str) -> str:
         problem = f"{len(matches)} jobs begin with" if matches else "no job begins with"
         raise UserError(f"{problem} `{word}`: `bearingsim show {short_path(results.path)}` lists them")
     return matches[0]
+
+
+def check_writable(folder: Path, option: str) -> None:
+    """Raise UserError, with the option that names another place, if files cannot be made in a results folder."""
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise UserError(f"{short_path(existing)} is read-only for you: name another place, as in `{option}`")
 
 
 def short_path(path: Path) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.cli.opening import short_path
+from bearingsim.cli.opening import check_writable, short_path
 from bearingsim.errors import UserError
 from bearingsim.text.terminal import say
 
@@ -27,6 +27,8 @@ def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool
     """
     path = out or results.path / FILE
     check_replaceable(path)
+    if out is None:
+        check_writable(results.path, "--out page.html")
     is_complete = write(results, path, jobs, follow)
     if in_browser and not webbrowser.open(path.resolve().as_uri()):
         say(f"cannot start a browser; open {short_path(path)} in one", err=True)

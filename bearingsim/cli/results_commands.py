@@ -8,7 +8,7 @@ import typer
 from typer.models import OptionInfo
 
 from bearingsim.cli import completion
-from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
+from bearingsim.cli.opening import check_writable, find_job, find_results, reads_results, short_path
 from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment
 from bearingsim.figure_kinds import AROUND, HEALTHY, KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
@@ -67,7 +67,7 @@ def plot(
 ) -> None:
     """Draw the figures that the study defines, or one for each swept parameter."""
     from bearingsim import plots
-    from bearingsim.plots.plot import FORMATS
+    from bearingsim.plots.plot import FIGURES, FORMATS
     from bearingsim.plots.sheet import ALL
 
     if kind is not None:
@@ -76,6 +76,8 @@ def plot(
     for axis in log or []:
         check_choice("--log", axis, LOG_AXES)
     study_results = find_results(results)
+    if out is None:
+        check_writable(study_results.path / FIGURES, "--out figures")
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
     filters = dict(parse_assignment(text, "--where") for text in where or [])
     options = {

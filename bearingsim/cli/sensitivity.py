@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.cli.opening import short_path
+from bearingsim.cli.opening import check_writable, short_path
 from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
 from bearingsim.report import influence
@@ -59,6 +59,7 @@ def _target(results: "Results", features: Sequence[str], out: Path | None) -> Pa
 def _draw(results: "Results", answers: "Sequence[Answer]", target: Path, quiet: bool) -> None:
     from bearingsim.plots import sensitivity
 
+    check_writable(target.parent, "--out sensitivity.png")
     target.parent.mkdir(exist_ok=True)
     file = sensitivity.draw(results, answers, target)
     if not quiet:

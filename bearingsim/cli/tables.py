@@ -25,6 +25,8 @@ DEFAULT_WIDTH = 80
 """Largest width (characters) of a table without a terminal; more needs `--all` or `--columns`."""
 MAX_ROWS = 1000
 """Largest number of printed rows; 100 000 rows take minutes."""
+MAX_MEASURED_ROWS = 100
+"""Largest number of printed rows of a comparison with measured values."""
 
 
 def show_jobs(
@@ -110,7 +112,7 @@ def _print_measured(results: "Results") -> None:
     """Print a table of measured and simulated features for each measured source of the study."""
     from bearingsim.report.measured import HEADS, TEXT_COLUMNS, measured_tables
 
-    for table in measured_tables(results):
+    for table in measured_tables(results, MAX_MEASURED_ROWS):
         say("")
         _print_wrapped(table.title)
         if table.rows:

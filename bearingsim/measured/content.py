@@ -25,6 +25,7 @@ class MeasuredError(UserError):
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path}: {reason}")
+        self.reason = reason
 
 
 class MissingError(MeasuredError):

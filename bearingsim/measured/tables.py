@@ -62,7 +62,7 @@ def read_csv(path: Path) -> Content:
 
     with path.open("rb") as file:
         beginning = file.read(FIRST_BYTES)
-    encoding, text = _decoded(path, beginning)
+    encoding, text = decoded(path, beginning)
     lines = text.splitlines()
     is_whole = len(beginning) < FIRST_BYTES or len(lines) == 1
     separator, decimal, thousands, begin, headers, above = _layout(path, lines if is_whole else lines[:-1])
@@ -81,8 +81,11 @@ def read_csv(path: Path) -> Content:
     return _content(path, headers, columns, statements(above))
 
 
-def _decoded(path: Path, beginning: bytes) -> tuple[str, str]:
-    """Return the encoding of a file, and its first bytes as text. Raises MeasuredError for other than text."""
+def decoded(path: Path, beginning: bytes) -> tuple[str, str]:
+    """Return the encoding of a file, and its first bytes as text. Raises MeasuredError for other than text.
+
+    UTF-16, as in Excel's "Unicode text", is recognised by its byte-order mark; other text is UTF-8 or ``WESTERN``.
+    """
     encoding = BYTE_ORDERS.get(beginning[:2])
     if encoding is not None:
         return encoding, beginning.decode(encoding, "replace")

@@ -81,7 +81,8 @@ class Chart:
 
     axes: the x axis, or those that a design offers; kind: `line`, `points`, `signal` or `design`; combinations:
     computed settings, an index per control; x: columns of the points, one per axis; points: further columns,
-    indices of curves and combinations, ids and states of jobs; shades: columns from 0 to 1 by which a design
+    indices of curves and combinations, ids and states of jobs, index of the curve that a measured point has the
+    colour of; shades: columns from 0 to 1 by which a design
     colours its points; marks: frequencies and names of spectral lines; names: explanations for the legend.
     """
 

@@ -16,7 +16,7 @@ DIFFERENCE, RATIO = "simulated\n- measured", "simulated\n/ measured"
 HEADS = ("feature", "parameters", "unit", "measured", "simulated", DIFFERENCE, RATIO, "job")
 TEXT_COLUMNS = 3
 MAX_ROWS = 1000
-"""Largest number of rows of a table."""
+"""Largest number of rows of a table on a page."""
 BETWEEN = "between"
 """Cell of a simulated value that is interpolated between two cases."""
 
@@ -31,15 +31,15 @@ class MeasuredTable(NamedTuple):
     numeric: tuple[int, ...] = (3, 4, 5, 6)
 
 
-def measured_tables(results: "Results") -> list[MeasuredTable]:
-    """Return a table for each measured source of a study."""
-    return [_table(results, entry) for entry in results.measured]
+def measured_tables(results: "Results", most: int = MAX_ROWS) -> list[MeasuredTable]:
+    """Return a table for each measured source of a study, of at most ``most`` rows."""
+    return [_table(results, entry, most) for entry in results.measured]
 
 
-def _table(results: "Results", entry: "MeasuredSet") -> MeasuredTable:
+def _table(results: "Results", entry: "MeasuredSet", most: int) -> MeasuredTable:
     units = results.plan["units"]
     rows = []
-    for item in entry.comparisons[:MAX_ROWS]:
+    for item in entry.comparisons[:most]:
         measured = entry.scaled(item.feature, item.measured)
         unit, factor = labels.feature_axis(item.feature, max(abs(measured), abs(item.simulated)))
         values = measured * factor, item.simulated * factor, (item.simulated - measured) * factor
@@ -47,7 +47,7 @@ def _table(results: "Results", entry: "MeasuredSet") -> MeasuredTable:
         parameters = labels.described({**item.parameters, **item.others}, units)
         numbers = [significant(value, 4) if math.isfinite(value) else "-" for value in (*values, ratio)]
         rows.append([item.feature, parameters, unit, *numbers, item.job[:8] or BETWEEN])
-    return MeasuredTable(_title(entry), rows, _remarks(entry))
+    return MeasuredTable(_title(entry), rows, _remarks(entry, most))
 
 
 def _title(entry: "MeasuredSet") -> str:
@@ -55,12 +55,13 @@ def _title(entry: "MeasuredSet") -> str:
     return f"measured: {entry.label}{scaled}"
 
 
-def _remarks(entry: "MeasuredSet") -> list[str]:
+def _remarks(entry: "MeasuredSet", most: int) -> list[str]:
     between = any(not item.job for item in entry.comparisons)
-    more = len(entry.comparisons) - MAX_ROWS
+    more = len(entry.comparisons) - most
     return [
-        *([f"and {more} more"] if more > 0 else []),
+        *([f"and {more} more rows: `bearingsim show --measured --json` prints all"] if more > 0 else []),
         *([f"{BETWEEN}: interpolated linearly between two cases"] if between else []),
+        *entry.remarks,
         *_unmatched(entry),
         *([] if entry.points else ["no point is at the fixed values of the study: `bearingsim check` names them"]),
         *(["`scale: true` without effect: no ratio to a simulated value"] if _lacks_factor(entry) else []),

@@ -12,6 +12,7 @@ from bearingsim.plots.points import curve_rows, order_of, points_of
 from bearingsim.plots.style import SEQUENCE_FROM
 from bearingsim.plots.units import FeatureScale, feature_scale
 from bearingsim.report.charts import OPEN_SYMBOLS, Axis, Chart, Control, Curve, Panel, rounded, styled
+from bearingsim.study.measured_values import same
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -83,7 +84,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
         controls=[replace(control, start=start[i]) for i, control in enumerate(controls)],
         combinations=[list(key) for key in combinations],
         x=[points.x],
-        points={"curve": points.curve, "combination": points.combination, "job": points.job, "mark": points.mark},
+        points=points.columns(),
         caption=", ".join(text for text in complete.caption if text not in bands),
         names={"band": " ".join(bands).replace("bands and bars", "shaded")} | names if bands else names,
         shades=[],
@@ -187,7 +188,8 @@ def _ranks(
 class _Points:
     """Columns of points that all panels share: filled by the first panel.
 
-    by: paths of the curves; curves: their names; combinations: computed settings; keys: setting of each row.
+    by: paths of the curves; curves: their names; combinations: computed settings; keys: setting of each row;
+    owner: number of the curve of a measured point, by the number of the point.
     """
 
     by: tuple[str, ...]
@@ -199,6 +201,21 @@ class _Points:
     combination: list[int] = field(default_factory=list)
     job: list[str] = field(default_factory=list)
     mark: list[str] = field(default_factory=list)
+    owner: dict[int, int] = field(default_factory=dict)
+
+    def columns(self) -> dict[str, list[Any]]:
+        """Return the columns, with that of the curves of measured points if there are any."""
+        shared: dict[str, list[Any]] = {
+            "curve": self.curve, "combination": self.combination, "job": self.job, "mark": self.mark
+        }  # fmt: skip
+        if self.owner:
+            shared["owner"] = [self.owner.get(number) for number in range(len(self.x))]
+        return shared
+
+    def curve_of(self, values: Mapping[Any, Any], units: Mapping[str, str]) -> int:
+        """Return the number of the curve at the values of a row."""
+        texts = (labels.described({path: values[path]}, units) for path in self.by)
+        return self.curves.index(", ".join(filter(None, texts)))
 
     def states(self) -> set[str]:
         """Return the states of jobs without a value."""
@@ -220,8 +237,7 @@ def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, 
                 columns[key] += rounded(getattr(points, key))
             columns["chaotic"] += [int(value) for value in points.chaotic]
             if is_first:
-                texts = (labels.described({path: curve[path].iloc[0]}, units) for path in shared.by)
-                shared.curve += [shared.curves.index(", ".join(filter(None, texts)))] * len(curve)
+                shared.curve += [shared.curve_of(curve.iloc[0].to_dict(), units)] * len(curve)
                 shared.combination += [shared.combinations.index(shared.keys[index]) for index in curve.index]
                 shared.x += rounded(points.x)
                 shared.job += [job[:8] for job in points.jobs]
@@ -242,11 +258,16 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
         count = len(shared.x)
         for combination, key in enumerate(shared.combinations):
             part = rows[[shared.keys[index] == key for index in rows.index]]
+            drawn = part.drop_duplicates(list(shared.by)) if shared.by else part[:1]
+            members = {shared.curve_of(row, units): row for row in drawn.to_dict("records")}
             for point in entry.points:
                 x = position_in(drawing, part, point)
                 values = {name: value for name, value in point["features"].items() if name in factors}
                 if x is None or not values:
                     continue
+                owners = _curves_at(members, point["parameters"], shared.by)
+                if len(owners) == 1:
+                    shared.owner[len(shared.x)] = owners[0]
                 shared.x += rounded([x])
                 shared.curve.append(len(shared.curves) + len(curves))
                 shared.combination.append(combination)
@@ -262,6 +283,16 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
         if len(shared.x) > count:
             curves.append(Curve(entry.legend, "ink", (), [*OPEN_SYMBOLS][number % len(OPEN_SYMBOLS)], True))
     return curves
+
+
+def _curves_at(
+    members: Mapping[int, Mapping[Any, Any]], parameters: Mapping[str, float | str], by: Sequence[str]
+) -> list[int]:
+    """List the curves at the parameters of a measured point; members: a row of each curve, by its number."""
+    given = {path: value for path, value in parameters.items() if path in by}
+    return [
+        number for number, row in members.items() if all(same(row[path], value) for path, value in given.items())
+    ]
 
 
 def panel_of(

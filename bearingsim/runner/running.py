@@ -32,7 +32,14 @@ from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import MissingChoices, TrialsInterrupted, choose_models
 from bearingsim.runner.stopping import flag_for_workers, stop_switch
 from bearingsim.runner.summary import Interrupted, RunSummary
-from bearingsim.runner.tally import Plan, Tally, interrupted_summary, make_plan, other_run_notes
+from bearingsim.runner.tally import (
+    Plan,
+    Tally,
+    interrupted_summary,
+    make_plan,
+    other_run_notes,
+    summary_of_read_only,
+)
 from bearingsim.runner.work import BEARINGSIM, Engine, OtherRuns, Outcome, Work, load
 from bearingsim.text.announcer import Announcer, announcer
 from bearingsim.text.terminal import say
@@ -91,14 +98,17 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     """Compute the jobs of a study that are not stored yet; options: the fields of ``Options``.
 
     out: results folder, by default ``results/<study>``, or ``results/<study>-quick`` for a quick study. jobs:
-    number of worker processes, by default that of CPUs; 1 computes in this process.
+    number of worker processes, by default that of CPUs; 1 computes in this process. A folder that cannot be
+    written is summarised if it has all jobs.
 
     Raises Interrupted (with the summary; finished jobs are stored), ValueError for contradictory options,
-    store.FolderInUse, RepeatedWorkerDeaths, ScanError if the file of a scan is missing or has changed, and OSError
-    if the folder cannot be written.
+    store.FolderInUse, RepeatedWorkerDeaths, ScanError if the file of a scan is missing or has changed,
+    ReadOnlyFolder if the folder cannot be written and lacks jobs, and other OSErrors.
     """
     started, run_options = time.perf_counter(), Options(**options)
     root = store.results_folder(study.name, study.quick, out)
+    if not store.is_writable(root) and not run_options.fresh:
+        return summary_of_read_only(with_models(study, out, jobs, run_trials=False), root, started)
     # The notes are collected first, because they read files that may be removed below.
     notes = [*study.notes, *load(run_options.engine.notes)(study.cases())]
     workers, connect = _workers(jobs), _make_connector(run_options.scheduler)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
+from bearingsim.errors import UserError
 from bearingsim.runner.findings import findings
 from bearingsim.runner.summary import Findings, RunSummary, group_failures
 from bearingsim.runner.work import Outcome
@@ -164,6 +165,37 @@ def completed_summary(
         return None
     if frame is None or not (frame["status"] == "done").all():
         return None
+    return _summary_of_stored(root, plan, frame, started)
+
+
+class ReadOnlyFolder(UserError):
+    """Jobs of a study are missing in a results folder that cannot be written."""
+
+
+def summary_of_read_only(study: "Study", root: Path, started: float) -> RunSummary:
+    """Summarise a study whose jobs are all stored in a folder that cannot be written.
+
+    study: with its models chosen; started: ``time.perf_counter()`` at the start. Raises ReadOnlyFolder if the plan
+    or the results of the folder are not those of the study, or jobs are missing.
+    """
+    jobs = [job.id for job in study.jobs()]
+    try:
+        plan = store.read_plan(root)
+        frame = store.job_frame(root)
+    except store.UNREADABLE:
+        plan, frame = {"jobs": []}, None
+    done = set() if frame is None else set(frame.index[frame["status"] == "done"])
+    if frame is None or {entry["job"] for entry in plan["jobs"]} != set(jobs) or not done.issuperset(jobs):
+        count = sum(job not in done for job in jobs)
+        missing = f"lacks {count} of {len(jobs)} jobs" if count else "has the plan of another study"
+        raise ReadOnlyFolder(
+            f"{root} is read-only for you and {missing}: copy it and name the copy by `--out`, or make it writable"
+            f" (`chmod -R u+w {root}`)"
+        )
+    return _summary_of_stored(root, plan, frame, started)
+
+
+def _summary_of_stored(root: Path, plan: Mapping[str, Any], frame: "pd.DataFrame", started: float) -> RunSummary:
     return RunSummary(
         study=plan["study"],
         folder=root,

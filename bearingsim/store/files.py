@@ -219,6 +219,11 @@ def _other_runs(root: Path) -> str:
     return f"another run ({', '.join(sorted(names))})" if names else "another process"
 
 
+def is_writable(root: Path) -> bool:
+    """Check if this user may write to a results folder and its lock file, as far as they exist."""
+    return all(os.access(path, os.W_OK) for path in (root, root / LOCK) if path.exists())
+
+
 def refuse_links(root: Path) -> None:
     """Raise LinkInFolder if a subfolder or the lock file is a link: it may point outside the results folder."""
     for path in (path for name in (*FOLDERS, LOCK) for path in root.glob(name)):

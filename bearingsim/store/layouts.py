@@ -136,6 +136,7 @@ class MeasuredSet(Layout):
     label: str
     scale: bool
     points: list[MeasuredPoint]
+    remarks: list[str] = []
 
 
 class Plan(Layout):

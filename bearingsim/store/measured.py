@@ -37,7 +37,7 @@ class Comparison(NamedTuple):
 class MeasuredSet(NamedTuple):
     """Points of one source as in the plan, their comparisons, and the factor on measured values (1: none).
 
-    is_scaled: whether the study asks for a factor.
+    is_scaled: whether the study asks for a factor; remarks: on its signals, and on points outside the study.
     """
 
     label: str
@@ -45,6 +45,7 @@ class MeasuredSet(NamedTuple):
     comparisons: list[Comparison]
     factor: float
     is_scaled: bool = False
+    remarks: Sequence[str] = ()
 
     def scaled(self, feature: str, value: float) -> float:
         """Apply the factor to a measured feature."""
@@ -68,7 +69,8 @@ def measured_sets(plan: Mapping[str, Any], table: "pd.DataFrame") -> list[Measur
     for entry in sets:
         compared = [item for point in entry["points"] for item in _compare(point, groups)]
         factor = _factor(compared) if entry["scale"] else 1.0
-        result.append(MeasuredSet(entry["label"], entry["points"], compared, factor, entry["scale"]))
+        remarks = entry.get("remarks", ())  # plans of earlier versions have none
+        result.append(MeasuredSet(entry["label"], entry["points"], compared, factor, entry["scale"], remarks))
     return result
 
 

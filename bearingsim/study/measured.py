@@ -74,7 +74,7 @@ class _Reader:
 
     def read(self, entry: Node, number: int) -> MeasuredSet | None:
         """Read an entry; None, with problems, if it is invalid."""
-        count = len(self.problems)
+        count, earlier = len(self.problems), len(self.remarks)
         if not self.check_keys(entry, KEYS, "measured"):
             return None
         points, signals = entry.mapping.get("points"), entry.mapping.get("signals")
@@ -94,7 +94,8 @@ class _Reader:
             mark = entry.mark if named is None else named.mark
             self.fail(mark, f"measured: {reason}", "give it another one, as in `label: test rig`")
         self.labels.append(label)
-        return MeasuredSet(label, scale, tuple(self.inside(label, read)))
+        inside = tuple(self.inside(label, read))
+        return MeasuredSet(label, scale, inside, tuple(self.remarks[earlier:]))
 
     def fail(self, mark: Mark, message: str, hint: str | None = None) -> None:
         self.problems.append(problem(mark, message, hint))

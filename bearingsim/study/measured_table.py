@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 
+from bearingsim.measured.content import MeasuredError
 from bearingsim.measured.statements import HEADER
-from bearingsim.measured.tables import SEPARATORS
+from bearingsim.measured.tables import SEPARATORS, decoded
 from bearingsim.text.numbers import is_number
-from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, StudyError, problem, read_text
+from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, problem
 
 MOST_BYTES = MAX_CHARACTERS
 """Limit of the size of a table, some thousand rows."""
@@ -32,10 +33,14 @@ def table_rows(
         fail(Mark(str(path)), f"has over {MOST_BYTES // 1000} kB, too much for a table of points", hint)
         return
     try:
-        lines = read_text(path).lstrip("\ufeff").splitlines()
-    except StudyError as error:
-        problems += error.problems
+        _, text = decoded(path, path.read_bytes())
+    except MeasuredError as error:
+        fail(Mark(str(path)), error.reason, "export the table as CSV")
         return
+    except OSError as error:
+        fail(Mark(str(path)), f"cannot be read: {error.strerror}")
+        return
+    lines = text.lstrip("\ufeff").splitlines()
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
     if len(numbered) < 2:
         fail(Mark(str(path)), "has no row below a header line", "as in `load [N], velocity@BPFO [um/s]`")

@@ -29,11 +29,15 @@ class MeasuredPoint:
 
 @dataclass(frozen=True)
 class MeasuredSet:
-    """Points of one source, with the label of its marks; scale: whether one factor is fitted to the simulation."""
+    """Points of one source, with the label of its marks; scale: whether one factor is fitted to the simulation.
+
+    remarks: on its signals, and on points outside the study.
+    """
 
     label: str
     scale: bool
     points: tuple[MeasuredPoint, ...]
+    remarks: tuple[str, ...] = ()
 
 
 SAME = 1e-6

@@ -1,12 +1,14 @@
 """Measured points and signals in figures, in `show` and in the report of a computed study."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import bearingsim as bs
+from bearingsim.cli import tables
 from bearingsim.cli.app import app
 from bearingsim.plots.plot import drawn
 from tests.study.test_measured_section import BPFO, STUDY
@@ -93,11 +95,21 @@ def test_show_prints_measured_beside_simulated(results):
     assert "between: interpolated linearly" in text
     assert "no finished case is at rig.yaml:17:9, or on both sides in one parameter" in text
     assert "without a simulated value: acceleration@2BSF" in text
+    assert "measured `test rig`: rig.yaml:17:9 outside the sweep of load (150 N to 300 N)" in text
+    assert "simulated" in text.partition("measured: test rig")[2].splitlines()[1]
+    assert "- measured   / measured" in text
     rows = json.loads(CliRunner().invoke(app, ["show", str(results.path), "--measured", "--json"]).output)
     row = next(row for row in rows if row["job"] and row["parameters"]["load"] == 150.0)
     simulated = results.table().set_index("job").loc[row["job"], "velocity@BPFO"]
     assert row["simulated"] == simulated
     assert row["measured"] == pytest.approx(12e-6)
+
+
+def test_show_names_where_the_rest_of_a_long_comparison_is(results, monkeypatch):
+    monkeypatch.setattr(tables, "MAX_MEASURED_ROWS", 2)
+    text = CliRunner().invoke(app, ["show", str(results.path), "--measured"]).output
+    assert "and 2 more rows: `bearingsim show --measured --json` prints all" in text
+    assert sum(line.startswith("velocity@BPFO ") for line in text.splitlines()) == 2
 
 
 def test_show_of_a_study_without_measurements_says_so(results):
@@ -115,6 +127,15 @@ def test_report_has_the_table_and_the_marks(results):
     assert "Measured and simulated values" in page
     assert "test rig" in page
     assert '"measured":true' in page
+    [text] = re.findall(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)
+    data = json.loads(text)
+    chart = next(chart for chart in data["charts"] if "owner" in chart["points"])
+    measured = [
+        (x, None if owner is None else chart["curves"][owner]["name"])
+        for x, owner, job in zip(chart["x"][0], chart["points"]["owner"], chart["points"]["job"], strict=True)
+        if not job
+    ]
+    assert measured == [(150.0, "width 0.8 mm"), (200.0, None), (500.0, "width 0.4 mm")]
     assert "emptyDiamond" in page
     assert '<path class="ink open" stroke="ink" d="M14 1l5 5-5 5-5-5z"' in page
 

@@ -292,7 +292,18 @@ def test_files_of_the_section_are_files_of_the_study(tmp_path):
 
 def test_a_binary_file_is_no_table(tmp_path):
     (tmp_path / "line.csv").write_bytes(bytes(range(256)) * 8)
-    assert "not a text file in UTF-8" in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+    assert "line.csv: is not a text file" in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-be", "cp1252"])
+def test_tables_of_spreadsheets_are_read(tmp_path, encoding):
+    """Excel writes its Unicode text in UTF-16, its CSV in the code page of the system."""
+    text = "load [N]\tvelocity@BPFO [µm/s]\r\n150\t12,5\r\n"
+    mark = "\ufeff" if encoding == "utf-16-be" else ""
+    (tmp_path / "line.txt").write_bytes((mark + text).encode(encoding))
+    (entry,) = load(tmp_path, "measured: [{points: line.txt}]\n").measured
+    assert entry.points[0].features == pytest.approx({"velocity@BPFO": 12.5e-6})
+    assert entry.points[0].place == "line.txt:2"
 
 
 def test_a_long_table_is_refused(tmp_path):

@@ -67,6 +67,7 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
   const bounds = known.filter((i) => finite(at('error', i)))
     .map((i) => [x[i], at('y', i) - at('error', i), at('y', i) + at('error', i)]);
   const lost = list.filter((i) => chart.points.mark?.[i]).map((i) => [x[i], chart.points.mark[i]]);
+  const owner = (i) => chart.curves[chart.points.owner?.[i]]; // of a measured point
   const still = { silent: true, tooltip: { show: false }, symbol: 'none', z: 1 };
   return [
     band(rows(list, 'low', 'high'), stroke),
@@ -79,6 +80,7 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
       itemStyle: { color: 'transparent', borderColor: colour('faint'), borderWidth: 1.5 } },
     { type: ['points', 'design'].includes(chart.kind) ? 'scatter' : 'line', name: curve.name,
       data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i,
+        ...(owner(i) && { itemStyle: { color: colour(owner(i).colour) } }),
         ...(shares && { itemStyle: { color: shade(shares[i]) } }) })),
       color: stroke, z: 2, emphasis: { disabled: true }, showAllSymbol: true, symbolSize: 7,
       symbol: chart.kind === 'signal' ? 'none' : curve.symbol,
