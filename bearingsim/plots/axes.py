@@ -34,6 +34,8 @@ STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "n
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 """Ring around a point of a chaotic motion, whose value is one random draw."""
 BAND_ALPHA = 0.18
+HIDDEN_SHARE = 0.01
+"""Level of the healthy bearing, relative to the largest value, below which the axis at zero hides its line."""
 BASELINE: dict[str, Any] = {"ls": (0, (4, 2)), "lw": 0.9, "zorder": 1.5, "gid": "healthy"}
 """Style of the level of the healthy bearing."""
 
@@ -178,13 +180,22 @@ def legend_entries(
             for line_text in second_texts
         ]
     if any(f"baseline {name}" in rows for name in figure.y):
-        entries.append(Line2D([], [], **BASELINE, color="0.35", label="healthy"))
+        text = "healthy (about zero)" if is_baseline_hidden(figure, rows) else "healthy"
+        entries.append(Line2D([], [], **BASELINE, color="0.35", label=text))
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     drawn = [is_uncertain(rows, name).any() for name in figure.y if name in rows]
     return entries + [Line2D([], [], **RING, label="chaotic, uncertain")] * any(drawn)
+
+
+def is_baseline_hidden(figure: Figure, rows: "pd.DataFrame") -> bool:
+    """Check if the level of the healthy bearing lies on the axis at zero in all panels of a figure."""
+    names = [name for name in figure.y if f"baseline {name}" in rows]
+    return "y" not in figure.log and all(
+        rows[f"baseline {name}"].abs().max() < HIDDEN_SHARE * rows[name].abs().max() for name in names
+    )
 
 
 def _entry(text: str, look: CurveStyle) -> Line2D:

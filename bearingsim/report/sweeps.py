@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import PlotError, labels, select
-from bearingsim.plots.axes import axis_label
+from bearingsim.plots.axes import axis_label, is_baseline_hidden
 from bearingsim.plots.beside import Drawing, position_in
 from bearingsim.plots.features import Prepared, prepared
 from bearingsim.plots.points import curve_rows, order_of, points_of
@@ -73,6 +73,8 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
     measured = _add_measured(results, complete, points, panels)
     present = {key for panel in panels for key in panel.columns} | points.states()
     names = {key: text for key, text in NAMES.items() if key in present}
+    if "healthy" in names and is_baseline_hidden(figure, rows):
+        names["healthy"] += ", about zero"
     bands = select.spread_texts(results, rows)
     numeric = select.is_numeric(select.values(rows, figure.x))
     return Chart(

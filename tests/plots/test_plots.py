@@ -40,6 +40,18 @@ def test_values_are_in_readable_units(results):
     assert canvas.axes[0].get_ylim()[0] == 0.0
 
 
+def test_level_hidden_by_the_axis_is_named_in_the_legend(results):
+    """A line at zero lies on the axis; on a log axis it does not."""
+    opened = results()
+    healthy = [entry["job"] for entry in opened.plan["jobs"] if entry["twin"]]
+    opened._frame.loc[healthy, "features/velocity@BPFO"] = 1e-12
+    opened._table.loc[opened._table["job"].isin(healthy), "velocity@BPFO"] = 1e-12
+    options = {"y": ["velocity@BPFO"], "x": "defect.length", "by": ["load"], "panels": ["model"]}
+    for log, text in (([], "healthy (about zero)"), (["y"], "healthy")):
+        ((_, canvas),) = drawn(opened, **options, log=log)
+        assert text_of(canvas)[-1] == text
+
+
 def test_change_from_healthy_is_complex_difference(results):
     _, canvas = only(drawn(results()))
     first = lines(canvas.axes[1])[0].get_ydata()[0]
