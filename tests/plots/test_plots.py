@@ -46,9 +46,9 @@ def test_level_hidden_by_the_axis_is_named_in_the_legend(results):
     healthy = [entry["job"] for entry in opened.plan["jobs"] if entry["twin"]]
     opened._frame.loc[healthy, "features/velocity@BPFO"] = 1e-12
     opened._table.loc[opened._table["job"].isin(healthy), "velocity@BPFO"] = 1e-12
-    options = {"y": ["velocity@BPFO"], "x": "defect.length", "by": ["load"], "panels": ["model"]}
     for log, text in (([], "healthy (about zero)"), (["y"], "healthy")):
-        ((_, canvas),) = drawn(opened, **options, log=log)
+        axes_options = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": log}
+        ((_, canvas),) = drawn(opened, None, (), y=["velocity@BPFO"], **axes_options)
         assert text_of(canvas)[-1] == text
 
 

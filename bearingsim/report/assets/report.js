@@ -62,17 +62,15 @@ function marks(points, area) {
 function curveOf(chart, panel, curve, x, list, healthy, shares) {
   const at = (key, i) => panel.columns[key]?.[i];
   const rows = (indices, ...keys) => indices.map((i) => [x[i], ...keys.map((k) => at(k, i))]);
-  const stroke = colour(curve.colour);
+  const [stroke, { mark, owner }] = [colour(curve.colour), chart.points];
   const known = list.filter((i) => finite(at('y', i)));
   const bounds = known.filter((i) => finite(at('error', i)))
     .map((i) => [x[i], at('y', i) - at('error', i), at('y', i) + at('error', i)]);
-  const lost = list.filter((i) => chart.points.mark?.[i]).map((i) => [x[i], chart.points.mark[i]]);
-  const owner = (i) => chart.curves[chart.points.owner?.[i]]; // of a measured point
   const still = { silent: true, tooltip: { show: false }, symbol: 'none', z: 1 };
   return [
     band(rows(list, 'low', 'high'), stroke),
     bars('error', bounds, stroke, 1.5, 1, 3),
-    texts(lost, colour('lost')),
+    texts(list.filter((i) => mark?.[i]).map((i) => [x[i], mark[i]]), colour('lost')),
     { type: 'line', name: 'healthy', data: rows(list, 'healthy').filter((p) => finite(p[1])),
       ...still, lineStyle: { color: healthy ? colour('faint') : stroke, width: 1, type: [4, 3] } },
     { type: 'scatter', name: 'chaotic', data: rows(known.filter((i) => at('chaotic', i)), 'y'),
@@ -80,8 +78,8 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
       itemStyle: { color: 'transparent', borderColor: colour('faint'), borderWidth: 1.5 } },
     { type: ['points', 'design'].includes(chart.kind) ? 'scatter' : 'line', name: curve.name,
       data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i,
-        ...(owner(i) && { itemStyle: { color: colour(owner(i).colour) } }),
-        ...(shares && { itemStyle: { color: shade(shares[i]) } }) })),
+        ...(shares && { itemStyle: { color: shade(shares[i]) } }),
+        ...(finite(owner?.[i]) && { itemStyle: { color: colour(chart.curves[owner[i]].colour) } }) })),
       color: stroke, z: 2, emphasis: { disabled: true }, showAllSymbol: true, symbolSize: 7,
       symbol: chart.kind === 'signal' ? 'none' : curve.symbol,
       lineStyle: { color: stroke, width: curve.measured ? 0 : chart.kind === 'signal' ? 1 : 2,
