@@ -62,7 +62,7 @@ function marks(points, area) {
 function curveOf(chart, panel, curve, x, list, healthy, shares) {
   const at = (key, i) => panel.columns[key]?.[i];
   const rows = (indices, ...keys) => indices.map((i) => [x[i], ...keys.map((k) => at(k, i))]);
-  const [stroke, { mark, owner }] = [colour(curve.colour), chart.points];
+  const [stroke, { curves, points: { mark, owner } }] = [colour(curve.colour), chart];
   const known = list.filter((i) => finite(at('y', i)));
   const bounds = known.filter((i) => finite(at('error', i)))
     .map((i) => [x[i], at('y', i) - at('error', i), at('y', i) + at('error', i)]);
@@ -79,7 +79,7 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
     { type: ['points', 'design'].includes(chart.kind) ? 'scatter' : 'line', name: curve.name,
       data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i,
         ...(shares && { itemStyle: { color: shade(shares[i]) } }),
-        ...(finite(owner?.[i]) && { itemStyle: { color: colour(chart.curves[owner[i]].colour) } }) })),
+        ...(finite(owner?.[i]) && { itemStyle: { color: colour(curves[owner[i]].colour) } }) })),
       color: stroke, z: 2, emphasis: { disabled: true }, showAllSymbol: true, symbolSize: 7,
       symbol: chart.kind === 'signal' ? 'none' : curve.symbol,
       lineStyle: { color: stroke, width: curve.measured ? 0 : chart.kind === 'signal' ? 1 : 2,
