@@ -1,4 +1,4 @@
-"""Choice of a folder for files that are kept between runs: the user's cache, else the temporary folder."""
+"""Choice of a folder for cached files: the user's cache, else the temporary folder."""
 
 import atexit
 import os
@@ -12,8 +12,8 @@ from bearingsim.own_folder import own_folder
 def cache_folder(name: str) -> tuple[Path | None, str]:
     """Choose the folder `bearingsim/NAME` in the user's cache, else in the temporary folder, and create it.
 
-    Kept code is executed, so only the user may have write access. Return the folder, None if none is usable,
-    and the reason for not using the user's cache, "" if it is used.
+    The program executes cached code, so only the user may have write access. Return the folder, None if none is
+    usable, and the reason for not using the user's cache, "" if it is used.
     """
     reason = ""
     for base in (user_cache_folder, temporary_folder, process_folder):
@@ -37,7 +37,7 @@ def user_cache_folder() -> Path:
 
 
 def temporary_folder() -> Path:
-    """Return the user's own folder in the temporary folder."""
+    """Return the user's subfolder of the temporary folder."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
     return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
 

@@ -134,7 +134,8 @@ def code(reference: str, expected: type = object) -> Any:
 def call(reference: str, *arguments: Any) -> Any:
     """Call the function ``reference``.
 
-    Raises the errors of ``code``, BrokenExtension if code of an extension fails, and any error of own code.
+    Raises the errors of ``code``, and BrokenExtension if code of an extension fails. Errors of the program's own
+    functions are raised unchanged.
     """
     function = code(reference)
     try:
@@ -169,7 +170,7 @@ def most_detailed_model() -> str:
     return max(MODELS.values(), key=lambda model: len(model.abilities)).name
 
 
-# The program's own
+# Entries of the program
 
 _STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls", "form"})
 _RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
@@ -270,7 +271,7 @@ EXPLICIT = "verlet"
 """Explicit method whose step limit and cost serve as the standard for other methods."""
 
 
-# Other packages
+# Entries of other packages
 
 
 def extension_sources() -> Iterator[Path]:

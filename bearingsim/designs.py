@@ -3,9 +3,9 @@
 =========  ==========================================================  ==============  ===========================
 kind       construction                                                rows            a larger n
 =========  ==========================================================  ==============  ===========================
-lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               other points
+lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               different points
 sobol      scrambled Sobol' sequence (Matousek 1998; Joe, Kuo 2008)    n               keeps the points, adds more
-saltelli   two such samples A and B, and A with one column of B        n (d + 2)       keeps the points, adds more
+saltelli   two Sobol' samples A, B, and A with one column of B    n (d + 2)       keeps the points, adds more
 morris     trajectories that move one parameter at a time              n (d + 1)       keeps the points, adds more
 =========  ==========================================================  ==============  ===========================
 """
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["lhs", "sobol", "saltelli", "morris"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
-EXTENDED: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
+EXTENSIBLE: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
 """Designs whose existing rows do not change when ``n`` is increased."""
 LEVELS = (1 / 16, 5 / 16, 11 / 16, 15 / 16)
 """Levels of a parameter in a Morris design, as probabilities: one in each quarter."""
@@ -52,7 +52,7 @@ def _lhs(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]"
 
 
 def _sobol(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
-    """Draw a power of two of points, which balances the sequence, and keep the first n."""
+    """Draw 2^k points, the number for which the sequence is balanced, and keep the first n."""
     from scipy.stats import qmc
 
     return qmc.Sobol(d, seed=random).random_base2((n - 1).bit_length())[:n]
@@ -75,7 +75,7 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
 def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
     """Compute trajectories of d + 1 points; each step changes one parameter, in random order, by MORRIS_STEP.
 
-    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two levels. His levels are 0, 1/3, 2/3
+    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two levels. Its levels are 0, 1/3, 2/3
     and 1; ``LEVELS`` lie in the interior, so that a normal distribution is not sampled at its bounds.
     """
     import numpy as np

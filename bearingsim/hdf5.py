@@ -78,7 +78,7 @@ class Hdf5:
         """Return True if a dataset has numbers, not text or references."""
         return self._dataset(name).dtype.kind in NUMBERS
 
-    def afford(self, name: str, size: float) -> None:
+    def check_size(self, name: str, size: float) -> None:
         """Raise Unsafe if ``size`` bytes exceed the limit of one read; name: name of the data for the message."""
         if size > self.most:
             sizes = f"{size / 1e6:.3g} MB, above the {self.most / 1e6:.3g} MB that are plausible for this file"
@@ -112,7 +112,7 @@ class Hdf5:
         item = self._dataset(name)
         if item.dtype.kind not in NUMBERS:
             raise Unsafe(f"`{name}` contains other data than numbers")
-        self.afford(f"`{name}`", prod(item.shape if row is None else item.shape[1:]) * item.dtype.itemsize)
+        self.check_size(f"`{name}`", prod(item.shape if row is None else item.shape[1:]) * item.dtype.itemsize)
         self._check_chunks(item, row)
         return np.asarray(item[() if row is None else row])
 
@@ -122,7 +122,7 @@ class Hdf5:
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
             raise Unsafe(f"`{name}` contains other data than strings")
-        self.afford(f"`{name}`", self._cost(item))
+        self.check_size(f"`{name}`", self._cost(item))
         self._check_chunks(item)
         if kind.length is None:
             return np.asarray(item.asstr()[()], dtype=object)
@@ -172,7 +172,7 @@ class Hdf5:
         start = item.id.get_offset()
         if start is None:  # nothing was written
             return 0
-        self.afford(f"`{_name(item)}`", TEXT_BYTES * item.size)
+        self.check_size(f"`{_name(item)}`", TEXT_BYTES * item.size)
         self._stream.seek(start)
         references = np.frombuffer(self._stream.read(item.size * REFERENCE.itemsize), REFERENCE)
         return int(references["letters"].sum(dtype=np.uint64))
@@ -182,7 +182,7 @@ class Hdf5:
         if item.chunks is None:
             return
         chunk_bytes, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
-        self.afford(f"a chunk of `{_name(item)}`", chunk_bytes)
+        self.check_size(f"a chunk of `{_name(item)}`", chunk_bytes)
         if h5py.h5z.FILTER_DEFLATE not in filters:
             return
         skipped, large = 1 << filters.index(h5py.h5z.FILTER_DEFLATE), []

@@ -28,7 +28,7 @@ from bearingsim.study import case_id
 from benchmarks.friction import AutomaticRun, draw, study_of
 from benchmarks.rows import rounded, write_csv
 
-ACCURACY, LEAST_SHARE, MAX_COST = 0.02, 0.95, 0.25
+ACCURACY, MIN_SHARE, MAX_COST = 0.02, 0.95, 0.25
 STANDARD_ERRORS = 2.0
 UNREACHABLE = 1e-6
 """Value of `until` that is never reached, so that a record is analysed but not ended early."""
@@ -137,7 +137,7 @@ def report(rows: list[dict[str, Any]]) -> bool:
     print(f"{accurate} of {len(rows)} within {ACCURACY:.0%}; {len(ended)} ended early, {chaotic} of them chaotic")
     print(f"within {STANDARD_ERRORS:g} standard errors, of those: line {covered['line']}, RMS {covered['rms']}")
     print(f"CPU time over that before: {cost(rows):.2f}, of those that ended early {cost(ended):.2f}")
-    return accurate >= LEAST_SHARE * len(rows) and cost(rows) <= MAX_COST
+    return accurate >= MIN_SHARE * len(rows) and cost(rows) <= MAX_COST
 
 
 def cost(rows: list[dict[str, Any]]) -> float:

@@ -38,7 +38,7 @@ from benchmarks.promise import standard_error
 from benchmarks.rows import rounded, write_csv
 
 ACCURACY, MAX_EFFECT = 0.02, 0.005
-LEAST_SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
+MIN_SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
 LOADS = {"light": (15.0, 300.0), "loaded": (500.0, 5000.0)}
 CHAOTIC_DURATION = 3.0  # s, duration of a chaotic motion
 STANDARD_ERRORS = 2.0
@@ -215,7 +215,7 @@ def report(kind: str, rows: list[dict[str, Any]], max_cost: float) -> bool:
     for row in rows:
         if not is_accurate(row) or not is_accurate(row, "none_"):
             print("  miss:", *(f"{name}={value}" for name, value in rounded(row, 3).items()))
-    return min(accurate, accurate_frictionless) >= LEAST_SHARE * len(rows) and cost <= max_cost
+    return min(accurate, accurate_frictionless) >= MIN_SHARE * len(rows) and cost <= max_cost
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 from bearingsim.plots.ticks import log_ticks
 
-GROSS = 0.05  # least cage slip that counts as gross
+GROSS = 0.05  # minimum cage slip that counts as gross
 SMALL_SLIPS = np.geomspace(5e-4, GROSS, 200)  # slips tried in turn
 CAGE_ANGLES = 16  # number of cage angles over a ball pass
 SEEDS = (1, 2, 3)

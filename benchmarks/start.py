@@ -26,7 +26,7 @@ SETTLE_FACTOR = 10.0  # times the settling time, for the other run
 MAX_ERROR = 1e-3  # relative error of line and RMS, after settling
 REPORTED_ERROR = 0.01  # relative error above which it must be stated
 ERROR_MULTIPLE = 2.0  # combined errors, allowed if both records are random
-LEAST_PASSED = 0.95
+MIN_PASSED = 0.95
 
 
 class SceneResult(NamedTuple):
@@ -140,7 +140,7 @@ def main() -> None:
     passed, unreported = int(frame["held"].sum()), int(frame["unsaid"].sum())
     counts = f"{passed} of {len(frame)} within their bounds, {unreported} over 1 % not stated"
     print(f"{counts}; {frame['repeats'].sum()} periodic")
-    sys.exit(int(passed < LEAST_PASSED * len(frame) or unreported > 0))
+    sys.exit(int(passed < MIN_PASSED * len(frame) or unreported > 0))
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ step long."""
 
 
 SPRINGS, SPRINGS_WITH_A_GAP = 64, 320
-"""Least number of springs of a housing, without and with a gap; at least four per harmonic. Doubling it changes
+"""Minimum number of springs of a housing, without and with a gap; at least four per harmonic. Doubling it changes
 spectral line and RMS at rest by less than 0.5 %. With a gap the edges of the contact need a finer resolution."""
 
 

@@ -26,16 +26,16 @@ from bearingsim.core.laws.oil_film import (
 from bearingsim.core.laws.stiffness.interface import curve
 
 MAX_APPROACH = 1e-4  # m, largest approach of the table, larger than in any bearing; damping is constant above it
-DIFFERENCE = 1e-5  # step of the difference quotient, relative to the approach
+DIFFERENCE = 1e-5  # finite-difference step, relative to the approach
 LINE, STRIP = 0.5, 1.0 / 3.0  # exponents of the load in the half widths of rollers and of balls
 
 
-class OiledContact(NamedTuple):
+class LubricatedContact(NamedTuple):
     """Parameters of the damping of one contact.
 
     stiffness, other: elastic laws of this race and of the other; point: contact of a ball, None for a roller;
     line: contact of a roller (for a ball its length and radius are not used); mass: mass of the element (kg);
-    own_frequency: whether the film is evaluated at the element's natural frequency, not at frequency 0.
+    at_natural_frequency: whether the film is evaluated at the element's natural frequency, not at frequency 0.
     """
 
     stiffness: Any
@@ -44,7 +44,7 @@ class OiledContact(NamedTuple):
     line: LubricatedLine
     mass: float
     loss_factor: float
-    own_frequency: bool
+    at_natural_frequency: bool
 
 
 def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_outer: bool) -> Tabulated:
@@ -59,13 +59,15 @@ def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_
         alpha=section.pressure_coefficient,
         u=entrainment_speed(case.speed, b.pitch_diameter, b.roller_diameter),
     )
-    at_own_frequency = section.at == "own"
-    contact = OiledContact(stiffness, other, point, line, b.element_mass, section.loss_factor, at_own_frequency)
+    at_natural_frequency = section.at == "own"
+    contact = LubricatedContact(
+        stiffness, other, point, line, b.element_mass, section.loss_factor, at_natural_frequency
+    )
     return Tabulated(stiffness, table(contact, repr(contact)))
 
 
 @lru_cache(maxsize=64)
-def table(contact: OiledContact, laws: str) -> np.ndarray:
+def table(contact: LubricatedContact, laws: str) -> np.ndarray:
     """Tabulate c (N s/m) over the approach (m), cached; ``laws`` distinguishes laws that are equal as tuples."""
 
     def with_derivative(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -79,23 +81,23 @@ def table(contact: OiledContact, laws: str) -> np.ndarray:
     return rows
 
 
-def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
+def damping(contact: LubricatedContact, delta: np.ndarray) -> np.ndarray:
     """Compute c (N s/m) of film and hysteresis at approaches ``delta`` (m)."""
     Q, k = curve(contact.stiffness, delta)
-    omega = own_frequency(contact, Q, k)
-    line, exponent = oiled_line(contact, Q)
-    c = film_damping(Q, k, line, omega if contact.own_frequency else 0.0, exponent)
+    omega = natural_frequency(contact, Q, k)
+    line, exponent = lubricated_line(contact, Q)
+    c = film_damping(Q, k, line, omega if contact.at_natural_frequency else 0.0, exponent)
     return c + hysteresis(k, omega, contact.loss_factor)
 
 
-def own_frequency(contact: OiledContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
+def natural_frequency(contact: LubricatedContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
     """Compute the natural frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
     loads, stiffnesses = curve(contact.other, np.logspace(-12.0, -3.0, 400))
     k_other = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
     return np.sqrt((k + k_other) / contact.mass)
 
 
-def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[LubricatedLine, float]:
+def lubricated_line(contact: LubricatedContact, Q: np.ndarray) -> tuple[LubricatedLine, float]:
     """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of the load in the formula
     of its half width.
     """

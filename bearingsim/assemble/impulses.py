@@ -19,7 +19,7 @@ from bearingsim.core.sampling import RESAMPLE_REACH
 EXTRA_PASSES = 4  # ball passes of the train beyond record and filters, for the last steps of a run
 
 
-UNRESOLVED_S = 0.05  # s, used for `settle: auto` in a case without a resolved value: the least settling time
+UNRESOLVED_S = 0.05  # s, used for `settle: auto` in a case without a resolved value: the minimum settling time
 
 
 def model(case: Case, support: Support) -> Impulse:

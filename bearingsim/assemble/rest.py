@@ -26,7 +26,7 @@ CACHED_EQUILIBRIA = 1 << 14
 def static_model(model: Any) -> Static:
     """Reduce a model to the static model of its equilibrium.
 
-    Sliced rollers do not tilt in it: their slices become groups with the slices' weights.
+    The static model neglects the tilt of sliced rollers: slices become groups with the weights of the slices.
     """
     defects = model.defects
     if isinstance(model, Spatial):
@@ -62,8 +62,8 @@ def largest_load(case: Case) -> float:
 def healthy_equilibrium(case: Case) -> MeanEquilibrium:
     """Compute the static equilibrium of the healthy, smooth bearing without bracket, over a ball pass.
 
-    Its rollers have their mean diameter, which acts as a clearance. Waviness is left out, because what is computed
-    from these loads is a property of the bearing, not of one crest under one roller.
+    Its rollers have their mean diameter, which acts as a clearance. Waviness is neglected, because these loads
+    characterise the bearing, not one crest under one roller.
     """
     case = waveless_case(case)
     outer, inner = _undamped_laws(case)
@@ -115,7 +115,7 @@ def _without_bracket(
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:
-    """Compute the mean static damping (N s/m) of the healthy bearing's rollers for the ring, along x and y."""
+    """Compute the mean static damping (N s/m) of the ring by the rollers of the healthy bearing, along x and y."""
     bearing, support = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     outer, inner = contacts.outer(case), contacts.inner(case)
     model = static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()))

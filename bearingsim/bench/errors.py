@@ -19,7 +19,7 @@ from bearingsim.bench.plan import JOB, REFERENCE
 NUMERICAL, TOTAL = "numerical", "total"
 CHAOTIC_DIFFERENCE = 0.02
 """Relative difference of reference runs above which the motion counts as chaotic, with their scatter as floor."""
-MIN_FLOOR = 1e-6  # least floor of a solution (relative)
+MIN_FLOOR = 1e-6  # minimum floor of a solution (relative)
 
 
 class ConvergedSolution(NamedTuple):
@@ -44,7 +44,7 @@ def relative_error(value: float, exact: float) -> float:
 def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
     """Combine the reference rows of one model in one scene into its solution; None if there are none.
 
-    The solution of a memoryless model is its run evaluated at more instants, with the least floor.
+    The solution of a memoryless model is its run with a four times smaller step, and has the minimum floor.
     """
     references = [row for row in rows if row["role"] == REFERENCE and not row["failure"] and isfinite(row["line"])]
     if not references:

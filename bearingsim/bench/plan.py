@@ -108,7 +108,7 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
     if variant.case is None:
         return
     if variant.case.method is None:
-        yield run(REFERENCE, "", Setting(step=0.25))  # evaluated at more instants
+        yield run(REFERENCE, "", Setting(step=0.25))  # four times as many instants
         return
     plan = plan_of(variant.case, quick)
     for role, settings in ((POINT, plan.methods), (REFERENCE, _solvable_settings(variant, plan.references))):

@@ -63,7 +63,7 @@ def built_in_scenes(names: Sequence[str], quick: bool) -> list[Scene]:
     """Load built-in scenes by name. Raises UserError for an unknown name."""
     for name in names:
         if name not in ORDER:
-            hint = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
+            hint = suggestion(name, ORDER) or f"valid: {', '.join(ORDER)}"
             raise UserError(f"unknown scene `{name}`; {hint}")
     return [scene for name in dict.fromkeys(names) for scene in load_scenes(FOLDER / f"{name}.yaml", quick)]
 

@@ -101,7 +101,7 @@ def _append_rows(path: Path, missing_runs: Sequence[Run], jobs: int) -> None:
                     say(f"{done}/{len(missing_runs)} runs, about {time_left} left", err=True)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
-                f"interrupted: {path} has {done} of {len(missing_runs)} runs; run it again"
+                f"interrupted: {path} has {done} of {len(missing_runs)} runs; repeat the command"
             ) from None
 
 

@@ -203,7 +203,7 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
 
 
 def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
-    from bearingsim.diagnosis.claims import MOST_CROWDED
+    from bearingsim.diagnosis.claims import MAX_CROWDED
     from bearingsim.diagnosis.thresholds import decibels
 
     heads = [
@@ -233,7 +233,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     count = f"{100.0 * diagnosis.crowded:.0f} %" if diagnosis.crowded > 0.0 else "none"
     say(
         f"strongest other periodicity: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB; "
-        f"{count} of the other periodicities score as high as {line} (limit {100.0 * MOST_CROWDED:.0f} %)"
+        f"{count} of the other periodicities score as high as {line} (limit {100.0 * MAX_CROWDED:.0f} %)"
     )
     _print_remarks(diagnosis)
 
@@ -261,7 +261,7 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
     if diagnosis.is_extrapolated:
         low, high = measured_turns()
         say(
-            f"threshold extrapolated: measured for {low:g} to {high:g} turns of the shaft, the record has "
+            f"threshold extrapolated: measured for {low:g} to {high:g} revolutions of the shaft, the record has "
             f"{diagnosis.turns:.4g}"
         )
     if diagnosis.may_be_doubled:

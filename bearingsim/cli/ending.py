@@ -14,7 +14,7 @@ MAX_FEATURES = 3  # largest number of features printed in full; the rest are cou
 
 
 def show(summary: "RunSummary", verbose: bool) -> None:
-    """Print counts, the results named by the figures, error bounds, warnings and the next command.
+    """Print counts, the results shown in the figures, error bounds, warnings and the next command.
 
     verbose: also details, and the tracebacks of failures.
     """

@@ -9,7 +9,7 @@ DESCRIPTIONS = {
     "BPFO": "{}s over a point of the outer race",
     "BPFI": "{}s over a point of the inner race",
     "FTF": "turns of the cage",
-    "BSF": "turns of a {} about its axis; a spot on it hits at 2 BSF",
+    "BSF": "turns of a {} about its axis; a defect strikes at 2 BSF",
 }
 
 

@@ -169,7 +169,7 @@ def sample_jobs(jobs: "Sequence[Job]") -> "Sequence[Job]":
 
 
 def extreme_jobs(jobs: "Sequence[Job]") -> Iterator[int]:
-    """Yield the indices of the first and last job, and of the least and greatest value of each swept path."""
+    """Yield the indices of the first and last job, and of the smallest and largest value of each swept path."""
     yield from (0, len(jobs) - 1)
     for path in jobs[0].swept:
         values = {
@@ -221,7 +221,7 @@ def max_friction_coefficient(law: Any, u: float) -> float:
 
 def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
     """Yield a message for each group of refusals that differ only in numbers: count, first job and its reason."""
-    from bearingsim.plots.labels import described
+    from bearingsim.plots.labels import swept_text
     from bearingsim.runner.summary import failure_kind
 
     groups: dict[str, list[tuple[Job, str]]] = {}
@@ -229,6 +229,6 @@ def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study") -> It
         groups.setdefault(failure_kind(text), []).append((job, text))
     for group in groups.values():
         job, text = group[0]
-        position = described(job.swept, study.units)
+        position = swept_text(job.swept, study.units)
         count = f"{len(group)} jobs refused, the first at" if len(group) > 1 else "refused:"
         yield f"{count} {position or 'the only case'}: {text}"

@@ -57,7 +57,7 @@ FRICTION_ROWS: tuple[Row, ...] = (
     ("largest friction at rest (N)", lambda p: p.friction_scale[0]),
     ("slip time constant at rest (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
-"""Rows of studies with friction. It lags by one step, so it sets no limit; resolving it needs a smaller step."""
+"""Rows of studies with friction. Lagged friction sets no step limit; resolving it requires a smaller step."""
 
 
 def show(plan: Plan, verbose: bool) -> None:

@@ -82,7 +82,7 @@ def _reaches_floor(priced: PricedJob) -> bool:
 
 def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> str:
     """Describe jobs by the values of a swept path that the others do not have, or else by their number."""
-    from bearingsim.plots.labels import described, value_text
+    from bearingsim.plots.labels import swept_text, value_text
 
     for path in jobs[0].job.swept:
         values = list(dict.fromkeys(priced.job.swept[path] for priced in jobs))
@@ -90,7 +90,7 @@ def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> 
             ends = sorted(values) if all(isinstance(value, float) for value in values) else values
             texts = [value_text(path, value, plan.study.units) for value in ends]
             range_text = f" to {texts[-1]}" if len(texts) > 2 else "".join(f" and {text}" for text in texts[1:])
-            return f"for {described({path: ends[0]}, plan.study.units)}{range_text}"
+            return f"for {swept_text({path: ends[0]}, plan.study.units)}{range_text}"
     return f"in {len(jobs)} of {len(jobs) + len(others)} cases"
 
 

@@ -23,7 +23,7 @@ def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool
     """Write the page of a study, by default into its results folder.
 
     jobs: ids of those whose signals are shown; follow: rewrite it until no job is missing; in_browser:
-    open it. Raises UserError for a file that is not a page of this program.
+    open it. Raises UserError for an existing file that is not a report.
     """
     path = out or results.path / FILE
     check_replaceable(path)
@@ -31,7 +31,7 @@ def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool
         check_writable(results.path, "--out page.html")
     is_complete = write(results, path, jobs, follow)
     if in_browser and not webbrowser.open(path.resolve().as_uri()):
-        say(f"cannot start a browser; open {short_path(path)} in one", err=True)
+        say(f"cannot start a browser; the page is {short_path(path)}", err=True)
     if follow and not is_complete:
         say("following the run; Ctrl-C ends this command, not the run", err=True)
     while follow and not is_complete:
@@ -48,7 +48,7 @@ def wait_for_plan(folder: Path) -> None:
 
 
 def write(results: "Results", path: Path, jobs: Sequence[str], follow: bool) -> bool:
-    """Write the page as it is now, atomically; return whether all jobs are done or failed."""
+    """Write the current page atomically; return whether all jobs are done or failed."""
     from bearingsim.report.page import page_of
     from bearingsim.report.render import html
     from bearingsim.store import write_text
@@ -61,7 +61,7 @@ def write(results: "Results", path: Path, jobs: Sequence[str], follow: bool) -> 
 
 
 def check_replaceable(path: Path) -> None:
-    """Raise UserError unless a path is free or a page of this program."""
+    """Raise UserError unless a path does not exist or is a report of bearingsim."""
     from bearingsim.report.render import MARK
 
     if path.is_dir():
@@ -69,4 +69,6 @@ def check_replaceable(path: Path) -> None:
     if path.is_symlink() or path.exists():
         is_page = path.is_file() and not path.is_symlink() and MARK.encode() in path.read_bytes()
         if not is_page:
-            raise UserError(f"{path} is not a page of this program; use another --out, or move the file")
+            raise UserError(
+                f"{path} exists and is not a report of bearingsim; use another --out, or move the file"
+            )

@@ -25,7 +25,7 @@ def terminal_width() -> int | None:
 
 
 def console(min_width: int = 0) -> "Console":
-    """Return the console of stdout, at least ``least`` characters wide (NO_COLOR honoured)."""
+    """Return the console of stdout, at least ``min_width`` characters wide (NO_COLOR honoured)."""
     from rich.console import Console
 
     class Screen(Console):
@@ -58,7 +58,7 @@ def table_width(heads: Sequence[str], rows: Iterable[Sequence[str]], text_column
 
 
 def min_widths(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> list[int]:
-    """Compute the least width of each column: its longest entry, at most MAX_TEXT_WIDTH for text."""
+    """Compute the minimum width of each column: its longest entry, at most MAX_TEXT_WIDTH for text."""
     longest = [max(map(len, "\n".join(column).split("\n"))) for column in zip(heads, *rows, strict=True)]
     return [
         min(length, MAX_TEXT_WIDTH) if index < text_columns else length for index, length in enumerate(longest)

@@ -8,7 +8,7 @@ PASSBAND = 0.4
 MAX_FREQUENCY = 100e3
 """Hz; largest upper end of a band. Higher modes are not modelled: bodies are rigid, or bend in few modes."""
 MIN_PERIODS = 2.0
-"""Least length of a record, in periods of the lowest frequency of a band."""
+"""Minimum length of a record, in periods of the lowest frequency of a band."""
 EXAMPLES = "velocity.rms@10-1000Hz, envelope@BPFO or envelope@BPFO@2000-5000Hz"
 
 _NUMBER = r"(?:0|[1-9]\d{0,6})(?:\.\d{0,5}[1-9])?"

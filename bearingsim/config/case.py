@@ -19,7 +19,7 @@ LAWS: dict[tuple[str | int, ...], Laws] = {
     ("contact", "stiffness"): contact.STIFFNESS,
     ("friction",): free.FRICTION,
 }
-"""Laws of each field that accepts one of several, by the field's path."""
+"""Available laws of each field that selects a law, by the field's path."""
 
 
 class Case(CaseFields):
@@ -71,6 +71,6 @@ class Case(CaseFields):
 def _quantities(section: Section, *names: str) -> Iterator[tuple[str, str]]:
     """Yield the names of fields and their values with usual units."""
     for name in names:
-        marks = type(section).model_fields[name].metadata
-        dimension = next(mark.dimension for mark in marks if isinstance(mark, Quantity))
+        annotations = type(section).model_fields[name].metadata
+        dimension = next(entry.dimension for entry in annotations if isinstance(entry, Quantity))
         yield name, show(getattr(section, name), DISPLAY[dimension], dimension)

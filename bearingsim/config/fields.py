@@ -284,7 +284,7 @@ def _integer(raw: Any, low: int, high: int, alternative: str = "") -> int:
 
 def _text(raw: Any) -> str:
     if not isinstance(raw, str):
-        refuse("text", f"expected a text, got {describe_value(raw)}")
+        refuse("text", f"expected text, got {describe_value(raw)}")
     return raw
 
 

@@ -50,7 +50,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "as in `surfaces: {outer: {spectrum: {amplitude: 0.2 um}}}`"
     ),
     ("roughness", "surface_roughness", "surface_finish"): (
-        "roughness is not modelled; `surfaces` has waves down to a thousandth of a turn"
+        "roughness is not modelled; `surfaces` has waves up to order 1000"
     ),
     ("tolerance_class", "grade", "class"): (
         "tolerance classes are not supported: give `harmonics` or a `spectrum` in `surfaces`"

@@ -3,7 +3,7 @@
 numba's compiler vectorises a loop over lanes, but not a sum over harmonics (or rollers) for each lane, which
 requires the lanes to stay in registers during the loop. The loop is therefore written in LLVM IR (numba
 intrinsics). Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON. The order of each sum,
-and so its bits, are the same for all.
+and therefore every bit of the result, is the same on all of them.
 
 Gain: a run of `rollers` with a flexible ring takes 0.082 s of CPU time instead of 0.196 s with plain loops (x86-64
 server, 2 cores; ``python -m benchmarks.compiler_gains``).
@@ -86,7 +86,7 @@ def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, lane: int, cells: t
         y[cell : cell + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
 
 
-# Their compiled implementations
+# Compiled implementations
 
 
 @intrinsic

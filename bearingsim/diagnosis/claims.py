@@ -12,7 +12,7 @@ from bearingsim.diagnosis.kinematics import Lines
 RHYTHM, NONE = "other rhythm", "none"
 """Objections to a line: another periodicity is stronger; the line is not over the threshold, or the record is full
 of lines."""
-MOST_CROWDED = 0.2
+MAX_CROWDED = 0.2
 """Share of other periodicities with a score as high as the claimed one, above which a record is full of lines.
 Damaged signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
 
@@ -37,7 +37,7 @@ class Claim(NamedTuple):
     @property
     def is_crowded(self) -> bool:
         """True if the record is full of lines as strong as the claimed one."""
-        return self.crowded > MOST_CROWDED
+        return self.crowded > MAX_CROWDED
 
     @property
     def objection(self) -> str | None:

@@ -20,7 +20,7 @@ CLIP = 3.0
 MEDIAN_ORDERS = 1.5
 """Half width, in shaft orders, of the median to which heights refer."""
 MIN_MEDIAN_BINS = 20
-"""Least half width of that median in bins."""
+"""Minimum half width of that median in bins."""
 
 
 class EnvelopeSpectrum(NamedTuple):

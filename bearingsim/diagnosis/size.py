@@ -13,7 +13,7 @@ DEPTH = 60e-6
 ENTRY_DROP = 1.5e-6
 """m; drop behind the near rim at which the entry is detected: a ball of the 6205 has lost half of its force after
 0.12 mm (docs/double_impulse.md, step 1)."""
-MOST_DIFFERENCE = 0.05
+MAX_DIFFERENCE = 0.05
 """Largest relative difference between the readings of both halves of a record."""
 
 
@@ -39,7 +39,7 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
         whole, *halves = (spacing(part, fs, period) for part in (series, series[:half], series[half:]))
     except ValueError:  # fewer than 40 samples in a pass
         return None
-    if not all(map(isfinite, (whole, *halves))) or abs(halves[0] - halves[1]) > MOST_DIFFERENCE * whole:
+    if not all(map(isfinite, (whole, *halves))) or abs(halves[0] - halves[1]) > MAX_DIFFERENCE * whole:
         return None
     roller, race = parts.roller_diameter / 2.0, (parts.pitch_diameter + parts.roller_diameter) / 2.0
     low = whole * 2.0 * pi * race * outer / parts.rollers

@@ -19,10 +19,10 @@ CLEAR_DB = 3.0
 
 
 def threshold(turns: float, tolerance: float) -> float:
-    """Return the threshold of the score for a record of some turns of the shaft and a relative tolerance.
+    """Return the threshold of the score for a record of some revolutions of the shaft and a relative tolerance.
 
-    It is interpolated over the logarithms of both. Beyond 320 turns it rises with the mean slope of the last three
-    octaves; below 5 turns the value at 5 is used.
+    It is interpolated over the logarithms of both. Beyond 320 revolutions it rises with the mean slope of the last
+    three octaves; below 5 revolutions the value at 5 is used.
     """
     lengths, tolerances, scores = _table()
     by_length = np.array([np.interp(log(tolerance), tolerances, row) for row in scores])
@@ -42,7 +42,7 @@ def _table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def measured_turns() -> tuple[float, float]:
-    """Return the least and the largest number of turns for which thresholds were measured."""
+    """Return the smallest and largest number of revolutions for which thresholds were measured."""
     lengths = _table()[0]
     return round(exp(lengths[0])), round(exp(lengths[-1]))
 

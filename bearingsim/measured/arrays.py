@@ -1,4 +1,4 @@
-"""Sorting of the named arrays of a file into signals, time, sampling rate and speed."""
+"""Identification of signals, time, sampling rate and speed among the named arrays of a file."""
 
 from collections.abc import Mapping
 from math import pi
@@ -14,14 +14,14 @@ TIMES = ("t", "time", "times", "timestamp", "zeit", "xvalue")
 SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
 OWN_SPEED = "parameters.speed"
 """End of the name of a job's speed (rad/s) in an exported file."""
-LEAST_SAMPLES = 16
+MIN_SAMPLES = 16
 """Smallest number of samples of a signal; shorter arrays are ignored."""
-MOST_CHANNELS = 256
+MAX_CHANNELS = 256
 """Largest number of columns of a table of signals."""
 
 
 def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> Content:
-    """Sort named arrays into signals, time, rate and speed.
+    """Identify signals, time, rate and speed among named arrays.
 
     Only the letters and digits of a name are compared, in lower case, and only the part after its last dot. Raises
     MeasuredError for a file without signals.
@@ -43,7 +43,7 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
             elif name.lower().endswith(OWN_SPEED):
                 owner = name[: -len(OWN_SPEED)].rstrip(".")
                 speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
-        elif word in TIMES and values.size >= LEAST_SAMPLES and time is None:
+        elif word in TIMES and values.size >= MIN_SAMPLES and time is None:
             time = Stated(values.astype(float).ravel(), f"the variable `{name}`")
         else:
             channels |= _columns(name, values)
@@ -68,11 +68,11 @@ def word_of(name: str) -> str:
 
 def _columns(name: str, values: np.ndarray) -> dict[str, np.ndarray]:
     """Return the signals of an array: itself, or its rows or columns, whichever are longer."""
-    if np.iscomplexobj(values) or values.size < LEAST_SAMPLES:
+    if np.iscomplexobj(values) or values.size < MIN_SAMPLES:
         return {}
     if values.ndim == 1 or min(values.shape) == 1:
         return {name: values.ravel()}
-    if values.ndim != 2 or min(values.shape) > MOST_CHANNELS:
+    if values.ndim != 2 or min(values.shape) > MAX_CHANNELS:
         return {}
     columns = values if values.shape[0] >= values.shape[1] else values.T
     return {f"{name}.{number + 1}": columns[:, number] for number in range(columns.shape[1])}

@@ -6,7 +6,7 @@ import numpy as np
 
 from bearingsim.measured.content import MeasuredError
 
-MOST_CLIPPED = 1e-3
+MAX_CLIPPED = 1e-3
 """Largest share of samples at the extremes, in runs of two and more."""
 
 LONGEST_REST = 0.02
@@ -26,7 +26,7 @@ def refuse_unusable(path: Path, channel: str, values: np.ndarray, rate: float) -
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         raise MeasuredError(path, f"`{channel}` is constant ({low:.6g}): check the sensor, or name a `--channel`")
     share = clipped_share(values)
-    if share > MOST_CLIPPED:
+    if share > MAX_CLIPPED:
         raise MeasuredError(
             path,
             f"`{channel}` is clipped: {100.0 * share:.2g} % of its samples are at its extremes in a row: "

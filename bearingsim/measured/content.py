@@ -54,13 +54,13 @@ class Stated(Generic[Value]):
     source: str
 
 
-MOST_DIFFERENCE = 1e-3
+MAX_DIFFERENCE = 1e-3
 """Largest relative difference of two statements of one value: printed values are rounded."""
 
 
 def differ(value: float, other: float) -> bool:
     """Check if two statements of one value contradict each other."""
-    return not abs(value - other) <= MOST_DIFFERENCE * abs(other)
+    return not abs(value - other) <= MAX_DIFFERENCE * abs(other)
 
 
 class Request(NamedTuple):

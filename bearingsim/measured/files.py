@@ -23,11 +23,11 @@ from bearingsim.measured.matlab import read_hdf5, read_mat
 from bearingsim.measured.sound import read_wav
 from bearingsim.measured.tables import read_csv, read_parquet
 
-MOST_BYTES = 1 << 30
+MAX_BYTES = 1 << 30
 """Largest file, and largest content of a compressed one (bytes)."""
 INFLATION = 20.0
 """Largest plausible ratio of the size of an array to that of its file; noise does not compress."""
-LEAST_MOST = 1 << 22
+MIN_LIMIT = 1 << 22
 """Memory (bytes) that an array of any file may take."""
 OF_FULL_SCALE = "of full scale"
 """Unit of integer samples without a value at full scale."""
@@ -85,7 +85,7 @@ def read(
     needs_speed: refuse a file without a speed unless the request gives it; needs_unit: name a missing unit, too,
     if another value is missing.
     Raises MissingError with all options that state what is missing; MeasuredError with the reason and the remedy:
-    an unknown or damaged format, a gap in time, a channel that is not there. OSError if the file cannot be opened.
+    an unknown or damaged format, a gap in time, a missing channel. OSError if the file cannot be opened.
     """
     size = path.stat().st_size
     reader = FORMATS.get(path.suffix.lower())
@@ -96,10 +96,10 @@ def read(
         raise MeasuredError(path, f"expected a file that ends in {', '.join(FORMATS)}{advice}")
     if size == 0:
         raise MeasuredError(path, "is empty")
-    if size > MOST_BYTES:
-        raise MeasuredError(path, f"has {size / 1e9:.3g} GB, above {MOST_BYTES / 1e9:.3g} GB: export a part of it")
+    if size > MAX_BYTES:
+        raise MeasuredError(path, f"has {size / 1e9:.3g} GB, above {MAX_BYTES / 1e9:.3g} GB: export a part of it")
     try:
-        content = reader(path, min(MOST_BYTES, max(LEAST_MOST, INFLATION * size)))
+        content = reader(path, min(MAX_BYTES, max(MIN_LIMIT, INFLATION * size)))
     except MeasuredError:
         raise
     except Exception as error:

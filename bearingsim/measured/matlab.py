@@ -10,7 +10,7 @@ from bearingsim.hdf5 import Hdf5
 from bearingsim.measured.arrays import content_of
 from bearingsim.measured.content import Content, MeasuredError
 
-MOST_DEPTH = 6
+MAX_DEPTH = 6
 """Deepest nesting of structs that is searched."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -41,7 +41,7 @@ def _is_hdf5(beginning: bytes) -> bool:
 
 def _leaves(prefix: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
     """Yield the values of nested structs with their paths, `a.b`."""
-    if isinstance(value, dict) and depth < MOST_DEPTH:
+    if isinstance(value, dict) and depth < MAX_DEPTH:
         for name, entry in value.items():
             yield from _leaves(f"{prefix}.{name}" if prefix else str(name), entry, depth + 1)
     else:
@@ -72,7 +72,7 @@ def _datasets(file: Hdf5, group: str, depth: int = 0) -> Iterator[str]:
         path = f"{group}/{name}" if group else name
         if not file.is_group(path):
             yield path
-        elif depth < MOST_DEPTH and not name.startswith("#"):
+        elif depth < MAX_DEPTH and not name.startswith("#"):
             yield from _datasets(file, path, depth + 1)
 
 

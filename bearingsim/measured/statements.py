@@ -27,7 +27,7 @@ TURNS = dict.fromkeys(("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min"), pi
 TURNS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
 """Factors to s, Hz and rad/s, by unit in lower case."""
 SPEED_WORDS = (*SPEEDS, "speed", "shaftspeed", "rotationalspeed", "rotationspeed", "rotatingspeed", "drehzahl")
-MOST_LENGTH = 40
+MAX_LENGTH = 40
 """Largest number of characters of a line that is printed as a source."""
 
 
@@ -51,7 +51,7 @@ def statements(lines: Sequence[str]) -> Statements:
         if match is None or header is None:
             continue
         word, value = word_of(header["name"]), float(match["value"])
-        own_unit, source = (header["unit"] or match["unit"] or "").lower(), f"the line `{line[:MOST_LENGTH]}`"
+        own_unit, source = (header["unit"] or match["unit"] or "").lower(), f"the line `{line[:MAX_LENGTH]}`"
         if word in RATES and own_unit in HERTZ:
             rate = rate or Stated(HERTZ[own_unit] * value, source)
         elif word in STEPS and own_unit in SECONDS and value > 0.0:

@@ -21,7 +21,7 @@ BYTE_ORDERS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 """Encodings by the first two bytes of a file."""
 WESTERN = "cp1252"
 """Encoding of other files: that of Windows in western Europe, in which nearly every byte is a character."""
-MOST_ROWS = 50
+MAX_ROWS = 50
 """Lines, the last of the first bytes, searched for a decimal comma."""
 COMMA = re.compile(r"\d,\d")
 DECIMAL_COMMAS = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?(?:\s+[+-]?\d+,\d+(?:[eE][+-]?\d+)?)+\s*")
@@ -35,7 +35,7 @@ TIME_UNIT = re.compile(r"^(?P<name>t|time)[ _](?P<unit>s|ms|us)$", re.IGNORECASE
 """Header of a column of time with its unit, such as `time_ms`."""
 REMARK_HEADS = ("", "comment")
 """Headers of columns behind the last one with numbers."""
-MOST_CHANGE = 0.01
+MAX_CHANGE = 0.01
 """Largest relative change of a speed that counts as constant."""
 
 
@@ -105,7 +105,7 @@ def _layout(path: Path, lines: list[str]) -> Layout:
     separator = next((letter for letter in SEPARATORS if any(letter in _unquoted(line) for line in ends)), None)
     if separator == "," and all(DECIMAL_COMMAS.fullmatch(line) for line in ends):
         separator = None
-    decimal, thousands = _signs(lines[-MOST_ROWS:], separator)
+    decimal, thousands = _signs(lines[-MAX_ROWS:], separator)
     rows = [n for n, line in enumerate(lines) if _is_numeric(line, separator, decimal, thousands)]
     if not rows:
         has_clock = any(CLOCK.search(line) for line in ends)
@@ -212,7 +212,7 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
             if unit.lower() not in SECONDS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
             time = Stated(SECONDS[unit.lower()] * column, f"the column `{header}`")
-        elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MOST_CHANGE * abs(column.mean()):
+        elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MAX_CHANGE * abs(column.mean()):
             factor = speed_factor(word_of(last), unit.lower())
             speeds[owner] = Stated(factor * float(column.mean()), f"the column `{header}`")
         elif name or not _counts(column):

@@ -182,8 +182,8 @@ def legend_entries(
     if any(f"baseline {name}" in rows for name in figure.y):
         text = "healthy (about zero)" if is_baseline_hidden(figure, rows) else "healthy"
         entries.append(Line2D([], [], **BASELINE, color="0.35", label=text))
-    lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
-    entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
+    absent = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
+    entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in absent]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     drawn = [is_uncertain(rows, name).any() for name in figure.y if name in rows]
@@ -223,7 +223,7 @@ def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], chaotic: Se
         ax.plot(*zip(*points, strict=True), **RING)
 
 
-def mark_lost(ax: "Axes", points: Points) -> None:
+def mark_jobs_without_result(ax: "Axes", points: Points) -> None:
     """Mark jobs without a result on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [position for position, state in zip(points.x, points.status, strict=True) if state == kind]
@@ -267,7 +267,7 @@ def letter(ax: "Axes", number: int, count: int, text: str) -> None:
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
 
 
-EDGE = 0.03  # least distance of a curve from the edge of its axes, over their height
+EDGE = 0.03  # minimum distance of a curve from the edge of its axes, over their height
 COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
 
 
@@ -285,9 +285,9 @@ def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABL
 
 
 def _with_margins(stack: Sequence["Axes"], low: float, high: float) -> tuple[float, float]:
-    """Extend common limits so that no curve lies on an edge, but for a lower limit of zero or the least value."""
-    least = min(float(ax.dataLim.y0) for ax in stack)
+    """Extend common limits so that no curve lies on an edge; keep a lower limit of zero or the smallest value."""
+    smallest = min(float(ax.dataLim.y0) for ax in stack)
     largest = max(float(ax.dataLim.y1) for ax in stack)
     margin = EDGE * (high - low)
-    is_kept = low == 0.0 or low >= least
-    return low if is_kept else min(low, least - margin), max(high, largest + margin)
+    is_kept = low == 0.0 or low >= smallest
+    return low if is_kept else min(low, smallest - margin), max(high, largest + margin)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-CAPTION_FIELDS = (  # parameters of the caption in order, each with its introducing word
+CAPTION_FIELDS = (  # parameters of the caption in order, each with the word before it
     ("bearing.name", ""),
     ("speed", ""),
     ("ramp.to", "ramp to"),
@@ -45,7 +45,7 @@ CAPTION_FIELDS = (  # parameters of the caption in order, each with its introduc
     ("method", "method"),
     ("duration", "record"),
 )
-USUAL = {
+DEFAULTS = {
     "excitation": "envelope",
     "load_across": 0.0,
     "method": "auto",
@@ -55,15 +55,14 @@ USUAL = {
 }  # defaults left out of the caption
 SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
 DEFECT = ("shape", *SIZES)
-SMALL = {
+SMALL_UNITS = {
     "clearance": "um",
     "contact.damping.beta": "us",
     "misalignment.inner": "mrad",
     "misalignment.outer": "mrad",
 }
-
-
-MOST_WORDS = 4
+"""Units of quantities that are small compared with the usual unit."""
+MAX_WORDS = 4  # distinct words of a parameter written out in a range
 STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis": "kurtosis"}
 """Statistics of a record, limited to the band of its sampling."""
 
@@ -78,13 +77,13 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
 
 
 def defect_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
-    """Describe the shape and sizes of the defects that do not vary; arguments: those of ``fixed_values``."""
-    return list(_defects(_of_jobs(results, rows), drawn, SMALL | dict(results.plan["units"])))
+    """Describe the shape and sizes of the defects that do not vary; arguments as in ``fixed_values``."""
+    return list(_defects(_of_jobs(results, rows), drawn, SMALL_UNITS | dict(results.plan["units"])))
 
 
 def machine_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
-    """Describe the other parameters that do not vary; arguments: those of ``fixed_values``."""
-    return list(_machine(_of_jobs(results, rows), drawn, SMALL | dict(results.plan["units"])))
+    """Describe the other parameters that do not vary; arguments as in ``fixed_values``."""
+    return list(_machine(_of_jobs(results, rows), drawn, SMALL_UNITS | dict(results.plan["units"])))
 
 
 def _of_jobs(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
@@ -146,15 +145,13 @@ def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
         )
         return f"{low} to {labels.with_unit(high, unit)}"
     texts = [labels.value_text(path, value, units) for value in distinct]
-    return " / ".join(
-        texts if len(texts) <= MOST_WORDS else [*texts[:MOST_WORDS], f"{len(texts) - MOST_WORDS} more"]
-    )
+    return " / ".join(texts if len(texts) <= MAX_WORDS else [*texts[:MAX_WORDS], f"{len(texts) - MAX_WORDS} more"])
 
 
 def _machine(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
     for path, word in CAPTION_FIELDS:
         value = _single(parameters, path)
-        if value is not None and value != USUAL.get(path) and path not in drawn:
+        if value is not None and value != DEFAULTS.get(path) and path not in drawn:
             yield f"{word} {labels.value_text(path, value, units)}".strip()
 
 
@@ -166,10 +163,10 @@ def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
             names = {f"defect.{part}", f"defects.{number}.{part}"}
             value = _single(parameters, f"defects.{number}.{part}")
             if value is not None and not names & drawn and (part, value) != ("offset", 0.0):
-                described = (
+                part_units = (
                     units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
                 )
-                text = labels.value_text(f"defect.{part}", value, described)
+                text = labels.value_text(f"defect.{part}", value, part_units)
                 number_text = f" {number}" if count > 1 else ""
                 yield (
                     f"{text} defect{number_text}{_position(parameters, number)}"

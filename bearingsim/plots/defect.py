@@ -309,6 +309,6 @@ def _caption(results: "Results", picture: Picture, path: tuple[str, RollerPath] 
     texts = [f"raceway drawn flat, roller with its effective radius {R} mm"]
     if path is not None:
         swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == path[0])
-        case = labels.described(swept, results.plan["units"])
+        case = labels.swept_text(swept, results.plan["units"])
         texts.append(f"path of roller {path[1].number} at {case or 'this case'}")
     return [*texts, *fixed_values(results, rows[rows["job"].isin(picture.jobs)], set())]

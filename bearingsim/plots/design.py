@@ -24,7 +24,7 @@ from bearingsim.plots.axes import (
     legend_entries,
     letter,
     mark_chaotic,
-    mark_lost,
+    mark_jobs_without_result,
     styles_of_curves,
     x_axis,
     x_label,
@@ -40,11 +40,11 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-FEWEST = 24  # points needed for a median
-MOST_LEVELS = 12  # distinct values on x up to which each has its own median
-MOST_GROUPS = 20
+MIN_POINTS = 24  # points needed for a median
+MAX_LEVELS = 12  # distinct values on x up to which each has its own median
+MAX_GROUPS = 20
 WIDE = 5.0  # ratio of limits above which a log axis is considered
-MOST_COLUMNS = 3
+MAX_COLUMNS = 3
 POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
 TREND = ("line: running median", "band: quartiles")
 
@@ -61,19 +61,19 @@ class Trend(NamedTuple):
 def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
     """Compute medians and quartiles of groups of about sqrt(n) of n points, or of each level of x if x has few.
 
-    Returns None for fewer than ``FEWEST`` points: their median is dominated by chance.
+    Returns None for fewer than ``MIN_POINTS`` points: their median is dominated by chance.
     """
     finite = [(a, b) for a, b in zip(x, y, strict=True) if math.isfinite(a * b)]
-    if len(finite) < FEWEST:
+    if len(finite) < MIN_POINTS:
         return None
     points = np.array(sorted(finite))
     levels = np.unique(points[:, 0])
     if len(levels) < 2:
         return None
-    if len(levels) <= MOST_LEVELS:
+    if len(levels) <= MAX_LEVELS:
         groups = [points[points[:, 0] == level] for level in levels]
     else:
-        groups = np.array_split(points, min(MOST_GROUPS, math.isqrt(len(points))))
+        groups = np.array_split(points, min(MAX_GROUPS, math.isqrt(len(points))))
     middles = np.array([np.median(group[:, 0]) for group in groups])
     low, middle, high = np.array([np.percentile(group[:, 1], (25, 50, 75)) for group in groups]).T
     return Trend(middles, middle, low, high)
@@ -100,7 +100,7 @@ def draw_paths(
     """Draw the only feature of a completed figure, a panel per path, on a common y axis."""
     [name] = figure.y
     entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
-    columns = min(MOST_COLUMNS, len(paths))
+    columns = min(MAX_COLUMNS, len(paths))
     lines = math.ceil(len(paths) / columns)
     width = columns * min(0.8 * COLUMN_IN, PAGE_IN / columns) + 0.55
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.06)
@@ -142,7 +142,7 @@ def _panel(
         ax.plot(points.x, points.y, **curve.look.keywords() | POINTS)
         _mark_trend(ax, curve, trend(points.x, points.y))
         mark_chaotic(ax, points.x, points.y, points.chaotic)
-        mark_lost(ax, points)
+        mark_jobs_without_result(ax, points)
     x_axis(ax, figure, rows, units)
     y_axis(ax, name, figure)
 

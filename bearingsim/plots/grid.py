@@ -171,21 +171,21 @@ def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator
     groups: dict[str, dict[str, str]] = {}
     for name in jobs:
         others = {path: value for path, value in swept[name].items() if path not in by}
-        title = labels.described(others, units)
+        title = labels.swept_text(others, units)
         group = groups.setdefault(title if by else f"{title} {name}", {})
-        label = labels.described({path: swept[name][path] for path in by if path in swept[name]}, units)
+        label = labels.swept_text({path: swept[name][path] for path in by if path in swept[name]}, units)
         group[label if label not in group else f"{label} ({name[:8]})"] = name
     for group in groups.values():
         leading = next(iter(group.values()))
         others = {path: value for path, value in swept[leading].items() if path not in by}
-        title = labels.described(others, units)
+        title = labels.swept_text(others, units)
         baselines = {label: (name, baseline_of[name]) for label, name in group.items() if name in baseline_of}
         if len({baseline for _, baseline in baselines.values()}) == 1:
             baselines = {"": next(iter(baselines.values()))}
         if layout == "below" and baselines:
             yield Row(title, group, {})
             sound = {path: value for path, value in others.items() if not path.startswith("defect")}
-            yield Row(", ".join(filter(None, [HEALTHY, labels.described(sound, units)])), {}, baselines)
+            yield Row(", ".join(filter(None, [HEALTHY, labels.swept_text(sound, units)])), {}, baselines)
         else:
             yield Row(title, group, baselines)
 

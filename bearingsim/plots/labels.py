@@ -175,7 +175,7 @@ def _word(text: str) -> str:
     return with_unit(number, unit) if is_quantity else SWITCHES.get(text, text)
 
 
-def described(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
+def swept_text(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
     """Join swept values in one line: `circular, length 3 mm, load 150 N, model rollers`.
 
     Keys that a defect does not have are left out.

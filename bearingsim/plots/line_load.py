@@ -67,7 +67,7 @@ def draw_load(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list
     for job, load in rows:
         picture, profile = next(axes)
         _draw_row(picture, profile, load)
-        picture.set_title(labels.described(swept[job], results.plan["units"]), loc="left", fontsize=8)
+        picture.set_title(labels.swept_text(swept[job], results.plan["units"]), loc="left", fontsize=8)
         if load.tilts:
             below, legend_axes = next(axes)
             _draw_tilts(below, legend_axes, picture, load)

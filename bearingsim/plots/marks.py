@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
 DASHED = (0, (2, 2))
-MARKS_APART = 0.02  # least distance of marks, relative to the length of the axis
-NAMES_APART_IN = 0.56  # inches, least distance of the names of marks
+MARKS_APART = 0.02  # minimum distance of marks, relative to the length of the axis
+NAMES_APART_IN = 0.56  # inches, minimum distance of the names of marks
 LETTER_IN = 0.069  # inches, width of a character of a name
 GAP_POINTS, ROW_POINTS = 2.0, 8.0  # height of the lowest row of names above the axes, and of a row
 ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)

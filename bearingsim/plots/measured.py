@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 SHOWN_PASSES = 8.0
 """Periods of the detected line shown in the panel of the time signal."""
-LEAST_SHOWN = 1e-8
+MIN_SHOWN = 1e-8
 """Smallest amplitude shown in a spectrum, relative to the largest; smaller ones are rounding errors."""
 LOWEST_DB = -10.0
 """dB; lower limit of the axis of an envelope spectrum: 90 % of the bins of noise are above -8 dB."""
-MOST_POINTS = 4000
+MAX_POINTS = 4000
 """Largest number of points of a drawn spectrum; of a longer one, the largest in each group is drawn."""
 SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 QUANTITIES = {"m/s^2": "Acceleration", "m/s": "Velocity", "m": "Displacement", "N": "Force"}
@@ -47,14 +47,13 @@ TITLES = {
 
 
 def check_path(path: Path) -> None:
-    """Raise PlotError for a file of another format, in a missing folder, or that is not a figure of this
-    program."""
+    """Raise PlotError for another format, a missing folder, or an existing file that is not a figure."""
     if path.suffix.removeprefix(".").lower() not in FORMATS:
         raise PlotError(f"{path}: expected a name that ends in .{', .'.join(FORMATS)}")
     if not path.parent.is_dir():
         raise PlotError(f"{path}: there is no folder {path.parent}")
     if not is_replaceable(path):
-        raise PlotError(f"{path} is not a figure of this program; name another file")
+        raise PlotError(f"{path} exists and is not a figure of bearingsim; name another file")
 
 
 @drawing()
@@ -103,7 +102,7 @@ def _draw_time(ax: Axes, values: np.ndarray, fs: float, diagnosis: Diagnosis, la
 
 def _draw_spectrum(ax: Axes, values: np.ndarray, fs: float, label: str) -> None:
     frequency, amplitude = spectrum(values, fs)
-    group = max(1, len(frequency) // MOST_POINTS)
+    group = max(1, len(frequency) // MAX_POINTS)
     count = len(frequency) // group * group
     drawn = amplitude[:count].reshape(-1, group).max(axis=1)
     ax.semilogy(1e-3 * frequency[:count:group], drawn, color=COLOURS[0], lw=0.6)
@@ -115,7 +114,7 @@ def _draw_spectrum(ax: Axes, values: np.ndarray, fs: float, label: str) -> None:
 
 def _floor(amplitude: np.ndarray) -> float:
     """Return the lower limit of a logarithmic axis, below all amplitudes (n,) except the lowest 1 %."""
-    return max(0.5 * float(np.quantile(amplitude, 0.01)), LEAST_SHOWN * float(amplitude.max()))
+    return max(0.5 * float(np.quantile(amplitude, 0.01)), MIN_SHOWN * float(amplitude.max()))
 
 
 def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) -> None:

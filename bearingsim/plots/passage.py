@@ -104,7 +104,7 @@ def ends_of_slices(case: "Case") -> Reals:
 
 
 BEFORE, AFTER = 1.5, 3.0  # widths of the defect shown before and after its middle
-LEAST = 6e-4  # m, least width of a defect in a window, to cover the pocket clearance of the roller
+MIN_WIDTH = 6e-4  # m, minimum width of a defect in a window, to cover the pocket clearance of the roller
 
 
 class RollerPath(NamedTuple):
@@ -133,7 +133,7 @@ class Passage(NamedTuple):
     @property
     def window(self) -> tuple[float, float]:
         """Beginning and end (s) of the time shown."""
-        width = max(self.defect.s[1] - self.defect.s[0], LEAST)
+        width = max(self.defect.s[1] - self.defect.s[0], MIN_WIDTH)
         return self.time - BEFORE * width / self.speed, self.time + AFTER * width / self.speed
 
     def samples(self, rate: float) -> float:

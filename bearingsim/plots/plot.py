@@ -203,7 +203,7 @@ def slug(words: Sequence[str]) -> str:
 def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     """Write a figure in the format of the file's suffix; return the file.
 
-    Raises PlotError instead of replacing a file that is not a figure of this program.
+    Raises PlotError instead of replacing a file that is not a figure of bearingsim.
     """
     from bearingsim.plots.style import take_literally
     from bearingsim.store import write_bytes
@@ -212,13 +212,13 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
     if path.parent.resolve() != results.path.resolve() / FIGURES and not is_replaceable(path):
-        raise PlotError(f"{path} is not a figure of this program; use another --out, or move the file")
+        raise PlotError(f"{path} exists and is not a figure of bearingsim; use another --out, or move the file")
     write_bytes(path, drawing.getvalue())
     return path
 
 
 def is_replaceable(path: Path) -> bool:
-    """Check if a path is free or a figure of this program."""
+    """Check if a path is free or a figure of bearingsim."""
     if path.is_symlink() or not path.is_file():
         return not path.is_symlink() and not path.exists()
     return MARK in path.read_bytes()

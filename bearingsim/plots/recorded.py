@@ -102,7 +102,7 @@ def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
     if recorded_as(channel, names) is None:
         hint = "" if channel in CHANNELS else suggestion(channel, names)
         listed = f"recorded channels: {', '.join(recorded)}"
-        add = "; to see it, add it to `record` and run again" if channel in CHANNELS else ""
+        add = f"; add `{channel}` to `record` and run again" if channel in CHANNELS else ""
         feature = f"{channel} is a feature: use `--kind sweep`" if channel in FEATURES else ""
         raise PlotError(f"job {job} did not record `{channel}` ({feature or hint or listed + add})")
 
@@ -155,7 +155,7 @@ def check_passband(option: str, limits: tuple[float, float], *jobs: Job) -> None
     if limits[1] > passband * (1.0 + 1e-9):
         raise PlotError(
             f"`{option}` ends at {limits[1]:g} Hz; the records are flat to {passband:g} Hz, "
-            f"{PASSBAND:g} of their `sampling`: raise it"
+            f"{PASSBAND:g} of their `sampling`: raise `sampling`"
         )
 
 

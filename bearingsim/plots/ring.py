@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 ROOM = 0.1  # largest displacement as drawn, over the outer radius
 SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # lengths over the outer radius
-LEAST_DEFECT = 0.035  # rad, least half angle of a defect as drawn
+MIN_DEFECT = 0.035  # rad, minimum half angle of a defect as drawn
 INSIDE = 0.04  # distance of the sensor inside the carrier, over the outer radius
 COILS = 3
 FEW = 12  # springs up to this number are drawn with coils
@@ -225,11 +225,11 @@ def draw_roller(ax: "Axes", seen: View, instant: Instant, j: int) -> None:
 
 def defect_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
     """Return the line that marks a defect on a race or a roller."""
-    half = max(mark.half, LEAST_DEFECT)
+    half = max(mark.half, MIN_DEFECT)
     if mark.on == "roller":
         right, up = seen.roller_centre(instant, mark.roller)
         radius = 1e3 * seen.shape.roller
-        wide = max(mark.half, LEAST_DEFECT * seen.race / radius)
+        wide = max(mark.half, MIN_DEFECT * seen.race / radius)
         arc = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
         return right + arc[0], up + arc[1]
     angles = np.linspace(mark.angle - half, mark.angle + half, 21)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-FEW_TICKS = 90.0  # deg, least range of angles with a tick every 90 deg
+FEW_TICKS = 90.0  # deg, minimum range of angles with a tick every 90 deg
 
 
 def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.config import CHANNELS, FEATURES
 from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
-from bearingsim.plots.labels import COST, NONE, PlotError, described, printed, unit_of, value_text
+from bearingsim.plots.labels import COST, NONE, PlotError, printed, swept_text, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension, stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
@@ -356,7 +356,7 @@ def splits(
     for value in values(rows, paths[0]):
         part = rows[rows[paths[0]] == value]
         for text, inner in splits(part, paths[1:], units):
-            yield ", ".join(filter(None, [described({paths[0]: value}, units), text])), inner
+            yield ", ".join(filter(None, [swept_text({paths[0]: value}, units), text])), inner
 
 
 def x_unit(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:

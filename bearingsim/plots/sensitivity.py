@@ -70,9 +70,9 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
 def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
     """Format a parameter and its range (SI) in the study's unit, on two lines."""
     unit = labels.unit_of(path, units)
-    least, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
+    smallest, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
     name = labels.name_text(path)
-    return f"{name[:1].upper()}{name[1:]}\n{least} to {labels.with_unit(largest, unit)}".rstrip()
+    return f"{name[:1].upper()}{name[1:]}\n{smallest} to {labels.with_unit(largest, unit)}".rstrip()
 
 
 def _ranks(indices: Indices) -> list[int]:

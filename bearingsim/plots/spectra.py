@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SHOWN_LINES = {"spectrum": 12, "envelope": 6}  # multiples of the fundamental line shown by default
 ORDERS_POINTS = 30.0  # height of the axis in orders above the axes
 AROUND_PASSES = 8.0  # ball passes of which the spectrum around an impact is computed
-FEWEST_BINS = 8  # least number of frequencies in a spectrum
+MIN_BINS = 8  # minimum number of frequencies in a spectrum
 HEADROOM, MARGIN_DB = 2.0, 5.0  # limit of a logarithmic axis over the largest value, and margin of levels
 DECADES = 5  # largest range of a logarithmic axis below the largest value
 
@@ -121,12 +121,12 @@ def part_of_spectrum(
 ) -> Curve:
     """Compute the spectrum of whole ball passes of a signal between two frequencies (Hz).
 
-    name, job: of the signal, or of its healthy baseline. Raises PlotError for fewer than ``FEWEST_BINS``
+    name, job: of the signal, or of its healthy baseline. Raises PlotError for fewer than ``MIN_BINS``
     frequencies.
     """
     frequency, amplitude = spectrum(*whole_periods(signal, first_line(job.parameters)))
     in_range = (frequency >= limits[0]) & (frequency <= limits[1])
-    if np.count_nonzero(in_range) < FEWEST_BINS:
+    if np.count_nonzero(in_range) < MIN_BINS:
         part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of job {name} resolve {frequency[1]:.3g} Hz"
         raise PlotError(
             f"{part}, too coarse for {limits[0]:g} to {limits[1]:g} Hz; show a longer part of the record"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ROW_IN = 2.0
 PASSES = 4.0  # ball passes shown by default
 PER_PASS = 8.0  # segments in a ball pass, so that single impacts are separate
-FEWEST_SAMPLES = 32  # least length of a segment
+MIN_SAMPLES = 32  # minimum length of a segment
 OVERLAP = 8  # segments begin this number of times per length of a segment
 SCALE = "viridis"
 FLOOR_DB = 80.0  # dB below the largest amplitude, the lower end of the colours
@@ -58,7 +58,7 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
         ax.set_ylim(low / 1e3, high / 1e3)
         ax.set_ylabel("Frequency (kHz)")
         ax.grid(False)
-        ax.set_title(labels.described(swept[name], results.plan["units"]), loc="left", fontsize=8)
+        ax.set_title(labels.swept_text(swept[name], results.plan["units"]), loc="left", fontsize=8)
     axes[-1].set_xlabel(f"Time{' from the impact' if view.around else ''} (ms)")
     text = recorded.text_of(channel)
     canvas.colorbar(colours, ax=list(axes), label=f"{text} ({scale.unit_text(amplitude=True)})")
@@ -74,13 +74,13 @@ def segments(signal: "Signal", period: float) -> tuple[np.ndarray, np.ndarray, n
     """Compute the amplitude spectra of overlapping segments of a signal, with a Hann window.
 
     period: of the ball passes (s). Returns the middles of the segments (m,) in s, frequencies (f,) in Hz and
-    amplitudes (f, m) in SI. Raises PlotError if a segment has fewer than ``FEWEST_SAMPLES`` samples.
+    amplitudes (f, m) in SI. Raises PlotError if a segment has fewer than ``MIN_SAMPLES`` samples.
     """
     from bearingsim import signals
 
     length = round(period / PER_PASS * signal.rate)
-    if length < FEWEST_SAMPLES:
-        needed = FEWEST_SAMPLES * PER_PASS / period
+    if length < MIN_SAMPLES:
+        needed = MIN_SAMPLES * PER_PASS / period
         raise PlotError(
             f"a spectrogram that separates the ball passes needs `sampling` of {needed:.0f} Hz or more"
         )

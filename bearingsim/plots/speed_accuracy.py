@@ -33,8 +33,8 @@ SMALL_POINTS = 7.0  # size of the smallest texts
 RAIL = 1.075  # height of the line of failed runs, over that of a panel
 HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 SIDES = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
-LEAST, MOST, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; least upper limit of an axis
-APART = 0.3  # decades, least distance between labelled marks
+MIN_ERROR, MAX_ERROR, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; smallest upper limit of an axis
+APART = 0.3  # decades, minimum distance between labelled marks
 PALER = 0.35  # fraction of white blended in, for each further variant of a model
 
 
@@ -112,11 +112,11 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
             [_shown(row[f"{column}.counted"]) for row in best], [row["cpu_per_s"] for row in best],
             where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
         )  # fmt: skip
-        for row in _spread([row for row in best if row[column] < MOST], column):
+        for row in _spread([row for row in best if row[column] < MAX_ERROR], column):
             _name(ax, row, _shown(row[column]))
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
-        if floor > LEAST:
-            ax.axvspan(LEAST / 2.0, _shown(floor), color="0.94", zorder=0)
+        if floor > MIN_ERROR:
+            ax.axvspan(MIN_ERROR / 2.0, _shown(floor), color="0.94", zorder=0)
     for within in ACCURACIES:
         ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
         ax.text(
@@ -140,7 +140,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
         for name in QUANTITIES
         if not row["failure"]
     ]
-    ax.set_xlim(LEAST / 1.6, 2.0 * max(error for error in [*errors, ROOM] if error == error))
+    ax.set_xlim(MIN_ERROR / 1.6, 2.0 * max(error for error in [*errors, ROOM] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
@@ -157,7 +157,7 @@ def _spread(rows: Sequence[Row], column: str) -> list[Row]:
 
 def _name(ax: "Axes", row: Row, x: float) -> None:
     """Label a mark with the step or tolerance of its run, on the side away from the frame."""
-    side, offset = ("left", 6.0) if x < 2.0 * LEAST else ("right", -4.0)
+    side, offset = ("left", 6.0) if x < 2.0 * MIN_ERROR else ("right", -4.0)
     ax.annotate(
         label(row), (x, row["cpu_per_s"]), xytext=(offset, -3.0), textcoords="offset points",
         fontsize=SMALL_POINTS, color="0.25", ha=side, va="top", zorder=6,
@@ -187,7 +187,7 @@ def _automatic(ax: "Axes", row: Row, jobs: Sequence[Row], column: str, colours: 
 
 
 def _shown(error: float) -> float:
-    return min(max(error, LEAST), MOST)
+    return min(max(error, MIN_ERROR), MAX_ERROR)
 
 
 def _rail(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
 PAGE_IN = 7.08  # largest width, 180 mm
-LEAST_IN = 5.6  # least width, for the title and the legend
+MIN_IN = 5.6  # minimum width, for the title and the legend
 COLUMN_IN, NAMES_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.1, 1.0, 1.05, 1.1, 1.0
 TICK_POINTS = 7.0  # size of the smallest texts
 
@@ -94,7 +94,7 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
     methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
     named = dict(zip(rows["k"], rows["stiffness"].fillna(""), strict=True))
     damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
-    width = min(PAGE_IN, max(LEAST_IN, COLUMN_IN * len(stiffness) + NAMES_IN))
+    width = min(PAGE_IN, max(MIN_IN, COLUMN_IN * len(stiffness) + NAMES_IN))
     size = width, ROW_IN * len(methods) + HEAD_IN + FOOT_IN
     canvas = Canvas(figsize=size, layout="constrained")
     panels = canvas.subplots(len(methods), len(stiffness), sharex=True, sharey="row", squeeze=False)

@@ -22,7 +22,7 @@ from bearingsim.plots.axes import (
     legend_entries,
     letter,
     mark_chaotic,
-    mark_lost,
+    mark_jobs_without_result,
     models_of,
     styles_of_curves,
     x_axis,
@@ -70,7 +70,7 @@ def draw(
             mark_errors(ax, curve)
             mark_models(ax, points, models_of(rows))
             mark_chaotic(ax, points.x, points.y, points.chaotic)
-            mark_lost(ax, points)
+            mark_jobs_without_result(ax, points)
         if f"baseline {name}" in rows:
             mark_baselines(ax, curves)
         beside.mark_measured(ax, drawing, name, part, curves, measured, scale.factor)
@@ -145,7 +145,7 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
 
 MAX_UPRIGHT, MAX_LETTERS = 6, 36  # largest numbers of names, and of their characters in total, below an axis
 LINE_IN = 0.22  # height of a line
-LEAST_VALUES_IN, VALUES_IN = 1.25, 2.3  # limits of the width of a column of values
+MIN_VALUES_IN, VALUES_IN = 1.25, 2.3  # limits of the width of a column of values
 NAME_LETTER_IN = VALUE_LETTER_IN = 0.072  # inches, width of a character of a name and of a label below values
 SPREAD = 0.5  # spread of several curves, over the distance between names
 MARGIN = 0.05  # additional margin before the first point, relative to the length of a log axis
@@ -171,7 +171,7 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     entries = legend_entries(figure, styles, rows)
     texts = [labels.value_text(figure.x, name, units) for name in names]
     names_in = NAME_LETTER_IN * max(map(len, texts))
-    values_in = max(LEAST_VALUES_IN, min(VALUES_IN, (PAGE_IN - names_in) / len(figure.y)))
+    values_in = max(MIN_VALUES_IN, min(VALUES_IN, (PAGE_IN - names_in) / len(figure.y)))
     width = len(figure.y) * values_in + names_in + 0.4
     height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))

@@ -20,7 +20,7 @@ MANTISSAS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)), (n
 """Mantissas of ticks on a log axis, by the ratio of limits up to which they are not too many."""
 COUNTS = (7, 5, 4, 3, 2, 1)  # largest numbers of intervals between linear ticks, tried in turn
 DIGIT = 0.65  # width of a digit over the font size
-GAP_POINTS = 4.0  # least distance of two labels
+GAP_POINTS = 4.0  # minimum distance of two labels
 
 
 class FittingLocator(Locator):

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 SPACING = 0.5  # distance of the curves' zero lines, over the largest value
 SPACING_DB = 25.0  # dB, distance of the curves of levels
-ROW_IN, LEAST_IN = 0.32, 2.2  # height per curve, and least height of axes
-FEW = 3  # least number of spectra
+ROW_IN, MIN_IN = 0.32, 2.2  # height per curve, and minimum height of axes
+FEW = 3  # minimum number of spectra
 WIDTH = 0.9
 
 
@@ -52,7 +52,7 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
         raise PlotError(f"a waterfall needs {FEW} spectra or more over `{path}`; use `--kind spectrum`")
     largest = max(float(np.max(amplitude)) for _, amplitude in spectra.values())
     scale = scale_of(recorded.unit_of(channel), channel, largest, figure.view)
-    tallest = max(LEAST_IN, ROW_IN * max(len(rows) for _, rows in groups))
+    tallest = max(MIN_IN, ROW_IN * max(len(rows) for _, rows in groups))
     canvas = Canvas(figsize=(2 * COLUMN_IN, tallest * len(groups) + 0.9), layout="constrained")
     axes = canvas.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
     step = SPACING_DB if figure.view.db else SPACING * scale.factor * largest

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 LEAD = 0.25  # part of the time axis before the impact
-FEWEST_SAMPLES = 4
+MIN_SAMPLES = 4
 
 
 class Window(NamedTuple):
@@ -54,7 +54,7 @@ def window_of(
         window = Window(start, stop)
     count = np.count_nonzero(window.shown(time))
     is_cut = (view.stop or view.span) and window.stop > time[-1] + 2.0 / float(job.parameters["sampling"])
-    if count < FEWEST_SAMPLES or is_cut:
+    if count < MIN_SAMPLES or is_cut:
         raise PlotError(
             f"job {name} has {count} samples from {window.start:.6g} to {window.stop:.6g} s; its record lasts "
             f"from {time[0]:.6g} to {time[-1]:.6g} s, at {job.parameters['sampling']:g} Hz"

@@ -83,7 +83,7 @@ def _scale_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
 
 
 def _shares(rows: "pd.DataFrame", path: str) -> list[float | None]:
-    """Return the relative positions of values of a path, from its least (0) to its largest (1), or by its
+    """Return the relative positions of values of a path, from its smallest (0) to its largest (1), or by its
     words."""
     distinct = select.values(rows, path)
     if not select.is_numeric(distinct):

@@ -49,7 +49,7 @@ def feature_results(results: "Results") -> Iterator[Result]:
 
 
 def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
-    from bearingsim.plots.labels import described, feature_axis, feature_text
+    from bearingsim.plots.labels import feature_axis, feature_text, swept_text
     from bearingsim.store import is_line
 
     values = rows[name].dropna()
@@ -61,7 +61,7 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if has_extremes else {}
     jobs = dict(rows["job"])
     extremes = [
-        f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
+        f"{kind}: {swept_text({path: rows[path][row] for path in paths}, units)}"
         + _at_other_values(results, list(rows["job"]), name, jobs[row])
         for kind, row in extreme_rows.items()
     ]

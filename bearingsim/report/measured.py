@@ -44,7 +44,7 @@ def _table(results: "Results", entry: "MeasuredSet", most: int) -> MeasuredTable
         unit, factor = labels.feature_axis(item.feature, max(abs(measured), abs(item.simulated)))
         values = measured * factor, item.simulated * factor, (item.simulated - measured) * factor
         ratio = item.simulated / measured if measured else math.nan
-        parameters = labels.described({**item.parameters, **item.others}, units)
+        parameters = labels.swept_text({**item.parameters, **item.others}, units)
         numbers = [significant(value, 4) if math.isfinite(value) else "-" for value in (*values, ratio)]
         rows.append([item.feature, parameters, unit, *numbers, item.job[:8] or BETWEEN])
     return MeasuredTable(_title(entry), rows, _remarks(entry, most))

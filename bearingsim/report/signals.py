@@ -99,7 +99,7 @@ def _marks(job: Job, highest: float) -> list[tuple[float, str]]:
 
 
 def reduce(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Keep the least and the largest value of equal parts of a curve (n,), at most ``MAX_POINTS`` points."""
+    """Keep the smallest and the largest value of equal parts of a curve (n,), at most ``MAX_POINTS`` points."""
     if len(x) <= MAX_POINTS:
         return x, y
     parts = np.array_split(np.arange(len(x)), MAX_POINTS // 2)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 BRACKET_FACTORS = "0.5, 2"
-"""Example of the range of the factor of a bracket's stiffness."""
+"""Example range of the factor on the bracket stiffness."""
 VALUES = {
     "clearance": ("clearance", "clearance", "amplitudes at light load depend on it several-fold"),
     "bracket": (
@@ -45,31 +45,31 @@ def assumption_texts(results: "Results") -> list[str]:
 
 def _values(results: "Results", path: str) -> str:
     """Format the value of a parameter, or its range over the cases."""
-    from bearingsim.plots.caption import SMALL
+    from bearingsim.plots.caption import SMALL_UNITS
     from bearingsim.plots.labels import value_text
 
-    values, units = results.parameters()[path].dropna(), SMALL | dict(results.plan["units"])
+    values, units = results.parameters()[path].dropna(), SMALL_UNITS | dict(results.plan["units"])
     return span(float(values.min()), float(values.max()), lambda end: value_text(path, end, units))
 
 
 def plain(text: str) -> str:
-    """Return a statement without settings of `uncertainty` and pages of the documentation."""
+    """Remove settings of `uncertainty` and references to the documentation from a statement."""
     return PAGES.sub("", re.sub(r"[;:] `uncertainty: .*", "", text))
 
 
 def _clearance_range(results: "Results") -> str:
-    """Return an example of the range of clearance: of its class, else around the value, as `30 um, 60 um`."""
+    """Return an example clearance range, `30 um, 60 um`: the limits of its class, else the value with a margin."""
     parameters = results.parameters()
-    ends = [float(parameters["clearance"].min()), float(parameters["clearance"].max())]
+    low, high = float(parameters["clearance"].min()), float(parameters["clearance"].max())
     bores = set(parameters["bearing.bore"].dropna()) if "bearing.bore" in parameters else set()
     elements = set(parameters["bearing.element"])
-    if ends[0] == ends[1] and len(bores) == len(elements) == 1:
-        limits = class_limits(ends[0], elements.pop(), bores.pop())
+    if low == high and len(bores) == len(elements) == 1:
+        limits = class_limits(low, elements.pop(), bores.pop())
         if limits is not None:
             return ", ".join(f"{1e6 * limit:.4g} um" for limit in limits)
-    low, high = (1e6 * end for end in ends)
-    least = max(0.0, low - CLEARANCE_MARGIN) if low >= 0.0 else low - CLEARANCE_MARGIN
-    return f"{least:.4g} um, {high + CLEARANCE_MARGIN:.4g} um"
+    low, high = 1e6 * low, 1e6 * high
+    lower = max(0.0, low - CLEARANCE_MARGIN) if low >= 0.0 else low - CLEARANCE_MARGIN
+    return f"{lower:.4g} um, {high + CLEARANCE_MARGIN:.4g} um"
 
 
 class FailedJob(NamedTuple):
@@ -84,7 +84,7 @@ class FailedJob(NamedTuple):
 
 def failures_of(results: "Results") -> list[FailedJob]:
     """List the failed jobs of a study, in the order of its plan."""
-    from bearingsim.plots.labels import described
+    from bearingsim.plots.labels import swept_text
 
     swept_values = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     variation_texts = {
@@ -99,6 +99,6 @@ def failures_of(results: "Results") -> list[FailedJob]:
         has_no_time = failure.time is None or "into the run" in failure.reason
         time_text = "" if has_no_time else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
         explanation = f"{failure.reason}{time_text}" + (f" ({failure.advice})" if failure.advice else "")
-        case = variation_texts.get(job) or described(swept_values[job], results.plan["units"])
+        case = variation_texts.get(job) or swept_text(swept_values[job], results.plan["units"])
         failed.append(FailedJob(job, case, explanation, failure.command or "", failure.traceback))
     return failed

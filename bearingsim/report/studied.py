@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from bearingsim.config.names import Line
 from bearingsim.plots import labels, select
-from bearingsim.plots.caption import CAPTION_FIELDS, SMALL, defect_values, machine_values
+from bearingsim.plots.caption import CAPTION_FIELDS, SMALL_UNITS, defect_values, machine_values
 from bearingsim.plots.lines import FAMILIES, SHAFT, frequency
 from bearingsim.study import stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
@@ -57,7 +57,7 @@ def studied(results: "Results") -> Iterator[Fact]:
         ranges = [labels.printed(PARAMETER_KINDS[name].range_text(values)) for name, values in tried.items()]
         laws = machine_values(results, rows, {path for path, _ in CAPTION_FIELDS} - DAMPING)
         nominal = {"damping": ", ".join(laws).removeprefix("damping ")}
-        nominal["clearance"] = _span("clearance", parameters, SMALL | dict(units))
+        nominal["clearance"] = _span("clearance", parameters, SMALL_UNITS | dict(units))
         nominal_texts = [f", nominal: {nominal[name]}" if nominal.get(name) else "" for name in tried]
         counts = [f"{len(set(values))} values" for values in tried.values()]
         details = [count + text for count, text in zip(counts, nominal_texts, strict=True)]
@@ -108,7 +108,7 @@ def _bearing(parameters: "pd.DataFrame", units: dict[str, str], uncertain_cleara
     for path, name in DIMENSIONS.items():
         shown = path in parameters and parameters[path].notna().any()
         if shown and not (uncertain_clearance and path == "clearance"):
-            yield f"{name} {_span(path, parameters, SMALL | dict(units))}"
+            yield f"{name} {_span(path, parameters, SMALL_UNITS | dict(units))}"
 
 
 def _span(path: str, parameters: "pd.DataFrame", units: dict[str, str]) -> str:

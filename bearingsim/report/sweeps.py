@@ -216,7 +216,7 @@ class _Points:
 
     def curve_of(self, values: Mapping[Any, Any], units: Mapping[str, str]) -> int:
         """Return the number of the curve at the values of a row."""
-        texts = (labels.described({path: values[path]}, units) for path in self.by)
+        texts = (labels.swept_text({path: values[path]}, units) for path in self.by)
         return self.curves.index(", ".join(filter(None, texts)))
 
     def states(self) -> set[str]:

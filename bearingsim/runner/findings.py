@@ -193,7 +193,7 @@ def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
 def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of jobs in which parts of the record differ in line or RMS by more than ``STEP_ACCURACY``.
 
-    The initial transient is one reason, a record of few turns of a defect another.
+    Reasons are the initial transient, or a record of few revolutions of a defect.
 
     Jobs with random scatter (a standard error, or cage slip) are left out.
     """

@@ -90,7 +90,7 @@ def check_greeting(address: str, seconds: float) -> None:
         (size,) = struct.unpack("Q", _receive(peer, 8, deadline))
         greeting = _receive(peer, size, deadline) if size <= MAX_GREETING_BYTES else b""
         if GREETING_KEY not in greeting:
-            raise NotDask("it uses another protocol")
+            raise NotDask("another protocol")
         peer.sendall(struct.pack("Q", size) + greeting)  # echoed, so that the scheduler logs no error
 
 
@@ -114,7 +114,7 @@ def _receive(peer: socket.socket, count: int, deadline: float) -> bytes:
         except TimeoutError:
             raise NotDask("no greeting: a web server, or a hung scheduler") from None
         if not chunk:
-            raise NotDask("it closes the connection")
+            raise NotDask("connection closed")
         content += chunk
     return content
 
@@ -154,7 +154,7 @@ def _open_client(address: str) -> Client:
     except NotDask as error:
         advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
         raise SchedulerUnreachable(
-            f"what listens at {address} is not a dask scheduler ({error}): {advice}"
+            f"the program at {address} is not a dask scheduler ({error}): {advice}"
         ) from None
     except ValueError as error:
         raise SchedulerUnreachable(f"`{address}` cannot be used: {error}") from None

@@ -224,5 +224,5 @@ def other_run_notes(root: Path, plan: Mapping[str, Any], count: int) -> Iterator
         )
         yield (
             f"another run has replaced the plan of this folder; its table {difference}"
-            " (results are kept, run this command again for its own table)"
+            "; results are kept (repeat this command to restore its table)"
         )

@@ -26,7 +26,7 @@ SLICES = {
     "a sixth of the slices": 1.0 / 6.0,
 }
 """Candidates' numbers of slices relative to the case; the error is of second order in the slice width."""
-FEWEST_SLICES = 2
+MIN_SLICES = 2
 WITH_FRICTION = "reference with friction"
 """Name of the reference with a free cage and friction."""
 FINER = 2  # factor on slices or harmonics for the reference, and on nodes for the trial of their error
@@ -54,8 +54,8 @@ def with_friction(case: Case) -> Case | None:
     return reference(case).model_copy(update={"cage": Cage(), "friction": StaticDynamic()})
 
 
-def with_other_nodes(case: Case, is_reference: bool = True) -> tuple[Case, float] | None:
-    """Return a case with other nodes, and the ratio of its discretisation error to the resulting change.
+def remeshed(case: Case, is_reference: bool = True) -> tuple[Case, float] | None:
+    """Return a case on another mesh, and the ratio of its discretisation error to the resulting change.
 
     Nodes along defects are doubled. In a reference, harmonics are doubled as well, and slices are halved, because
     twice as many would exceed their limit. An error of first order is twice the change by doubling, or equal to
@@ -148,7 +148,7 @@ def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
     """Yield candidates with at most the slices of the case, each number of slices once."""
     slices = previous = int(case.contact.slices)
     for name, fraction in SLICES.items():
-        count = max(FEWEST_SLICES, round(fraction * slices))
+        count = max(MIN_SLICES, round(fraction * slices))
         if fraction == 1.0:
             yield name, {}
         elif count < previous:

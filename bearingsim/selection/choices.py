@@ -54,7 +54,7 @@ def _case(study: Study, study_cases: Sequence[Case], number: int, candidate: str
     )
     if computed is None:
         raise UserError(
-            f"choices.json names `{candidate}`, which cannot compute a case: remove it to decide again"
+            f"choices.json names `{candidate}`, which cannot compute a case: remove the file to choose again"
         )
     return computed
 

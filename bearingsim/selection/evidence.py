@@ -14,11 +14,11 @@ from bearingsim.selection.trials import TrialResults, trials_of
 from bearingsim.study import Study
 
 
-class Recut(NamedTuple):
-    """Case, the same case with other nodes, and the ratio of its discretisation error to their difference."""
+class MeshPair(NamedTuple):
+    """Case, the same case on another mesh, and the ratio of its discretisation error to their difference."""
 
     case: Case
-    recut_case: Case
+    remeshed_case: Case
     factor: float
 
 
@@ -46,25 +46,25 @@ class Evidence:
         }
 
     def turns(self, n: int) -> int:
-        """Return the number of turns in the trial of the reference of case ``n``, 0 if the trial failed."""
+        """Return the number of revolutions in the trial of the reference of case ``n``, 0 if the trial failed."""
         trial = self.trials.get(trials_of(self.study, n, reference(self.study.cases()[n]))[0].id)
         return 0 if trial is None else trial.turns
 
-    def node_errors(self, n: int, other: Recut) -> dict[str, float | None]:
+    def node_errors(self, n: int, other: MeshPair) -> dict[str, float | None]:
         """Return the discretisation errors for case number ``n``, by feature; None if unknown.
 
         No scatter is added for a periodic motion, because one period describes it completely.
         """
         assert self.study.goal is not None
-        values, recut_values = self._values(n, other.case), self._values(n, other.recut_case, other.case)
-        if not values or not recut_values:
+        values, remeshed_values = self._values(n, other.case), self._values(n, other.remeshed_case, other.case)
+        if not values or not remeshed_values:
             return dict.fromkeys(self.study.goal.of)
-        trials = [self.trials[trials_of(self.study, n, case)[0].id] for case in (other.case, other.recut_case)]
+        trials = [self.trials[trials_of(self.study, n, case)[0].id] for case in (other.case, other.remeshed_case)]
         is_periodic = all(trial is not None and trial.repeats for trial in trials)
         errors = {
-            name: abs(values[name].value - recut_values[name].value)
+            name: abs(values[name].value - remeshed_values[name].value)
             if is_periodic
-            else error(values[name], recut_values[name])
+            else error(values[name], remeshed_values[name])
             for name in values
         }
         shares = {name: other.factor * _relative(share, self.scales[name][n]) for name, share in errors.items()}

@@ -28,11 +28,11 @@ from bearingsim.simulation.trial import (
 from bearingsim.text.numbers import percent
 
 EARLY_END_FACTOR = 2.0
-"""Multiple of the allowed change by friction at which a trial ends after two turns of the cage."""
+"""Multiple of the allowed change by friction at which a trial ends after two revolutions of the cage."""
 
-TOO_SHORT = f"the record has fewer than {CAGE_TURNS} turns of the cage, too few to assess friction"
+TOO_SHORT = f"the record has fewer than {CAGE_TURNS} revolutions of the cage, too few to assess friction"
 NOT_PERIODIC = (
-    f"without friction it is not periodic, and half the record covers under {CAGE_TURNS} turns of the cage"
+    f"without friction it is not periodic, and half the record covers under {CAGE_TURNS} revolutions of the cage"
 )
 
 
@@ -71,18 +71,18 @@ class Friction:
 
     def _trials_of(self, n: int) -> list[TrialRequest]:
         """Return the trials of a case with friction, which may end early, and of its healthy counterpart."""
-        own, *baselines = trials_of(self.evidence.study, n, self._trial_case(n))
+        trial, *baselines = trials_of(self.evidence.study, n, self._trial_case(n))
         reference_values = self.evidence.reference_values[n]
-        names = [name for name in own.features if name in reference_values and name != LARGEST_FORCE]
+        names = [name for name in trial.features if name in reference_values and name != LARGEST_FORCE]
         limits = {name: EARLY_END_FACTOR * self.limit * self.evidence.scales[name][n] for name in names}
         early_end = ReferenceValues({name: reference_values[name].value for name in names}, limits)
-        return [replace(own, reference_values=(early_end,)), *baselines]
+        return [replace(trial, reference_values=(early_end,)), *baselines]
 
     def _trial_case(self, n: int) -> Case:
         """Return the case tried with friction for number ``n``; unchanged if its record may end early.
 
         Otherwise it settles as long as without friction, because the cage's remaining transient is then within the
-        scatter between cage turns.
+        scatter between cage revolutions.
         """
         case, study_case = self.friction_cases[n], self.evidence.study.cases()[n]
         if case.until is not None and lengthen_for_trial(case) == case:
@@ -139,5 +139,5 @@ class Friction:
 
     def _reason(self, change: float, name: str) -> str:
         if change == inf:
-            return f"friction changes {name} too much, or the record has too few cage turns to determine it"
+            return f"friction changes {name} too much, or the record has too few cage revolutions to determine it"
         return f"friction changes {name} by up to {percent(change)} on its curve, over {percent(self.limit)}"

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from bearingsim.config import Case
 from bearingsim.config.names import MEANS
-from bearingsim.selection.candidates import reference, with_friction, with_other_nodes
+from bearingsim.selection.candidates import reference, remeshed, with_friction
 from bearingsim.simulation.settling import cage_turn
 from bearingsim.simulation.trial import ReferenceValues, Trial, defect_turn, shows_friction, trial_passes
 from bearingsim.study import Study, healthy_case
@@ -72,12 +72,10 @@ def required_healthy_case(study: Study, case: Case) -> Case | None:
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[TrialRequest]:
-    """Return the trials of the references, each once; none if too short for friction and without other nodes."""
+    """Return the trials of the references, each once; none if too short for friction and without another mesh."""
     cases = study.cases()
     useful = [
-        n
-        for n in numbers
-        if shows_friction(cases[n]) or with_friction(cases[n]) is None or with_other_nodes(cases[n])
+        n for n in numbers if shows_friction(cases[n]) or with_friction(cases[n]) is None or remeshed(cases[n])
     ]
     return unique([trial for n in useful for trial in trials_of(study, n, reference(cases[n]))])
 

@@ -9,9 +9,9 @@ from bearingsim.signals.spectra import hann
 
 MIN_PROMINENCE = 2.0  # ratio to the local median; leakage and ripple can reach 1.5
 MIN_HALF_WIDTH = 0.75  # bins, half width of the narrowest resolvable frequency window
-PADDING = 4  # least samples of the spectrum per bin
+PADDING = 4  # minimum number of samples of the spectrum per bin
 MARGIN = 6.0  # bins beyond the frequency window in which lines are resolved together
-MIN_SEPARATION = 1.5  # bins, least distance of two lines
+MIN_SEPARATION = 1.5  # bins, minimum distance of two lines
 SHOULDER = 3.0, 0.05  # bins, and share of a line: a weaker line within this distance is its shoulder
 MIN_LINE = 1e-3  # relative to the strongest line nearby
 MAX_LINES = 12  # lines resolved together

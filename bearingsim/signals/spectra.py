@@ -76,7 +76,7 @@ def analytic(one_sided: np.ndarray, n: int) -> np.ndarray:
 
 
 FLAT = 0.4
-"""Fraction of the sampling rate up to which records of this program are unaltered. Residual content between 0.5
+"""Fraction of the sampling rate up to which records of bearingsim are unaltered. Residual content between 0.5
 and 0.6 of the sampling rate aliases to frequencies without lines and would appear in an envelope spectrum."""
 
 

@@ -53,8 +53,8 @@ def features(
 def statistics(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Return RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
 
-    They are computed from the low-passed motion at fine samples, so peaks between two samples of the record count.
-    A raw record (`antialias: false`) is evaluated at its own samples.
+    They are computed from the low-passed motion at fine samples, so peaks between two samples of the record are
+    included. A raw record (`antialias: false`) is evaluated at its own samples.
     """
     motion = _low_passed_motion(case, grid, raw) if case.antialias else _raw_motion(case, grid, raw)
     return {
@@ -152,7 +152,7 @@ def band_of(case: Case, feature: BandFeature) -> Band:
 
 
 def resolves(band: Band, duration: float) -> bool:
-    """Check if ``duration`` (s) covers a period of a band's lowest frequency and of its width."""
+    """Check if ``duration`` (s) is at least 1/low and 1/(high - low) of a band."""
     return (band.low == 0.0 or band.low * duration >= 1.0) and (band.high - band.low) * duration >= 1.0
 
 
@@ -172,7 +172,7 @@ def _envelope_line(
 
 
 class NotRecorded(UserError, KeyError):
-    """Access of a feature to a series that its case does not record."""
+    """Error for a feature that reads a series that its case does not record."""
 
 
 class RecordedSeries(dict[str, np.ndarray]):

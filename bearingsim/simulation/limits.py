@@ -168,7 +168,7 @@ def impact_force(model: Any, load: float) -> float:
 
 
 APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0
-"""Factors on the approach and energy expected from load, speed and defects, beyond which a run is stopped.
+"""Ratios of approach and energy to those expected from load, speed and defects, above which a run is stopped.
 
 Measured in docs/evidence/step_check.md. They are large because lightly damped vibration may build up over many
 ball passes.

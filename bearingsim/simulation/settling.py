@@ -32,9 +32,9 @@ times the RMS, and must fall below 5e-4 of the RMS, a tenth of the smallest accu
 MIN_SETTLING, MAX_SETTLING = 0.05, 10.0  # s, bounds of `settle: auto`
 FAST_DECAY = 0.05  # part of a mode left after a ball pass below which no extrapolation is needed
 WAITING_PASSES = 2  # ball passes after which only slow modes are left
-EXTRAPOLATIONS, MOST_PASSES = 6, 120  # usual number of extrapolations; largest number of ball passes for them
+EXTRAPOLATIONS, MAX_PASSES = 6, 120  # usual number of extrapolations; largest number of ball passes for them
 NOTABLE_TRANSIENT = 0.01  # part of the transient left at the start of the record that is reported or refused
-CAGE_TURNS = 5.0  # turns of a free cage to settle
+CAGE_TURNS = 5.0  # revolutions of a free cage to settle
 CAGE_TURNS_EARLY = 2.0
 """Turns of a free cage to settle before a record with `until`, without drag; the remaining transient changes line
 and RMS by 0.03 % (docs/evidence/early_ends.md)."""
@@ -87,7 +87,7 @@ def has_free_cage(case: Case) -> bool:
 
 
 def cage_turn(case: Case) -> float:
-    """Return the time (s) of a turn of the cage."""
+    """Return the time (s) of a revolution of the cage."""
     return case.bearing.rollers / case.bearing.ball_pass_frequency(case.speed)
 
 
@@ -110,7 +110,7 @@ def slow_modes(case: Case) -> int:
 def extrapolation_passes(case: Case) -> int:
     """Estimate the ball passes needed to extrapolate the steady motion."""
     count = slow_modes(case)
-    return min(EXTRAPOLATIONS * (WAITING_PASSES + count + 2), MOST_PASSES) if count > 0 else 0
+    return min(EXTRAPOLATIONS * (WAITING_PASSES + count + 2), MAX_PASSES) if count > 0 else 0
 
 
 def modes(case: Case) -> tuple[complex, ...]:
@@ -210,7 +210,7 @@ class SlowModes:
         rate: ball passes per second (Hz); tolerance: fraction of the first change below which the motion is
         steady.
         """
-        passes = int(min(MOST_PASSES, case.settle_s * rate))
+        passes = int(min(MAX_PASSES, case.settle_s * rate))
         count = slow_modes(case)
         return cls(model, count, passes, tolerance) if count > 0 else None
 

@@ -130,13 +130,13 @@ def _decay_errors(case: Case, passes: Passes, rate: float, standard_errors: Stan
 def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
     """Estimate the relative standard error of the largest force of a record that scatters at random.
 
-    forces: (n,) largest outer force (N) of each ball pass; rollers: passes in a turn of the cage; quarter: passes
-    in a quarter of the record, at most n / PARTS.
+    forces: (n,) largest outer force (N) of each ball pass; rollers: passes per revolution of the cage; quarter:
+    passes in a quarter of the record, at most n / PARTS.
 
     If the tail of the distribution is exponential, the maximum of a sample has the same standard deviation as the
     maxima of its parts (Gumbel); if it is bounded, a smaller one. The parts are the rollers, because each keeps
-    its position in its pocket for tens of turns. Their maxima above the median give the scatter; quarters of the
-    record add the changes common to all rollers.
+    its position in its pocket for tens of revolutions. Their maxima above the median give the scatter; quarters
+    of the record add the changes common to all rollers.
     """
     roller_maxima = np.array([forces[n::rollers].max() for n in range(min(rollers, len(forces)))])
     quarter_maxima = forces[: PARTS * quarter].reshape(PARTS, quarter).max(axis=1)

@@ -100,7 +100,7 @@ def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str,
     Raises one of UNREADABLE for a damaged file, and for columns without one value per job.
     """
     tables = [name for group in groups for name in _tables(file, group)]
-    file.afford("the sum of its columns", file.cost("job", *tables))
+    file.check_size("the sum of its columns", file.cost("job", *tables))
     jobs = file.texts("job")
     by_name = {f"{group}/{name}": column for group in groups for name, column in _group(file, group)}
     for name, column in by_name.items():

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from bearingsim.errors import ResultsError, UserError
 from bearingsim.store import own_files
+from bearingsim.store.checked_units import check_units
 from bearingsim.store.files import full_disk_errors, lock, lock_leftover, temporary
 from bearingsim.store.journal import Failure, load_failures, log
 from bearingsim.store.marker import ForeignFolder, OtherStudy, claim, mark, owner
 from bearingsim.store.results import open_results, results_folder
 from bearingsim.store.sealed import mark_damaged
-from bearingsim.store.stock import check_units
 from bearingsim.store.table import STUDY_FILE, read_frame
 
 if TYPE_CHECKING:
@@ -51,16 +51,16 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     """
     frame = read_frame(root, groups=())
     units = own_files.UNITS.find(root)
-    stock = check_units(units, frame, {}, verify)
+    checked = check_units(units, frame, {}, verify)
     failures, unreadable = load_failures(root)
-    damaged = stock.damaged | unreadable
+    damaged = checked.damaged | unreadable
     for path, reason in damaged.items():
         mark_damaged(path)
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
-    jobs = set() if frame is None else set(frame.index[frame["unit"].isin(stock.in_table)])
-    jobs = jobs.union(*(rows.index for rows in stock.rows.values()))
+    jobs = set() if frame is None else set(frame.index[frame["unit"].isin(checked.in_table)])
+    jobs = jobs.union(*(rows.index for rows in checked.rows.values()))
     names = frozenset(path.stem for path in units)
-    return Holdings(names, jobs, failures, stock.rows, [str(path.relative_to(root)) for path in damaged])
+    return Holdings(names, jobs, failures, checked.rows, [str(path.relative_to(root)) for path in damaged])
 
 
 @contextmanager

@@ -74,7 +74,7 @@ def _failure(path: Path) -> Failure:
     check(layouts.Failure, entries)
     values = {field.name: entries[field.name] for field in fields(Failure) if field.name in entries}
     command = _safe_command(str(values.get("command", "")))
-    return Failure(**{"reason": "not known", **values, "job": path.stem, "command": command})
+    return Failure(**{"reason": "unknown", **values, "job": path.stem, "command": command})
 
 
 def _safe_command(text: str) -> str:
@@ -92,7 +92,7 @@ def read_failures(root: Path) -> dict[str, Failure]:
     """Read the stored failures by job id; warn of unreadable files."""
     failures, damaged = load_failures(root)
     for path, reason in damaged.items():
-        text = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
+        text = f"{path} cannot be read ({reason}); its job counts as missing. Run the study again."
         warnings.warn(text, DamageWarning, stacklevel=2)
     return failures
 

@@ -1,6 +1,6 @@
 """Copies of the scans and roundness profiles of a study in its results folder.
 
-They make the original files unnecessary.
+With these copies the results folder does not depend on the original files.
 """
 
 import re
@@ -124,5 +124,5 @@ def _content(path: Path, digest: str) -> bytes:
     except OSError as error:
         raise ScanError(f"`{path}` cannot be read: {error.strerror}") from None
     if digest_of(content) != digest:
-        raise ScanError(f"`{path}` has changed since the study was read", "run it again")
+        raise ScanError(f"`{path}` has changed since the study was read", "run the study again")
     return content

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from bearingsim.config.names import read_band
 from bearingsim.errors import DamageWarning
 from bearingsim.store import regular
+from bearingsim.store.checked_units import Rows, check_units
 from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
 from bearingsim.store.files import DiskFull, lock, write_text
 from bearingsim.store.journal import Failure, read_failures
@@ -28,7 +29,6 @@ from bearingsim.store.own_files import FAILURES, UNITS
 from bearingsim.store.provenance import study_digest
 from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
-from bearingsim.store.stock import Rows, check_units
 from bearingsim.text.spreadsheets import csv_text
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def read_plan(root: Path) -> dict[str, Any]:
 
 
 def read_study_text(root: Path) -> str:
-    """Read the copy of the study file in a folder. Raises one of UNREADABLE if it is missing or no text."""
+    """Read the copy of the study file in a folder. Raises one of UNREADABLE if it is missing or not text."""
     return regular.read_regular(root / STUDY_FILE).decode()
 
 
@@ -203,7 +203,7 @@ def info(frame: "pd.DataFrame") -> "pd.DataFrame":
     return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
 
 
-# Making the frame
+# Construction of the frame
 
 
 def _make_frame(
@@ -233,19 +233,19 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
     """Collect the rows of all intact units; a job in several units is read from the first."""
     import pandas as pd
 
-    stock = check_units(UNITS.find(root), table_rows, rows)
-    for path, reason in stock.damaged.items():
-        text = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
+    checked = check_units(UNITS.find(root), table_rows, rows)
+    for path, reason in checked.damaged.items():
+        text = f"{path} cannot be read ({reason}); its jobs count as missing. Run the study again."
         warnings.warn(text, DamageWarning, stacklevel=2)
     empty = {name: pd.Series(dtype=object) for name in ("unit", "stamp")}
-    frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *stock.rows.values()]
+    frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *checked.rows.values()]
     if table_rows is not None:
-        unchanged_rows = table_rows[table_rows["unit"].isin(stock.in_table)].drop(
+        unchanged_rows = table_rows[table_rows["unit"].isin(checked.in_table)].drop(
             columns=["status", "reason", "healthy"]
         )
         frames.append(unchanged_rows.loc[:, ~unchanged_rows.columns.str.endswith("-healthy")])
-    rows_found = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
-    return rows_found[~rows_found.index.duplicated()]
+    intact_rows = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
+    return intact_rows[~intact_rows.index.duplicated()]
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -313,7 +313,7 @@ def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFra
 
     try:
         with open_hdf5(root / "study.h5") as file:
-            file.afford("its columns", file.cost("job", *JOB_COLUMNS))
+            file.check_size("its columns", file.cost("job", *JOB_COLUMNS))
             columns = read_columns(file, groups) | {name: file.texts(name) for name in JOB_COLUMNS}
             digests = {name: file.attribute(name) for name in DIGESTS}
     except UNREADABLE:

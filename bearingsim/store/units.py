@@ -292,7 +292,7 @@ def _series(file: Hdf5, row: int, rows: int) -> Series:
     names = _channels(file)
     if not names:
         return Series(np.empty(0), {}, {})
-    file.afford("the series of a job", file.cost("time") + file.cost(*names) / rows)
+    file.check_size("the series of a job", file.cost("time") + file.cost(*names) / rows)
     channels = {name: file.numbers(name, row) for name in names}
     return Series(file.numbers("time"), channels, {name: channel_unit(name) for name in names})
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bearingsim.designs import EXTENDED, Kind, block, cube
+from bearingsim.designs import EXTENSIBLE, Kind, block, cube
 from bearingsim.study.distributions import at_key, range_of, si_bounds
 from bearingsim.study.sweep import Axis, EntryError
 from bearingsim.study.words import SweepSettings
@@ -68,7 +68,7 @@ class SampledDesign:
 
     def notes(self) -> Iterator[str]:
         """Yield remarks on the choice of ``n``."""
-        if self.kind not in EXTENDED:
+        if self.kind not in EXTENSIBLE:
             yield f"{self.kind} cannot be extended with a larger `n`; `sobol` can"
         if self.kind in ("sobol", "saltelli") and self.n & (self.n - 1):
             yield f"{self.kind}: points are evenly spread only if `n` is a power of two, unlike {self.n}"
@@ -98,7 +98,7 @@ def _read_design(kind: Kind, entry: Node, max_rows: int) -> tuple[SampledDesign,
         raise EntryError(entry, f": expected a mapping such as `{EXAMPLE}`")
     for key, node in entry.mapping.items():
         if key not in KEYS:
-            hint = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
+            hint = suggestion(key, KEYS) or f"valid: {', '.join(KEYS)}"
             raise EntryError(at_key(node), f": unknown key `{key}`", hint)
     missing = next((key for key in ("n", "over") if key not in entry.mapping), None)
     if missing:

@@ -182,7 +182,7 @@ def _message(details: ErrorDetails) -> tuple[str, str | None]:
 
 def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
     keys = _keys_at(path[:-1], tree)
-    return f"unknown key `{name}`", path_hint(name, keys, label(path[:-1], 0)) or f"known: {', '.join(keys)}"
+    return f"unknown key `{name}`", path_hint(name, keys, label(path[:-1], 0)) or f"valid: {', '.join(keys)}"
 
 
 def _keys_at(path: Path, tree: Node) -> list[str]:

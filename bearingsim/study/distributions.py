@@ -45,7 +45,7 @@ class Range(NamedTuple):
 
 
 def range_of(path: str, node: Node) -> Range:
-    """Read the range of a path. Raises Wrong."""
+    """Read the range of a path. Raises EntryError."""
     try:
         return _read(path, node)
     except EntryError as error:

@@ -35,7 +35,7 @@ KEYS = ("kind", "y", "x", "by", "panels", "where", "title", "log", *VIEW_KEYS.va
 class Figure:
     """Figure of a study, of a ``kind`` in ``figure_kinds.KINDS``.
 
-    y: features, or channels of single jobs, with default if empty; x: swept path on the x axis, empty for signals;
+    y: features, or channels of single jobs; empty for the default; x: swept path on the x axis, empty for signals;
     by: paths with one curve per value; panels: paths with one row of axes per value; where: selection of cases by
     path and value; log: axes with a logarithmic scale; view: displayed part and scale.
     """
@@ -125,7 +125,7 @@ def check_computed(section: Node | None, models: Collection[str], problems: list
             )
             if not set(candidates) & set(models):
                 words = " or ".join(f"`model: {model}`" for model in candidates)
-                message = f"figures: no model of the study has `{feature.text}`"
+                message = f"figures: no model of the study computes `{feature.text}`"
                 problems.append(problem(feature.mark, message, f"use {words}"))
 
 
@@ -222,7 +222,7 @@ def _check_keys(node: Node, problems: list[Problem], required: Collection[str]) 
     if "x" in node.mapping and not isinstance(node.mapping["x"].value, str):
         problems.append(problem(node.mapping["x"].mark, "figures.x: expected one swept path"))
     if "title" in node.mapping and not isinstance(node.mapping["title"].value, str):
-        problems.append(problem(node.mapping["title"].mark, "figures.title: expected a text"))
+        problems.append(problem(node.mapping["title"].mark, "figures.title: expected text"))
     if "where" in node.mapping and not isinstance(node.mapping["where"].value, dict):
         problems.append(problem(node.mapping["where"].mark, "figures.where: expected `{path: value}`"))
 
@@ -238,7 +238,7 @@ def _check_word(
     where: str, word: str, node: Node, words: Collection[str], noun: str, problems: list[Problem]
 ) -> None:
     if word not in words:
-        choices = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
+        choices = "valid: " + ", ".join(words) if 0 < len(words) < 10 else None
         band = f"bands are named as in {EXAMPLES}" if words is PLOT_COLUMNS and _resembles_band(word) else ""
         hint = (
             (explanation(word) or band or suggestion(word, words) or choices)

@@ -41,7 +41,7 @@ def sampled_rows(axis: Axis) -> list[int]:
 
 
 def _extremes_and_words(path: str, column: Sequence[Node]) -> list[int]:
-    """List the rows of a column with the least and the greatest number, and the first row with each word."""
+    """List the rows of a column with the smallest and the largest number, and the first row with each word."""
     first_with_word: dict[str, int] = {}
     first_with_number: dict[float, int] = {}
     unit_kind = dimension(path)

@@ -89,7 +89,7 @@ def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[P
     entries = section.mapping if isinstance(section.value, dict) else {"within": section}
     for key, node in entries.items():
         if key not in ("within", "of"):
-            hint = suggestion(key, ["within", "of"]) or "known: within, of"
+            hint = suggestion(key, ["within", "of"]) or "valid: within, of"
             problems.append(problem(node.key or node.mark, f"accuracy: unknown key `{key}`", hint))
     if "within" not in entries:
         problems.append(problem(mark, "accuracy: `within` is missing", "as in `{within: 2 %}`"))
@@ -153,13 +153,13 @@ def check_goal(
     for path, reason in EXCLUDED_KEYS.items():
         message, advice = (
             f"`{path}` cannot be combined with `accuracy`, {reason}",
-            f"leave `{path}` out, or `accuracy`",
+            f"remove `{path}` or `accuracy`",
         )
         allowed = AUTO if reason == STEP_REASON else None
         entries = [entry for entry in _entries(root, path, swept) if entry.value != allowed]
         problems += [problem(_mark_of(entry), message, advice) for entry in entries]
         if overrides.get(path, allowed) != allowed and path not in swept:
-            problems.append(problem(mark, message, f"leave out --set {path}"))
+            problems.append(problem(mark, message, f"remove --set {path}"))
     for path, reason in SINGLE_VALUE_KEYS.items():
         if path in swept:
             message = f"`{path}` cannot be swept with `accuracy`, {reason}"
@@ -167,7 +167,7 @@ def check_goal(
     if not all(case.step_check for case in cases):
         message = "`accuracy` needs `step_check`, which bounds the error of the step"
         entry_mark = next(map(_mark_of, _entries(root, "step_check", swept)), mark)
-        problems.append(problem(entry_mark, message, "leave it out"))
+        problems.append(problem(entry_mark, message, "remove `step_check: false`"))
     for case in cases:
         unmet = hierarchy.omitted_needs(case) if case.rig.ring is not None else []
         if unmet:

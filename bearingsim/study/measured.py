@@ -29,7 +29,7 @@ from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 KEYS = ("points", "signals", "label", "scale")
 SIGNAL_KEYS = ("file", "at", "rate", "speed", "unit", "channel", "full_scale")
-MOST_SIGNALS = 100
+MAX_SIGNALS = 100
 """Limit of the signals of an entry."""
 SIGNED = (".phase", "-healthy", "cage.slip.mean")
 """Endings of the features that can be negative."""
@@ -108,7 +108,7 @@ class _Reader:
         unknown = [key for key in node.mapping if key not in keys]
         for key in unknown:
             mark = node.mapping[key].key or node.mark
-            hint = suggestion(key, keys) or f"known: {', '.join(keys)}"
+            hint = suggestion(key, keys) or f"valid: {', '.join(keys)}"
             self.fail(mark, f"{place}: unknown key `{key}`", hint)
         return not unknown
 
@@ -227,10 +227,10 @@ class _Reader:
 
     def signals(self, section: Node) -> Iterator[MeasuredPoint]:
         """Yield a point with the features of each signal."""
-        if not section.items or len(section.items) > MOST_SIGNALS:
-            message = f"measured: expected a list of up to {MOST_SIGNALS} signals"
+        if not section.items or len(section.items) > MAX_SIGNALS:
+            message = f"measured: expected a list of up to {MAX_SIGNALS} signals"
             self.fail(section.mark, message, "as in `[{file: run1.wav, at: {load: 150 N}}]`")
-        for node in section.items[:MOST_SIGNALS]:
+        for node in section.items[:MAX_SIGNALS]:
             if self.check_keys(node, SIGNAL_KEYS, "measured: signals"):
                 yield from self.signal(node)
 
@@ -334,7 +334,7 @@ class _Reader:
 
 
 def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
-    """Check if a value is between the least and the largest swept number, or a swept word."""
+    """Check if a value is between the smallest and the largest swept number, or a swept word."""
     numbers = [number for number in swept if not isinstance(number, str)]
     if isinstance(value, str) or not numbers:
         return value in swept

@@ -22,18 +22,18 @@ from bearingsim.study.measured_values import SignalFile
 
 TOLERANCE = 0.02
 """Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
-LEAST_PROMINENCE = 4.0
-"""Least ratio of a line to the local median; white noise alone reaches 3 to 4."""
-LEAST_RATIO = 1.2
-"""Least ratio of sampling rates from which the low-pass of the slower one, zero at 0.6 of it, can be applied."""
+MIN_PROMINENCE = 4.0
+"""Minimum ratio of a line to the local median; white noise alone reaches 3 to 4."""
+MIN_RATIO = 1.2
+"""Minimum ratio of sampling rates for the low-pass of the slower one, which is zero at 0.6 of its rate."""
 SAME = 1e-3
 """Relative difference up to which sampling rates are equal."""
-LEAST_PASSES = 20
+MIN_PASSES = 20
 """Ball passes below which a remark is made: level and lines of fewer depend on where the record begins."""
 OPTIONS = re.compile(r"`(--[a-z][^`]*)`")
 """Options of commands, quoted in a message."""
-LEAST_BINS = 3.0
-"""Least distance of a line from zero, in lines of the spectrum."""
+MIN_BINS = 3.0
+"""Minimum distance of a line from zero, in lines of the spectrum."""
 
 
 class MeasuredSignal(NamedTuple):
@@ -62,7 +62,7 @@ def signal_point(
     if signal.fs < case.sampling * (1.0 - SAME):
         remarks.append(
             f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {case.sampling:g} Hz: "
-            "RMS, peak and shape of the two do not compare"
+            "their RMS, peak and shape are not comparable"
         )
     remarks += _remarks_on_passes(path, signal, case)
     values = dict(_features(signal, case.sampling, features))
@@ -73,16 +73,16 @@ def signal_point(
 def _remarks_on_passes(path: Path, signal: MeasuredSignal, case: Case) -> Iterator[str]:
     """Yield remarks on a record of few ball passes, and on a speed that is not the case's."""
     slowest, seconds = min(signal.lines.outer, signal.lines.inner), len(signal.series) / signal.fs
-    if seconds * slowest < LEAST_PASSES:
+    if seconds * slowest < MIN_PASSES:
         yield (
-            f"{path.name} lasts {seconds:.3g} s, under {LEAST_PASSES} ball passes: its values depend on where it "
-            f"begins; {LEAST_PASSES / slowest:.3g} s are enough"
+            f"{path.name} lasts {seconds:.3g} s, under {MIN_PASSES} ball passes: its values depend on where it "
+            f"begins; {MIN_PASSES / slowest:.3g} s are enough"
         )
     speed = case.speed / (2.0 * np.pi)
     if abs(signal.lines.shaft - speed) > TOLERANCE * speed:
         yield (
-            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, the case it is compared with turns "
-            f"at {60.0 * speed:.6g} rpm: levels depend on the speed"
+            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, its case "
+            f"is simulated at {60.0 * speed:.6g} rpm: levels depend on the speed"
         )
 
 
@@ -100,7 +100,7 @@ def _keys(options: str) -> Iterator[str]:
 def read_series(file: SignalFile) -> tuple[np.ndarray, float]:
     """Read a signal again: its series (n,) in SI, and sampling rate (Hz).
 
-    Raises MeasuredError, and OSError if the file is not there.
+    Raises MeasuredError, and OSError if the file does not exist.
     """
     _, _, series, fs = _series(Path(file.path), read(Path(file.path), Request(**file.request)))
     return series, fs
@@ -154,12 +154,12 @@ def _features(signal: MeasuredSignal, sampling: float, names: Sequence[str]) -> 
 def _low_passed(signal: MeasuredSignal, sampling: float) -> np.ndarray:
     """Return the series (n,) through the low-pass of a simulated record sampled at ``sampling`` (Hz).
 
-    A series that is sampled about as fast has passed a low-pass of its own, and is returned as it is.
+    A series that is sampled about as fast has passed a low-pass of its own, and is returned unchanged.
     """
     from bearingsim.core.sampling import sampling_kernel
 
     ratio = signal.fs / sampling
-    if ratio < LEAST_RATIO:
+    if ratio < MIN_RATIO:
         return signal.series
     taps = sampling_kernel(ratio)
     reach = len(taps) // 2
@@ -183,9 +183,9 @@ def frequency_of(line: Line, lines: Lines) -> float:
 
 
 def _amplitude(frequency: np.ndarray, amplitude: np.ndarray, expected: float) -> float:
-    """Return the amplitude of the line near an expected frequency (Hz); nan if none stands out, or is resolved."""
+    """Return the amplitude of the line near an expected frequency (Hz); nan if none is prominent or resolved."""
     step = float(frequency[1])
-    if not LEAST_BINS * step < expected * (1.0 + TOLERANCE) < float(frequency[-1]):
+    if not MIN_BINS * step < expected * (1.0 + TOLERANCE) < float(frequency[-1]):
         return float("nan")
     line = pick_from(frequency, amplitude, expected, TOLERANCE)
-    return float("nan") if line is None or line.prominence < LEAST_PROMINENCE else line.amplitude
+    return float("nan") if line is None or line.prominence < MIN_PROMINENCE else line.amplitude

@@ -10,7 +10,7 @@ from bearingsim.measured.tables import SEPARATORS, decoded
 from bearingsim.text.numbers import is_number
 from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, problem
 
-MOST_BYTES = MAX_CHARACTERS
+MAX_BYTES = MAX_CHARACTERS
 """Limit of the size of a table, some thousand rows."""
 COMMENT = "#"
 
@@ -28,9 +28,9 @@ def table_rows(
     def fail(mark: Mark, message: str, hint: str | None = None) -> None:
         problems.append(problem(mark, message, hint))
 
-    if path.stat().st_size > MOST_BYTES:
+    if path.stat().st_size > MAX_BYTES:
         hint = "give means of repeated measurements, or fewer columns"
-        fail(Mark(str(path)), f"has over {MOST_BYTES // 1000} kB, too much for a table of points", hint)
+        fail(Mark(str(path)), f"has over {MAX_BYTES // 1000} kB, too much for a table of points", hint)
         return
     try:
         _, text = decoded(path, path.read_bytes())

@@ -25,7 +25,7 @@ RangeCheck = tuple[Callable[[Case], float], Callable[[Case], str]]
 
 
 MIN_SAMPLES = 8.0
-"""Least samples of the record per crossing of a defect, for series and statistics to resolve the impact."""
+"""Minimum samples of the record per crossing of a defect, for series and statistics to resolve the impact."""
 RECORD_SUFFIXES = (".rms", ".peak", ".crest", ".kurtosis")
 """Suffixes of the features that are statistics of the record."""
 

@@ -61,7 +61,7 @@ class Relations:
         return bool(self.derived or self.where)
 
     def complete(self, tree: Node) -> Row | None:
-        """Compute the derived values of a case; None if a condition excludes the case. Raises Valueless."""
+        """Compute the derived values of a case; None if a condition excludes the case. Raises UndefinedValue."""
         row: Row = []
         for relation in self.derived:
             node = relation.node(self._value(f"derived.{relation.path}", relation.formula, tree))
@@ -74,11 +74,11 @@ class Relations:
         return row
 
     def no_cases_problem(self) -> Problem:
-        """Return the problem of a study without cases, located at the condition that excludes most."""
+        """Return the problem that no case is left, located at the condition that excludes most cases."""
         (number, _), *_ = self.excluded.most_common(1)
         count = self.excluded.total()
         subject = f"all {count} combinations are" if count > 1 else "the only combination is"
-        return problem(self.where[number].node.mark, f"where: {subject} left out")
+        return problem(self.where[number].node.mark, f"where: {subject} excluded")
 
     def _value(self, label: str, formula: Expression, tree: Node) -> float:
         try:
@@ -163,7 +163,7 @@ def _derived(
     try:
         location = key_path(path)
         if swept(location):
-            problems.append(problem(key, f"`{path}` is swept, and derived"))
+            problems.append(problem(key, f"`{path}` is both swept and derived"))
             return None
         formula = read(node)
         kind, expected_kind = formula.kind(lambda name: _kind(name, key_path)), dimension(path)

@@ -32,7 +32,7 @@ def load_rolling_parts(name: str) -> RollingParts:
     problems = list(document.problems)
     for key, node in document.root.mapping.items():
         if key not in KEYS:
-            hint = advice(key, KEYS) or f"known: {', '.join(KEYS)}"
+            hint = advice(key, KEYS) or f"valid: {', '.join(KEYS)}"
             problems.append(problem(node.key or node.mark, f"bearing: unknown key `{key}`", hint))
     tree = Node({"bearing": replace(_used_keys(document.root), mark=mark)}, mark)
     data: Any = plain(tree)

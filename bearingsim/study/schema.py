@@ -197,7 +197,7 @@ def _one_or_many(schema: Schema) -> Schema:
     return one_of([schema, {"type": "array", "items": schema, "minItems": 1}])
 
 
-# Settings of a study apart from its cases
+# Settings of a study outside its cases
 
 
 def _sweep(required: list[str]) -> Schema:

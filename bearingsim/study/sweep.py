@@ -74,7 +74,7 @@ def is_sweep(node: Node) -> bool:
 
 
 def replace_axis(axes: list[Axis], new: Axis) -> list[Axis]:
-    """Replace all axes of the paths of ``new`` by it; append it if there are none."""
+    """Replace all axes that sweep a path of ``new`` by ``new``; append it if there are none."""
     result: list[Axis] = []
     placed = False
     for axis in axes:
@@ -121,7 +121,7 @@ def _axis(entries: dict[str, Node], problems: list[Problem]) -> Axis | None:
 def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
     """Read the values of one entry. For an invalid entry, add a problem and return an empty tuple."""
     if "over" in node.mapping:
-        hint = suggestion(path, KINDS) or f"known: {', '.join(KINDS)}"
+        hint = suggestion(path, KINDS) or f"valid: {', '.join(KINDS)}"
         problems.append(problem(node.key or node.mark, f"sweep: there is no design `{path}`", hint))
         return ()
     try:
@@ -159,7 +159,7 @@ def _generate(node: Node) -> tuple[Node, ...]:
 
 
 def number_in(node: Node, unit: str | None) -> tuple[float, str]:
-    """Return the number of a quantity, in ``unit`` if given, and its unit as written. Raises Wrong."""
+    """Return the number of a quantity, in ``unit`` if given, and its unit as written. Raises EntryError."""
     if not isinstance(node.value, str):
         raise EntryError(node, "expected a number with its unit")
     try:
@@ -209,7 +209,7 @@ def _geometric(a: float, b: float, t: float) -> float:
 
 
 def repeat_axes(node: Node, problems: list[Problem]) -> list[Axis]:
-    """Return the axis of `repeat: N`, the seeds 1 to N. For an invalid value, add a problem and return none."""
+    """Return the axis of `repeat: N`, the seeds 1 to N. For an invalid value, add a problem; the list is empty."""
     is_number = isinstance(node.value, str) and re.fullmatch(r"\d{1,6}", node.value, re.ASCII)
     if not is_number or not 1 <= int(node.text) <= MAX_VALUES:
         message = (
@@ -229,13 +229,13 @@ def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
     if not steps >= 0.0:
         raise EntryError(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")
     if steps >= MAX_VALUES:
-        raise EntryError(step, f"a step of `{step.text}` makes more than {MAX_VALUES} values: use a larger one")
+        raise EntryError(step, f"a step of `{step.text}` gives more than {MAX_VALUES} values: use a larger step")
     count = math.floor(steps + 1e-9)
     return (start, *(number_node(a + i * h, unit, start) for i in range(1, count + 1)))
 
 
 def number_node(number: float, unit: str, source: Node) -> Node:
-    """Return a number as written in a file, at the position of ``source``.
+    """Return the node of a number as it would be written in a file, at the position of ``source``.
 
     It has 12 digits, as in the hashes of job ids, so that ids agree between machines.
     """

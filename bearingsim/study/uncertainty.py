@@ -177,7 +177,7 @@ def parse_uncertainty(section: Node | None, problems: list[Problem]) -> tuple[Un
 def _parse_parameter(name: str, node: Node, problems: list[Problem]) -> UncertainParameter | None:
     kind = PARAMETER_KINDS.get(name)
     if kind is None:
-        hint = suggestion(name, list(PARAMETER_KINDS)) or f"known: {', '.join(PARAMETER_KINDS)}"
+        hint = suggestion(name, list(PARAMETER_KINDS)) or f"valid: {', '.join(PARAMETER_KINDS)}"
         problems.append(problem(node.key or node.mark, f"uncertainty: unknown key `{name}`", hint))
         return None
     if kind.choices:
@@ -264,9 +264,9 @@ def _support_refusal(case: Case, has_models: bool) -> tuple[str, str] | None:
     models = [model.name for model in MODELS.values() if BENDING_RING in model.abilities]
     if case.model not in models:
         words = " or ".join(f"`model: {name}`" for name in models)
-        return f"the {case.model} model has no flexible ring", f"use {words}, or leave `support` out"
+        return f"the {case.model} model has no flexible ring", f"use {words}, or remove `support`"
     if case.rig.ring is not None:
-        return "the rig already defines the support of its ring", "leave `support` out, or use `bends: false`"
+        return "the rig already defines the support of its ring", "remove `support`, or use `bends: false`"
     return None
 
 
@@ -280,9 +280,9 @@ def _no_refusal(case: Case, has_models: bool) -> Refusal:
 
 def _form_refusal(case: Case, has_models: bool) -> Refusal:
     if "form" not in MODELS[case.model].abilities:
-        return f"the {case.model} model has smooth surfaces", "use `model: planar`, or leave `form` out"
+        return f"the {case.model} model has smooth surfaces", "use `model: planar`, or remove `form`"
     if case.surfaces is not None and (case.surfaces.outer or case.surfaces.inner):
-        return "`surfaces` already gives the form of the races", "leave `form` out, or the races"
+        return "`surfaces` already gives the form of the races", "remove `form`, or the races"
     return None
 
 
@@ -294,17 +294,17 @@ def _shaft_refusal(case: Case, has_models: bool) -> Refusal:
 
 def _ring_mass_refusal(case: Case, has_models: bool) -> Refusal:
     if "damping" not in MODELS[case.model].abilities or not MODELS[case.model].loaded:
-        return f"the results of {case.model} do not depend on it", "use another model, or leave `ring_mass` out"
+        return f"the results of {case.model} do not depend on it", "use another model, or remove `ring_mass`"
     if case.rig.ring is not None:
-        return "a flexible ring has its own mass", "leave `ring_mass` out"
+        return "a flexible ring has its own mass", "remove `ring_mass`"
     return None
 
 
 def _edge_refusal(case: Case, has_models: bool) -> Refusal:
     if not case.defects or not MODELS[case.model].takes_defects:
-        return "a case has no defect with edges", "leave `edge` out"
+        return "a case has no defect with edges", "remove `edge`"
     if any(defect.shape == "scan" for defect in case.defects):
-        return "a scan already contains its edges", "leave `edge` out"
+        return "a scan already contains its edges", "remove `edge`"
     return None
 
 

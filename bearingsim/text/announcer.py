@@ -12,7 +12,7 @@ COMPILATION_REMARK = "once for each kind of model, method and contact law"
 
 
 class Announcer:
-    """Announcer of long work."""
+    """Timer that reports work on stderr if it takes longer than a delay."""
 
     def __init__(self, enabled: bool | None = None, seconds: float | None = None) -> None:
         """Set the delay (s), by default ``ANNOUNCEMENT_DELAY_S``; enabled: False disables announcements."""
@@ -22,7 +22,7 @@ class Announcer:
         self.timer: threading.Timer | None = None
 
     def begin(self, message: str) -> None:
-        """Announce the work ``message`` once, after the delay, unless it ends before."""
+        """Announce the work ``message`` once, after the delay, unless ``end`` is called earlier."""
         self.message = message
         if self.enabled and (self.timer is None or not self.timer.is_alive()):
             self.timer = threading.Timer(self.seconds, self._announce)
@@ -41,6 +41,7 @@ class Announcer:
 
 
 SILENT = Announcer(enabled=False)
+"""Announcer that reports nothing."""
 
 
 @contextmanager

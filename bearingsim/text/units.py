@@ -268,7 +268,7 @@ def suggestion(word: str, words: Collection[str]) -> str:
 
 MAX_SUGGESTIONS = 3
 ERROR_LENGTHS = (3, 9, 14)
-"""Least lengths of words that may contain one, two and three typing errors."""
+"""Minimum lengths of words that may contain one, two and three typing errors."""
 _SIMILAR_CHARACTERS = str.maketrans("01", "ol")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import Delaunay, cKDTree
 
 GROWTH = 0.3  # increase of the spacing per distance from the surface
-CLEARANCE = 0.6  # least distance of a free point from the surface, in spacings
+CLEARANCE = 0.6  # minimum distance of a free point from the surface, in spacings
 SMOOTHING_ROUNDS = 6  # of Laplacian smoothing
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from benchmarks.speed.timing import Measure, exponent
 
-MOST_GROWTH = 1.05  # largest exponent of the cost over the amount of work
+MAX_GROWTH = 1.05  # largest exponent of the cost over the amount of work
 
 
 class Target(NamedTuple):
@@ -69,7 +69,7 @@ class Section:
         power = exponent(sizes, costs)
         rows = [[n, 1e6 * cost] for n, cost in zip(sizes, costs, strict=True)]
         self.add_table(f"CPU time of {name} against {size}: exponent {power:.2f}", [size, "us"], rows)
-        self.targets.append(Target(f"exponent of {name} in {size}", power, at_most=MOST_GROWTH))
+        self.targets.append(Target(f"exponent of {name} in {size}", power, at_most=MAX_GROWTH))
 
     def lines(self) -> list[str]:
         """Return the report as Markdown."""

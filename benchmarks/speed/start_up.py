@@ -54,7 +54,7 @@ def section(report: Section) -> None:
 
 
 def start_ups() -> dict[str, float]:
-    """Return the least CPU time (s) of each command; the commands alternate."""
+    """Return the minimum CPU time (s) of each command; the commands alternate."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "study.yaml").write_text(STUDY)
         cpu_seconds(["run", "study.yaml", "--jobs", "1", "--out", "results"], folder)

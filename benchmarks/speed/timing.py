@@ -1,4 +1,4 @@
-"""Timing in turns: least CPU time and noise, with a yardstick independent of bearingsim.
+"""Timing in turns: minimum CPU time and noise, with a yardstick independent of bearingsim.
 
 Machines are disturbed by other processes. Therefore tasks that are compared alternate, and the minimum over the
 rounds counts. The yardstick is a loop in this file that is timed in the same rounds, so that clock rate and

@@ -27,8 +27,8 @@ def random_scenes() -> str:
             others,
         ]
         rows.append([f"{seed}", f"{len(group)}", *map(str, counts)])
-    head = ("seed", "scenes", "converged (Verlet, Rodas, backward Euler)", "of them chaotic", "rejected")
-    return table((*head, "of them only as chaotic and too short", "third outcome"), rows)
+    head = ("seed", "scenes", "converged (Verlet, Rodas, backward Euler)", "converged and chaotic", "rejected")
+    return table((*head, "rejected only as chaotic and too short", "third outcome"), rows)
 
 
 def promise() -> str:
@@ -199,16 +199,16 @@ def diagnosis() -> str:
     head = (
         "level",
         "over the threshold",
-        "named, right",
-        "named, wrong",
+        "race named correctly",
+        "race named wrongly",
         "other rhythm",
-        "kurtogram's band: over",
+        "over the threshold, kurtogram band",
     )
-    return table((*head, "speed 7 % off: named", "other bearing: named", "line, 95 % within"), rows)
+    return table((*head, "race named, speed wrong by 7 %", "race named, wrong bearing", "line, 95 % within"), rows)
 
 
 def diagnosis_thresholds() -> str:
-    """Return the thresholds of the diagnosis in dB, by turns and tolerance."""
+    """Return the thresholds of the diagnosis in dB, by revolutions and tolerance."""
     thresholds = pd.read_csv(TABLE).pivot(index="turns", columns="tolerance", values="score")
     rows = [[f"{turns}", *(f"{decibels(score):.1f}" for score in row)] for turns, row in thresholds.iterrows()]
-    return table(("turns", *(f"{100.0 * float(str(tolerance)):g} %" for tolerance in thresholds)), rows)
+    return table(("revolutions", *(f"{100.0 * float(str(tolerance)):g} %" for tolerance in thresholds)), rows)

@@ -17,7 +17,7 @@ DISPLAYED = re.compile(r"^\$\$.*?^\$\$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"\$[^$\n]+\$")
 TABLE = re.compile(r"^\|.*$", re.MULTILINE)
 WORD = re.compile(r"\w[\w'.@^/-]*")
-MOST_WORDS = {"How-to": 400, "Explanation": 1200}
+MAX_WORDS = {"How-to": 400, "Explanation": 1200}
 """Words of a page from which it is marked."""
 
 
@@ -59,7 +59,7 @@ def main() -> None:
         for page, words in sorted(counts.items(), key=lambda item: -sum(item[1])):
             is_read = heading in READING and not is_generated(page)
             (reading if is_read else others).append(words)
-            most = MOST_WORDS.get(heading)
+            most = MAX_WORDS.get(heading)
             remark = f"  over {most}" if most and sum(words) > most else ""
             _print(f"  {page}", words, "  generated" if is_generated(page) else remark)
     for title, parts in (("reading pages", reading), ("all others", others)):

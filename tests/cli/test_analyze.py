@@ -135,7 +135,7 @@ def test_the_figure_replaces_figures_only(file, tmp_path, suffix):
     assert path.stat().st_size > 10_000
     path.write_text("mine")
     _, err = type_("analyze", file, "--bearing", "6205", "--figure", path, code=2)
-    assert "is not a figure of this program" in err
+    assert "is not a figure of bearingsim" in err
     assert path.read_text() == "mine"
 
 
@@ -212,7 +212,7 @@ def test_noise_blames_neither_bearing_nor_speed(tmp_path):
 def test_an_extrapolated_threshold_is_stated(tmp_path, seconds, is_extrapolated):
     np.savez(tmp_path / "a.npz", x=impacts(LINES.outer, seconds=seconds, slip=0.005), fs=RATE, rpm=1500.0)
     words = ["analyze", tmp_path / "a.npz", "--bearing", "6205"]
-    text = "threshold extrapolated: measured for 5 to 320 turns of the shaft, the record has 500"
+    text = "threshold extrapolated: measured for 5 to 320 revolutions of the shaft, the record has 500"
     assert (text in type_(*words)[0]) is is_extrapolated
     assert json.loads(type_(*words, "--json")[0])["threshold_extrapolated"] is is_extrapolated
 

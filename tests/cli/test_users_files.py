@@ -298,7 +298,7 @@ def test_link_or_folder_is_not_replaced_by_a_figure(done, tmp_path, kind):
     else:
         path.mkdir()
     stderr = type_("plot", done, "--out", tmp_path, code=2)[1]
-    assert "is not a figure of this program" in " ".join(stderr.split())
+    assert "is not a figure of bearingsim" in " ".join(stderr.split())
     assert path.is_symlink() or path.is_dir()
 
 

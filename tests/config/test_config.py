@@ -261,8 +261,8 @@ def test_a_balls_defect_may_be_longer_than_its_contact() -> None:
         ({"outside_diameter": 0.0769}, "outside the outer ring"),
         ({"bore": 0.0531}, "inside the bore"),
         ({"roller_length": None}, "a roller bearing needs `roller_length`"),
-        ({"inner_groove_radius": 0.0062}, "a roller bearing has none"),
-        ({"element": "ball"}, "a ball bearing has none"),
+        ({"inner_groove_radius": 0.0062}, "a roller bearing has no `inner_groove_radius`"),
+        ({"element": "ball"}, "a ball bearing has no `roller_length`"),
         ({"element": "ball", "roller_length": None}, "a ball bearing needs `inner_groove_radius`"),
         (BALL | {"outer_groove_radius": None}, "a ball bearing needs `outer_groove_radius`"),
         (

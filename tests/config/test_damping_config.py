@@ -152,7 +152,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
             "{law: kramer",
             "damping: expected `kraemer`, `hunt-crossley`, `film`, `loss-factor`, `general` or `none`, got `kramer` (did you mean `kraemer`?)",
         ),
-        ("chi: 50 s/m, beta: 10 us", "chi", "damping: unknown key `chi` (known: law, beta)"),
+        ("chi: 50 s/m, beta: 10 us", "chi", "damping: unknown key `chi` (valid: law, beta)"),
         ("beta: -1 us", "-1 us", "damping.beta: expected a time"),
     ],
 )

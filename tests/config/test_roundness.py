@@ -133,7 +133,7 @@ REPAIRED = {
         (EVEN, with_missing(7, 21)),
         "2 missing values filled from the neighbours: 3.5 deg, 10.5 deg",
     ),
-    "a spike": ((EVEN, spiky(60)), "1 spike of 4.99 um and more removed: 30 deg"),
+    "a spike": ((EVEN, spiky(60)), "1 spike of 4.99 um or more removed: 30 deg"),
     "descending angles": ((EVEN[::-1], heights(EVEN[::-1])), "the angles are not ascending and were sorted"),
     "ends that differ": (
         (TURN, heights(TURN) + 0.02 * TURN / 360.0),

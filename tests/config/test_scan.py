@@ -130,7 +130,7 @@ def test_a_slot_has_no_spikes(tmp_path: Path) -> None:
 def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
     depth = bowl(noise=0.2)
     depth[1:-1:4, 1:-1:4] += 200.0
-    assert "filter it first" in refusal(write_grid(tmp_path / "a.csv", depth))
+    assert "filter the scan first" in refusal(write_grid(tmp_path / "a.csv", depth))
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match=r"defect\.length: a scan's length comes from its file"):
         load_study(path)
     path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}"))
-    with pytest.raises(StudyError, match=r"defect\.digest: a scan's digest comes from its file \(leave it out"):
+    with pytest.raises(StudyError, match=r"defect\.digest: a scan's digest comes from its file \(remove `digest`"):
         load_study(path)
     assert "digest" not in json_schema()["$defs"]["Defect"]["properties"]
 

@@ -66,7 +66,7 @@ REFUSED = {
     "no kind of diameters": ({"rollers": {"diameter": {}}}, "expected either `scatter` or `deviations`"),
     "a roller too many": (
         {"rollers": {"harmonics": [{"order": 2, "amplitude": "1 um", "roller": 14}]}},
-        "there is no roller 14: the bearing has 13 (they count from 1)",
+        "there is no roller 14: the bearing has 13 (numbers start at 1)",
     ),
     "a coarse unit": (
         {"rollers": {"diameter": {"scatter": "0.5 mm"}}},
@@ -99,8 +99,8 @@ def test_until_is_refused_where_the_form_turns():
     case(surfaces={"outer": SPECTRUM}, **fields)
     (refusal,) = refusals({"inner": SPECTRUM}, **fields)
     assert (
-        refusal
-        == "`until` compares revolutions, which differ: the surfaces of inner race or rollers turn (leave it out)"
+        refusal == "`until` compares revolutions, which differ: the surfaces of inner race or rollers turn "
+        "(remove `until`)"
     )
 
 

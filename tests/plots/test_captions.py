@@ -88,7 +88,7 @@ def test_units_follow_the_magnitude(name, largest, unit, factor):
 
 def test_text_of_swept_value():
     swept = {"defect.shape": "circular", "defect.width": 0.0008, "defects.2.angle": math.pi / 6.0, "load": 150.0}
-    text = labels.described(swept, {"defect.width": "um", "defects.2.angle": "deg"})
+    text = labels.swept_text(swept, {"defect.width": "um", "defects.2.angle": "deg"})
     assert text == "circular, width 800 µm, defect 2 angle 30°, load 150 N"
 
 
@@ -113,7 +113,7 @@ def test_text_of_swept_value():
     ],
 )
 def test_text_of_swept_option_is_readable(path, value, text):
-    assert labels.described({path: value}, {"contact.damping.beta": "us"}) == text
+    assert labels.swept_text({path: value}, {"contact.damping.beta": "us"}) == text
 
 
 def test_caption_gives_misalignment_and_roller_profile(results):

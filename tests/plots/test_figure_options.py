@@ -214,7 +214,7 @@ def test_an_invalid_option_is_named(make_results, kind, options, option, message
         ),
         ("series", {"y": ["velocity@BPFO"]}, "velocity@BPFO is a feature: use `--kind sweep`"),
         ("sweep", {"y": ["ring.velocity"]}, "`ring.velocity` is a channel, not a feature"),
-        ("series", {"y": ["ring.velocity"]}, "add it to `record` and run again"),
+        ("series", {"y": ["ring.velocity"]}, "add `ring.velocity` to `record` and run again"),
         ("series", {"where": {"load": "160 N"}}, r"no case has load 160 N \(values: 150 N, 300 N\)"),
         ("series", {"unit": "mm"}, "`mm` is not a unit of ring.acceleration"),
         ("series", {"unit": "gg"}, "is not a unit of ring.acceleration"),

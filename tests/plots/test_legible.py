@@ -30,7 +30,7 @@ TO_XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )  # sRGB, IEC 61966-2-1, D65
 APART = 15.0  # CIE76 colour difference of curves that differ in colour only
-PRINTED_MM, LEAST_PT = {1: 85.0, 2: 180.0, 3: 180.0}, 6.0  # width of a figure on the page, size of its texts
+PRINTED_MM, MIN_PT = {1: 85.0, 2: 180.0, 3: 180.0}, 6.0  # width of a figure on the page, size of its texts
 
 
 def lab(colour, sight):
@@ -43,7 +43,7 @@ def lab(colour, sight):
 
 
 def difference(first, second):
-    """Return the least CIE76 difference of two colours over all simulations, and in grey (CIE lightness)."""
+    """Return the minimum CIE76 difference of two colours over all simulations, and in grey (CIE lightness)."""
     seen = [lab(first, sight) - lab(second, sight) for sight in SIGHT]
     return min(*(np.linalg.norm(vector) for vector in seen), abs(seen[0][0]))
 
@@ -87,7 +87,7 @@ def test_texts_are_large_enough_on_the_page(results, count):
     canvas.draw_without_rendering()
     scale = min(1.0, PRINTED_MM[count] / (25.4 * canvas.get_size_inches()[0]))
     sizes = [text.get_fontsize() for text in canvas.findobj(Text) if text.get_visible() and text.get_text()]
-    assert scale * min(sizes) >= LEAST_PT
+    assert scale * min(sizes) >= MIN_PT
     legend = canvas.legends[0].get_window_extent()
     others = [ax.get_tightbbox() for ax in canvas.axes] + [canvas._suptitle.get_window_extent()]
     assert not [box for box in others if legend.overlaps(box)], legend

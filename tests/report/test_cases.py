@@ -81,7 +81,7 @@ def test_foreign_files_are_kept(results, tmp_path):
     opened, other = results(STUDY + FIGURES), tmp_path / "mine.html"
     other.write_text("<p>mine</p>")
     _, stderr = type_("report", opened.path, "-o", other, code=2)
-    assert stderr == f"{other} is not a page of this program; use another --out, or move the file\n"
+    assert stderr == f"{other} exists and is not a report of bearingsim; use another --out, or move the file\n"
     assert other.read_text() == "<p>mine</p>"
     _, stderr = type_("report", opened.path, "-o", tmp_path, code=2)
     assert "is a folder: name a file" in stderr

@@ -150,7 +150,7 @@ def test_known_entries_of_a_failure_of_another_version_are_read(tmp_path: Path) 
     sealed.write_json(tmp_path / f"failed/{second}.json", {"job": "cd", "advice": "none"})
     failures = store.read_failures(tmp_path)
     assert (failures[first].job, failures[first].reason) == (first, "diverged")
-    assert (failures[second].reason, failures[second].advice) == ("not known", "none")
+    assert (failures[second].reason, failures[second].advice) == ("unknown", "none")
 
 
 def test_another_schema_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,7 +171,7 @@ def test_a_unit_is_read_once(complete_results: Path, tmp_path: Path, monkeypatch
         paths.append(path)
         return read_unit(path)
 
-    monkeypatch.setattr("bearingsim.store.stock.read_unit", record)
+    monkeypatch.setattr("bearingsim.store.checked_units.read_unit", record)
     for _ in range(3):
         assert compute(out).resumed == 3
     assert len(paths) == 1

@@ -267,7 +267,7 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("lhs: {n: 5, over: {load: {normal: [150 N, 1e300 N], within: [100 N, 200 N]}}}", "sweep.lhs.over.load: a standard deviation over 1000 times the range has no effect (use `uniform`)", "1e300 N"),
         ("lhs: {n: 5, over: {load: {normal: [150 N, 100.1 kN], within: [100 N, 200 N]}}}", "sweep.lhs.over.load: a standard deviation over 1000 times the range has no effect (use `uniform`)", "100.1 kN"),
         ("lhs: {n: 5, over: {load: {normal: [1 N, 1 N], within: [10 N, 20 N]}}}", "sweep.lhs.over.load: these are over 8 standard deviations from the mean", "[10 N"),
-        ("lhs: {n: 5, over: {load: [1 N, 2 N]}, sobol: {n: 5}}", "sweep.lhs: unknown key `sobol` (known: n, seed, over)", "sobol"),
+        ("lhs: {n: 5, over: {load: [1 N, 2 N]}, sobol: {n: 5}}", "sweep.lhs: unknown key `sobol` (valid: n, seed, over)", "sobol"),
         ("lhs: {n: 5, over: {load: [1 N, 2 N]}}, sobol: {n: 5, over: {load: [1 N, 2 N]}}", "sweep: a second design; a study has one", "sobol"),
         ("lhs: {n: 5, over: {load: [1 N, 2 N]}}, load: [1 N, 2 N]", "`load` is swept twice", "load: [1 N, 2 N]}"),
         ("saltelli: {n: 4, over: {load: [1 N, 2 N]}}, where: [load < 3 N]", "`where` next to `saltelli`, whose rows are compared in whole blocks (omit it; ranges and `derived` can restrict parameters)", "where"),

@@ -32,7 +32,7 @@ def built_cases(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     [
         (MANY + "figures: [{y: velocity@BPFO, x: defect.length}]", "no swept path `defect.length`"),
         (MANY + "figures: [{y: velocity@BFPO, x: load}]", "no feature `velocity@BFPO`"),
-        (MANY + "figures: [{y: tilt.max, x: load}]", "no model of the study has `tilt.max`"),
+        (MANY + "figures: [{y: tilt.max, x: load}]", "no model of the study computes `tilt.max`"),
         (MANY + "uncertainty: {damping: [1 us, 2 mm]}", "expected a time"),
         (MANY + "uncertainty: {support: unknown}\nmodel: planar", "the planar model has no flexible ring"),
         (MANY + "accuracy: {within: 90 %, of: velocity.rms}", "accuracy: expected 0.5 % to 50 %"),

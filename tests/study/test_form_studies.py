@@ -175,7 +175,7 @@ REFUSED = {
     "a missing roller": (
         "rollers: {harmonics: [{order: 2, amplitude: 1 um, roller: 14}]}",
         "14",
-        "there is no roller 14: the bearing has 13 (they count from 1)",
+        "there is no roller 14: the bearing has 13 (numbers start at 1)",
     ),
     "millimetres": ("rollers: {diameter: {scatter: 0.5 mm}}", "0.5 mm", "is over 1 % of the rolling element's"),
     "a roller's roundness": ("rollers: {roundness: a.csv}", "roundness", "`roundness` is a key of"),

@@ -100,7 +100,7 @@ def test_accuracy_needs_a_figure_of_a_suitable_feature(write: Write) -> None:
     assert text_at_caret(problem).startswith("accuracy: 2 %")
 
 
-BESIDE = "`{}` cannot be combined with `accuracy`, which chooses it (leave `{}` out, or `accuracy`)"
+BESIDE = "`{}` cannot be combined with `accuracy`, which chooses it (remove `{}` or `accuracy`)"
 
 
 @pytest.mark.parametrize(
@@ -140,10 +140,10 @@ def test_swept_model_and_method_are_refused_with_accuracy(write: Write, sweep: s
 def test_overridden_model_and_method_are_refused_with_accuracy(write: Write, key: str) -> None:
     value = {"model": "ring", "method": "verlet"}[key]
     (problem,) = [p for p in problems(write(BASE + MODELS), {key: value}) if "cannot be combined" in str(p)]
-    assert f"leave out --set {key}" in str(problem)
+    assert f"remove --set {key}" in str(problem)
 
 
-STEPPED = "`{}` cannot be combined with `accuracy`, which needs the error bound of an automatic step (leave `{}` out, or `accuracy`)"
+STEPPED = "`{}` cannot be combined with `accuracy`, which needs the error bound of an automatic step (remove `{}` or `accuracy`)"
 SWEPT = "`{}` cannot be swept with `accuracy`, which varies it itself (give it one value)"
 BENDS = "rig: {ring: {bends: true}}\n"
 
@@ -205,7 +205,9 @@ def test_overridden_step_and_refined_parameters_are_refused_with_accuracy(
 @pytest.mark.parametrize("text", ["step_check: false", "quick: {step_check: false}"])
 def test_accuracy_needs_the_step_check(write: Write, text: str) -> None:
     (problem,) = problems(write(f"{BASE}{MODELS}{text}\n"))
-    assert "`accuracy` needs `step_check`, which bounds the error of the step (leave it out)" in str(problem)
+    assert "`accuracy` needs `step_check`, which bounds the error of the step (remove `step_check: false`)" in str(
+        problem
+    )
     assert text_at_caret(problem).startswith("step_check: false")
 
 

@@ -66,7 +66,7 @@ def test_mutants_are_reproducible_by_seed(tmp_path: Path) -> None:
     assert texts(3) == texts(3) != texts(4)
 
 
-MOST_MADE = 1000
+MAX_MADE = 1000
 """Cases that may be made of a study that is refused: each takes under a millisecond of the two seconds allowed."""
 
 
@@ -89,7 +89,7 @@ def test_studies_with_crossed_blocks_load_or_are_refused_soon(
             refused[path] = str(error)
     assert 10 < len(refused) < 35
     assert all(map(hostile.POSITION.search, refused.values()))
-    assert max(map(built.count, refused)) < MOST_MADE
+    assert max(map(built.count, refused)) < MAX_MADE
 
 
 def test_limits_depend_on_the_outcome_of_check() -> None:

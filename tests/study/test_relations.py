@@ -167,8 +167,8 @@ def test_quick_and_the_command_line_change_derived_values(write: Write) -> None:
         ("derived: {defect.depth: 10**10**10 * 1 mm}", "derived.defect.depth: the number is too large", "**10**10"),
         ("derived: {defect.depth: defect.width * -1}", "defect.depth: expected a length above zero, such as `0.8 mm`, got `-0.4 mm`", "defect.width * -1"),
         ("derived: {defect.depth: clearance * 2}", "derived.defect.depth: the study has no value of `clearance` for a formula", "clearance"),
-        ("derived: {defect.width: 1 mm}", "`defect.width` is swept, and derived", "defect.width: 1"),
-        ("derived: {defects.1.width: 1 mm}", "`defects.1.width` is swept, and derived", "defects.1"),
+        ("derived: {defect.width: 1 mm}", "`defect.width` is both swept and derived", "defect.width: 1"),
+        ("derived: {defects.1.width: 1 mm}", "`defects.1.width` is both swept and derived", "defects.1"),
         ("derived: {defect.depth: 1 um, defects.1.depth: 2 um}", "`defects.1.depth` is derived twice", "defects.1"),
         ("derived: {defect.depth: defect.depth / 4}", "derived: `defect.depth` depends on `defect.depth`, which is circular", "defect.depth: d"),
         ("derived: {defect.depth: clearance, clearance: defect.depth}", "derived: `defect.depth` depends on `clearance`, which follows from `defect.depth`, which is circular", "defect.depth: c"),
@@ -185,7 +185,7 @@ def test_quick_and_the_command_line_change_derived_values(write: Write) -> None:
         ("where: [defect.shape > 2]", "where: `defect.shape` is not a number: `circular`", "defect.shape"),
         ("where: {a: b}", "where: expected a list such as `[defect.width < 3 mm]`", "{a: b}"),
         ("where: [[1]]", "where: expected a formula such as `defect.width / 4`", "[1]"),
-        ("where: [load < 200 N, defect.width > 1 mm]", "where: all 2 combinations are left out", "defect.width > 1 mm"),
+        ("where: [load < 200 N, defect.width > 1 mm]", "where: all 2 combinations are excluded", "defect.width > 1 mm"),
         (f"where: [{', '.join(['1 < 2'] * (MAX_CONDITIONS + 1))}]", f"where: {MAX_CONDITIONS + 1} conditions; at most {MAX_CONDITIONS} are possible", "[1 < 2"),
         ("where: [\"__import__('os').getpid() > 1\"]", None, "__import__("),
         ("where: [\"().__class__.__bases__ > 1\"]", None, "().__class__"),
@@ -208,7 +208,7 @@ def test_invalid_entry_is_refused_at_its_position(
 
 def test_the_only_combination_is_left_out(write: Write) -> None:
     (problem,) = problems(write(sweep("where: [load > 200 N]")))
-    assert problem.message == "where: the only combination is left out"
+    assert problem.message == "where: the only combination is excluded"
 
 
 def test_equal_problems_are_reported_once(write: Write) -> None:

@@ -65,7 +65,7 @@ def test_default_differs_from_none(write: Write) -> None:
         (
             "{load: [1 N, 2 N]}",
             "load",
-            "uncertainty: unknown key `load` (known: damping, clearance, bracket, support, form, shaft, ring_mass,"
+            "uncertainty: unknown key `load` (valid: damping, clearance, bracket, support, form, shaft, ring_mass,"
             " edge)",
         ),
         ("some", "some", "uncertainty: expected a mapping such as `{damping: [0.5 us, 10 us]}`, or `none`"),

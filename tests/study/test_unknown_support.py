@@ -71,14 +71,14 @@ def test_supports_are_shown_by_their_names() -> None:
             (
                 f"model: {model}",
                 f"the {model} model has no flexible ring"
-                " (use `model: static` or `model: rollers`, or leave `support` out)",
+                " (use `model: static` or `model: rollers`, or remove `support`)",
             )
             for model in ("impulse", "ring", "planar", "spatial")
         ),
         ("sweep: {model: [static, ring]}", "the ring model has no flexible ring"),
         (
             "rig: {ring: {bends: true}}",
-            "the rig already defines the support of its ring (leave `support` out, or use `bends: false`)",
+            "the rig already defines the support of its ring (remove `support`, or use `bends: false`)",
         ),
         ("load_across: 5 N", "`by: point` gives the ring forces along the load line alone"),
         ("method: rodas", "`rodas` solves with derivatives, which a flexible ring does not have"),

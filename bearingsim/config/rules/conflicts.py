@@ -65,7 +65,7 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
     paths: tuple[Path, ...] = (("method",), ("model",))
     if catalogue.MODELS[case.model].own_method and case.method is not None:
         message = f"the {case.model} model has no method, got `{case.method}`"
-        yield Conflict("method", paths, message, "leave it out")
+        yield Conflict("method", paths, message, "remove `method`")
     adaptive = [method.name for method in catalogue.METHODS.values() if method.adaptive]
     if case.tolerance != "auto" and case.method not in ("auto", *adaptive):
         subject = f"`{case.method}` has a fixed step" if case.method else f"{case.model} has no method"
@@ -164,7 +164,7 @@ def _record(case: "CaseFields") -> Iterator[Conflict]:
         number = roller_number(name)
         if number is not None and number > case.bearing.rollers:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
-            yield Conflict("channel", (path, ("bearing", "rollers")), message, "they count from 1")
+            yield Conflict("channel", (path, ("bearing", "rollers")), message, "numbers start at 1")
         yield from _slice_of(path, name, case)
         zero_reason = _zero_reason(name, case) if catalogue.MODELS[case.model].slips else None
         if zero_reason:
@@ -305,4 +305,4 @@ def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     for name, condition in PASS_CONDITIONS.items():
         if name not in REVOLUTION_CONDITIONS and not condition.is_met(case):
             message = f"`until` compares revolutions, which differ: {condition.reason}"
-            yield Conflict("until", (("until",), (name,)), message, "leave it out")
+            yield Conflict("until", (("until",), (name,)), message, "remove `until`")

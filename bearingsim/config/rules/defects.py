@@ -73,10 +73,10 @@ def _roller_of(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Con
     paths: tuple[Path, ...] = ((*path, "roller"), (*path, "race"))
     if defect.roller is not None and defect.race != "roller":
         message = f"a defect of the {defect.race} race has no `roller`"
-        yield Conflict("roller", paths, message, "use `race: roller`, or leave it out")
+        yield Conflict("roller", paths, message, "use `race: roller`, or remove `roller`")
     elif defect.roller is not None and defect.roller > bearing.rollers:
         message = f"there is no roller {defect.roller}: the bearing has {bearing.rollers}"
-        yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "they count from 1")
+        yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "numbers start at 1")
 
 
 def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:

@@ -18,10 +18,12 @@ BY_PATHS: tuple[Path, ...] = ((*LOAD, "by"), LOAD)
 MAX_HOUSING_STIFFNESS, MAX_FIT = 1e13, 1e-4  # N/m per m; m
 SECTION_TOLERANCE = 0.01  # relative tolerance of height and width
 BALANCE_TOLERANCE = 1e-6  # largest resultant of the pads perpendicular to the load line, relative to that along it
-MIN_LOAD_SHARE = 0.1  # least mean cosine of the pads' angles from the load line
+MIN_LOAD_SHARE = 0.1  # minimum mean cosine of the pads' angles from the load line
 MAX_POINTS = 100
 MAX_DISPLACEMENT = 1e-3  # m, largest displacement of a carrier under its load
-MIN_CARRIER_MASS = 1e-3  # kg, least mass of a carrier: a lighter one has too high a natural frequency for the step
+MIN_CARRIER_MASS = (
+    1e-3  # kg, minimum mass of a carrier: a lighter one has too high a natural frequency for the step
+)
 ANGLE_TOLERANCE = 1e-6  # rad
 COSINE_TOLERANCE = 1e-9  # tolerance of the cosine between a displacement and a spring
 
@@ -39,7 +41,7 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     if case.load_across != 0.0 and not rig.load.carried:
         paths: tuple[Path, ...] = (("load_across",), *BY_PATHS)
         message = f"`by: {rig.load.by}` gives the ring forces along the load line alone"
-        yield Conflict("across", paths, message, "leave it out, or use `by: points` or `by: housing`")
+        yield Conflict("across", paths, message, "remove `load_across`, or use `by: points` or `by: housing`")
     if not rig.sensor.on_ring and not rig.load.carried:
         paths = (("rig", "sensor", "on"), ("rig", "sensor"), *BY_PATHS)
         yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "use `by: housing`")
@@ -63,7 +65,7 @@ def _section(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
         if abs(size - expected) > SECTION_TOLERANCE * expected:
             message = f"the bearing's outer ring has a {name} of {show(expected, 'mm')}, not {show(size, 'mm')}"
             paths: tuple[Path, ...] = (("rig", "ring", "section", name), ("rig", "ring"), ("bearing",))
-            yield Conflict(f"section {name}", paths, message, "leave it out")
+            yield Conflict(f"section {name}", paths, message, f"remove `{name}`")
 
 
 def _method(case: "CaseFields") -> Iterator[Conflict]:

@@ -41,7 +41,7 @@ def _rollers(case: "CaseFields") -> Iterator[Conflict]:
         if harmonic.roller is not None and harmonic.roller > count:
             path: Path = ("surfaces", "rollers", "harmonics", number, "roller")
             message = f"there is no roller {harmonic.roller}: the bearing has {count}"
-            yield Conflict("roller", (path, ("bearing", "rollers")), message, "they count from 1")
+            yield Conflict("roller", (path, ("bearing", "rollers")), message, "numbers start at 1")
 
 
 def _heights(case: "CaseFields") -> Iterator[Conflict]:

@@ -34,7 +34,7 @@ NAMES = ("s", "z", "depth", "height")
 MAX_POINTS = 4_000_000
 POINT_BYTES, MAX_BYTES = 16, 200_000_000
 """Largest sizes of a number in an HDF5 file, and of a file: 4 million cells of text take about 100 MB."""
-MIN_FILLED = 0.5  # least share of a grid's cells that have a point
+MIN_FILLED = 0.5  # minimum fraction of a grid's cells that have a point
 MAX_ECHO, MIN_ECHO = 60, 12  # limits of the characters of a file's first line quoted in a message
 TRANSFERRED_FILES: dict[str, Path] = {}
 """Files of scans that were transferred to this machine with the jobs, by digest."""

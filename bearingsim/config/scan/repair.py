@@ -13,26 +13,26 @@ import numpy as np
 
 from bearingsim.config.scan.file import Grid, ScanError, mm, positions, read_file
 
-MIN_POINTS = 5  # least points along either axis
-MAX_MISSING, MAX_GAP = 0.05, 9  # limits: share of missing cells; cells of one gap
-MAX_SPIKES, MAX_SPIKE_CELLS = 0.01, 2  # limits: share of cells in spikes; cells of one spike
-MIN_SPIKE = 8.0  # least spike, in standard deviations of the local roughness
+MIN_POINTS = 5  # minimum number of points along either axis
+MAX_MISSING, MAX_GAP = 0.05, 9  # limits: fraction of missing cells; cells of one gap
+MAX_SPIKES, MAX_SPIKE_CELLS = 0.01, 2  # limits: fraction of cells in spikes; cells of one spike
+MIN_SPIKE = 8.0  # minimum spike, in standard deviations of the local roughness
 ROUGHNESS_WINDOW = 7  # cells, width of the window of the local roughness
-MIN_SPIKE_HEIGHT = 0.2  # least spike relative to the range of depths
-MAX_ROUGHNESS = 0.1  # limit of NOISE standard deviations of the surroundings, relative to the depth
-DAMAGED_SHARE = 0.2  # share of damaged cells of a side above which the damage reaches the side
+MIN_SPIKE_HEIGHT = 0.2  # minimum spike relative to the range of depths
+MAX_ROUGHNESS = 0.1  # limit of NOISE_LIMIT standard deviations of the border, relative to the depth
+DAMAGED_SHARE = 0.2  # fraction of damaged cells along a side above which the side counts as damaged
 MIN_REGION = 5  # cells; smaller regions are noise
-NOISE_LIMIT = 3.0  # limit of noise, in standard deviations of the surroundings
+NOISE_LIMIT = 3.0  # limit of noise, in standard deviations of the border
 MIN_WIDTH, MIN_DEPTH = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
 
 CACHED_SCANS = 256
-"""Scans cached by a process, more than usual sweeps have. They take 50 to 150 kB each, 40 MB in total."""
+"""Scans cached per process, more than in a usual sweep. Each takes 50 to 150 kB, all together at most 40 MB."""
 
 
 class Scan(NamedTuple):
     """Measured defect: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its centre, in m.
 
-    sizes: length, width, depth (m); digest: that of the file's content; notes: repairs and assumptions.
+    sizes: length, width, depth (m); digest: of the file's content; notes: repairs and assumptions.
     """
 
     s: np.ndarray
@@ -94,9 +94,9 @@ def _remove_spikes(grid: Grid) -> Grid:
     if count == 0:
         return grid
     share, where = count / spikes.size, positions(np.argwhere(spikes), grid)
-    size = f"{_um(float(np.abs(deviations[spikes]).min()))} and more"
+    size = f"{_um(float(np.abs(deviations[spikes]).min()))} or more"
     if share > MAX_SPIKES:
-        raise ScanError(f"{count} spikes of {size} ({share:.1%} of the cells; {where})", "filter it first")
+        raise ScanError(f"{count} spikes of {size} ({share:.1%} of the cells; {where})", "filter the scan first")
     note = f"{count} spike{'s' * (count > 1)} of {size} removed: {where}"
     return grid._replace(depth=np.where(spikes, median, grid.depth), notes=(*grid.notes, note))
 
@@ -130,7 +130,9 @@ def _fill_gaps(grid: Grid) -> Grid:
         return grid
     where = positions(np.argwhere(missing), grid)
     if count > MAX_MISSING * missing.size:
-        raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {where})", "measure again")
+        raise ScanError(
+            f"{count} cells are missing ({count / missing.size:.1%}; {where})", "repeat the measurement"
+        )
     gaps = _regions(missing)
     largest = int(np.bincount(gaps.ravel())[1:].max())
     if largest > MAX_GAP:
@@ -164,12 +166,10 @@ def _level(grid: Grid) -> Grid:
     if max(defect, burr) <= max(NOISE_LIMIT * deviation, 1e-12):
         raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if burr > defect:
-        message = f"the surface rises {_um(burr)} above the race and goes {_um(max(defect, 0.0))} below it"
+        message = f"the surface rises {_um(burr)} above the race and drops {_um(max(defect, 0.0))} below it"
         raise ScanError(message, "if the values are heights, name the column `height`")
     if NOISE_LIMIT * deviation > MAX_ROUGHNESS * defect:
-        message = (
-            f"there is no even border: the outermost cells deviate by {_um(deviation)} (one standard deviation)"
-        )
+        message = f"the border is not flat: the outermost cells have a standard deviation of {_um(deviation)}"
         raise ScanError(message, "include undamaged race on all sides, or remove the form first")
     level = max(NOISE_LIMIT * deviation, 1e-9 * defect)
     damaged = np.abs(depth) > level
@@ -229,7 +229,7 @@ def _end_remarks(grid: Grid, damaged: np.ndarray) -> list[str]:
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
         message = f"there is no undamaged border: {share['s']:.0%} of a side along z deviate from the surroundings"
-        raise ScanError(message, "include undamaged race before and behind the defect")
+        raise ScanError(message, "include undamaged race before and after the defect")
     if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _touches_ends(damaged)):
         return ["the damage extends to the scan's end along z and is cut off there"]
     return []

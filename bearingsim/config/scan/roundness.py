@@ -34,13 +34,13 @@ from bearingsim.text.units import UnitError, parse
 
 DEVIATION, RADIUS = "deviation", "radius"
 POINTS_PER_WAVE = 7
-"""Least points in the shortest wave."""
+"""Minimum number of points in the shortest wave."""
 MAX_GAP = 0.5  # limit of a gap, in lengths of the shortest wave
 MIN_POINTS = 2 * POINTS_PER_WAVE
 MAX_MISSING, MAX_SPIKES = 0.05, 0.01  # limits: share of missing points; share of spikes
 SPIKE_WINDOW = 5  # points of the median from which spikes deviate
-MIN_SPIKE = 8.0  # least spike in standard deviations of the deviations from that median
-MIN_SPIKE_HEIGHT = 0.2  # least spike relative to the range of the profile
+MIN_SPIKE = 8.0  # minimum spike in standard deviations of the deviations from that median
+MIN_SPIKE_HEIGHT = 0.2  # minimum spike relative to the range of the profile
 MAX_JUMP, MAX_STEPS = 0.1, 3.0  # limits of the jump at the ends: share of the range; largest steps of neighbours
 MIN_ECCENTRICITY = 1e-9  # m; smaller ones are not reported
 SAME_ANGLE = 1e-6  # rad; closer angles are equal
@@ -129,7 +129,7 @@ def _fill_missing(profile: Profile) -> Profile:
         return profile
     where = _angle_list(profile.angles[missing])
     if count > MAX_MISSING * len(missing):
-        raise ScanError(f"{count} of {len(missing)} values are missing ({where})", "measure again")
+        raise ScanError(f"{count} of {len(missing)} values are missing ({where})", "repeat the measurement")
     note = f"{count} missing value{'s' * (count > 1)} filled from the neighbours: {where}"
     present = ~missing
     return profile._replace(
@@ -148,7 +148,7 @@ def _one_turn(profile: Profile) -> Profile:
     span = float(angles[-1] - angles[0])
     if span > 2.0 * pi + SAME_ANGLE:
         message = f"the angles cover {degrees(span):.4g} deg; a profile is one turn"
-        raise ScanError(message, "give one turn, and check the unit of `angle`")
+        raise ScanError(message, "give one revolution, and check the unit of `angle`")
     steps = np.diff(angles)
     if np.any(steps < SAME_ANGLE):
         k = int(np.argmin(steps))
@@ -188,9 +188,9 @@ def _remove_spikes(profile: Profile) -> Profile:
     count = int(np.count_nonzero(spikes))
     if count == 0:
         return profile
-    where, size = _angle_list(profile.angles[spikes]), f"{_um(np.abs(deviations[spikes]).min())} and more"
+    where, size = _angle_list(profile.angles[spikes]), f"{_um(np.abs(deviations[spikes]).min())} or more"
     if count > MAX_SPIKES * len(values):
-        raise ScanError(f"{count} spikes of {size} ({where})", "filter it first")
+        raise ScanError(f"{count} spikes of {size} ({where})", "filter the profile first")
     note = f"{count} spike{'s' * (count > 1)} of {size} removed: {where}"
     return profile._replace(angles=profile.angles[~spikes], values=values[~spikes], notes=(*profile.notes, note))
 

@@ -230,7 +230,7 @@ def _stiffness(raw: Any) -> Any:
     if law in WORD_LAWS and isinstance(raw, dict):
         parameters = [key for key in raw if key != "law"]
         if parameters:
-            refuse("unknown", f"the law `{law}` has no parameters", f"leave out {', '.join(parameters)}")
+            refuse("unknown", f"the law `{law}` has no parameters", f"remove {', '.join(parameters)}")
         return law
     if isinstance(raw, str) and law not in WORD_LAWS:
         if law in STIFFNESS.words:

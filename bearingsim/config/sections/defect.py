@@ -139,10 +139,10 @@ class Defect(Section):
         for name, shape in _SHAPE_FIELDS.items():
             if getattr(self, name) is not None and self.shape != shape:
                 refuse(
-                    "foreign", f"only a {shape} has `{name}`", f"leave it out, or use `shape: {shape}`", at=name
+                    "foreign", f"only a {shape} has `{name}`", f"remove `{name}`, or use `shape: {shape}`", at=name
                 )
         if self.shape == "scan" and self.edge is not None:
-            refuse("foreign", "a scan already contains its edges", "leave it out", at="edge")
+            refuse("foreign", "a scan already contains its edges", "remove `edge`", at="edge")
         if self.shape == "spall":
             object.__setattr__(self, "grown", 1.0 if self.grown is None else self.grown)
             object.__setattr__(self, "seed", self.seed or 0)
@@ -166,7 +166,7 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
     present = [name for name in (*SIZES, "digest") if name in fields]
     is_validated = len(present) == len(SIZES) + 1 and all(isinstance(fields[name], int | float) for name in SIZES)
     if present and not is_validated:
-        refuse("foreign", f"a scan's {present[0]} comes from its file", "leave it out", at=present[0])
+        refuse("foreign", f"a scan's {present[0]} comes from its file", f"remove `{present[0]}`", at=present[0])
     try:
         scan = read_scan(fields["file"])
     except ScanError as error:
@@ -182,4 +182,4 @@ def _check_unchanged(fields: dict[str, Any], digest: str, sizes: tuple[float, ..
         refuse("changed", f"`{fields['file']}` has changed since", "create the case again", at="file")
     for name, size in zip(SIZES, sizes, strict=True):
         if not isclose(fields[name], size, rel_tol=SIZE_TOLERANCE):
-            refuse("foreign", f"a scan's {name} comes from its file", "leave it out", at=name)
+            refuse("foreign", f"a scan's {name} comes from its file", f"remove `{name}`", at=name)

@@ -130,7 +130,7 @@ class Bearing(Section):
     def _check_elements(self) -> "Bearing":
         for name, element in _ELEMENT_FIELDS.items():
             if getattr(self, name) is not None and element != self.element:
-                refuse("foreign", f"a {self.element} bearing has none", "leave it out", at=name)
+                refuse("foreign", f"a {self.element} bearing has no `{name}`", f"remove `{name}`", at=name)
             if getattr(self, name) is None and element == self.element:
                 refuse("missing", f"a {self.element} bearing needs `{name}`, a length such as `12 mm`", at=name)
             if name in _GROOVES and element == self.element:

@@ -110,7 +110,9 @@ class RingLoad(MappingSection):
         for name in ("angles", "at", "stiffness", "fit", "mass"):
             if getattr(self, name) is not None and name not in KEYS[self.by]:
                 path = next(by for by, keys in KEYS.items() if name in keys)
-                refuse("load", f"`by: {self.by}` has none", f"leave it out, or use `by: {path}`", at=name)
+                refuse(
+                    "load", f"`by: {self.by}` has no `{name}`", f"remove `{name}`, or use `by: {path}`", at=name
+                )
         required = KEYS[self.by][:1]
         if required and not getattr(self, required[0]):
             example = {"angles": "[-45 deg, 45 deg]", "at": "[{angle: 0 deg, stiffness: 1e8 N/m}]"}

@@ -47,7 +47,10 @@ class Profile(Section):
         for name in ("drop", "straight_length"):
             if self.shape != "crowned" and getattr(self, name) is not None:
                 refuse(
-                    "foreign", f"a {self.shape} profile has no `{name}`", "leave it out, or use `crowned`", at=name
+                    "foreign",
+                    f"a {self.shape} profile has no `{name}`",
+                    f"remove `{name}`, or use `shape: crowned`",
+                    at=name,
                 )
         return self
 

@@ -31,7 +31,7 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import generic, jit
 
 PROBE = 1e-9  # m: distance to either side of a position for evaluating its jump
-LEAST_SHARPNESS = 0.05  # relative to the largest jump of a pair; the error control handles smaller ones
+MIN_SHARPNESS = 0.05  # relative to the largest jump of a pair; the error control handles smaller ones
 NEAR_JUMP = 1e-8  # m: below this distance the predicted time of a jump is not reduced
 MAX_JUMPS = 32  # per roller-defect pair; a rough defect has hundreds of small ones
 
@@ -57,7 +57,7 @@ def jump_positions(
     largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind of jump has its own scale
     sharpness = (sizes / largest).max(axis=1)
     sharpest = np.argsort(-sharpness, kind="stable")[:MAX_JUMPS]
-    return sorted(float(positions[i]) for i in sharpest if sharpness[i] > LEAST_SHARPNESS)
+    return sorted(float(positions[i]) for i in sharpest if sharpness[i] > MIN_SHARPNESS)
 
 
 def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
@@ -115,7 +115,7 @@ def path_cusps(path: Path) -> list[tuple[float, np.ndarray]]:
     ]
 
 
-# Times at which contacts reach them
+# Times at which contacts reach these positions
 
 
 @generic

@@ -59,9 +59,9 @@ FIRST_JUMP = 10
 class Defects(NamedTuple):
     """All roller-defect pairs in few arrays, because every array argument of a function costs reference counting.
 
-    head: (D, 10 + most jumps) as in ``RollerDefectPair``, then half_width (m), beyond which the defect acts on no
-    roller, used, its number of groups, cusp (m), span (m), the number of jumps and their positions (m); groups:
-    (D, K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
+    head: (D, 10 + largest number of jumps), first five as in ``RollerDefectPair``, then half_width (m), the reach
+    of the defect on rollers, number of groups used, cusp (m), span (m), number of jumps and their positions
+    (m); groups: (D, K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
     (``defects/excitations.py``).
     """
 
@@ -71,7 +71,7 @@ class Defects(NamedTuple):
 
 
 def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, min_groups: int = 1) -> Defects:
-    """Pack the roller-defect pairs into the arrays the core reads, each with room for ``min_groups`` or more."""
+    """Pack the roller-defect pairs into the arrays of the core, of at least ``min_groups`` groups per pair."""
     group_count = max([min_groups, *(len(pair.groups) for pair in pairs)])
     groups = np.zeros((len(pairs), group_count, GROUP))
     for row, pair in zip(groups, pairs, strict=True):
@@ -112,9 +112,9 @@ def nearest_roller(defects, d, theta_c, theta_i, roll, Z):
     defect's middle.
 
     theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll:
-    angle by which a roller has turned backwards relative to the line through its centre and the bearing's. Returns
-    roller 0 if the motion has diverged and the angles are not finite or too large to resolve, so that the index is
-    always valid.
+    angle by which a roller has rotated backwards relative to the line through its centre and the bearing's.
+    Returns roller 0 if the motion has diverged and the angles are not finite or too large to resolve, so that the
+    index is always valid.
     """
     head = defects.head[d]
     carrier = head[CARRIER]

@@ -14,7 +14,7 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 
-PASSAGE_STEPS = 400  # least number of steps from rim to rim
+PASSAGE_STEPS = 400  # minimum number of steps from rim to rim
 PERIOD_STEP = 0.1  # largest step of a passage, over sqrt(m/K), the time of one radian of the contact oscillation
 STEPS_PER_CHECK = 4096  # steps between two readings of the CPU clock
 DECAY_TIMES = 10.0  # time simulated after a passage, besides one more crossing, over sqrt(m/K) at rest

@@ -3,7 +3,7 @@
 Angles in rad, speeds in rad/s, frequencies in Hz, lengths in m. ``omega_i`` is the speed of the inner ring
 relative to the outer one; if both turn, the cage speed is relative, too. ``angle`` is the contact angle, 0 in all
 models, which are of radial bearings.
-Source: any bearing text, e.g. Harris, Rolling Bearing Analysis, ch. 8; Schaeffler's and CWRU's tables agree.
+Source: Harris, Rolling Bearing Analysis, ch. 8; the tables of Schaeffler and CWRU agree.
 """
 
 from math import cos, pi
@@ -18,7 +18,7 @@ def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> fl
 
 
 def fundamental_train_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Return FTF, the cage's turns per second (Hz)."""
+    """Return FTF, the rotation frequency of the cage (Hz)."""
     return cage_speed(omega_i, D_w, d_m, angle) / (2.0 * pi)
 
 
@@ -33,9 +33,9 @@ def ball_pass_frequency_inner(omega_i: float, D_w: float, d_m: float, Z: int, an
 
 
 def ball_spin_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Return BSF, turns of a rolling element about its own axis relative to the cage, per second (Hz).
+    """Return BSF, the rotation frequency (Hz) of a rolling element about its own axis relative to the cage.
 
-    A defect of the element touches a race twice per turn, so its spectral line is at 2 BSF.
+    A defect of the element touches a race twice per revolution, so its spectral line is at 2 BSF.
     """
     ratio = D_w / d_m
     gamma = ratio * cos(angle)

@@ -36,7 +36,7 @@ def entrainment_speed(omega_inner: float, D_m: float, D_w: float, omega_outer: f
 
 # Film thickness
 
-MARTIN = 4.896  # rigid cylinders, constant viscosity: least gap h = 4.896 eta u R/(Q/L)
+MARTIN = 4.896  # rigid cylinders, constant viscosity: minimum gap h = 4.896 eta u R/(Q/L)
 
 
 class LubricatedLine(NamedTuple):

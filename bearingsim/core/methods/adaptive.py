@@ -46,7 +46,7 @@ METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks, declared by each method
 
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # bounds of the change of a step (1)
 SMALL_ERROR = 1e-4  # error over tolerance; the controller treats smaller ones as this value
-MIN_STEP = 1e-15  # s: least step, unless several rounding errors of the time are larger
+MIN_STEP = 1e-15  # s: minimum step, unless several rounding errors of the time are larger
 TIME_ROUNDING = 8 * 2.0**-52
 JUMP_STEP = 1e-13  # s: in steps shorter than this an L-stable method need not locate the jump
 JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
@@ -227,7 +227,7 @@ def first_step(method, model, t, y, n):
 
 @jit
 def shrink_factor(method, error):
-    """Return the factor for a rejected step's length, the least one if the error is not finite."""
+    """Return the factor for a rejected step's length, the minimum if the error is not finite."""
     return max(MIN_FACTOR, SAFETY * error ** (-1.0 / estimate_order(method))) if isfinite(error) else MIN_FACTOR
 
 
@@ -268,7 +268,7 @@ def cross_jump(method, model, y, n):
 
 @jit
 def take_step(method, model, y, n):
-    """Attempt steps from END until one is accepted or the least step is reached; return the number of attempts."""
+    """Attempt steps from END until acceptance or the minimum step; return the number of attempts."""
     t = y[lay.T_END]
     start_from_end(y, n)
     h_wanted = min(y[lay.H_NEXT], method.longest)

@@ -1,7 +1,7 @@
 """Dormand and Prince's method of order 8, with its estimate of orders 5 and 3 and dense output of order 7.
 
 Source: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5 (method), II.10 (estimate, here eq.
-10.17 with the norm of ``adaptive``), II.6 (dense output). Twelve evaluations a step; three more if a recorded
+10.17 with the norm of ``adaptive``), II.6 (dense output). Twelve evaluations per step; three more if a recorded
 instant lies within it.
 """
 

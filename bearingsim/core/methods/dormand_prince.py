@@ -1,7 +1,8 @@
 """Dormand and Prince's method of order 5 with an estimate of order 4 and dense output of order 4.
 
-Source: Dormand and Prince 1980; coefficients and continuous extension from Hairer, Norsett and Wanner, Solving
-ODEs I, 2nd ed. 1993, table II.5.2 and sec. II.6. Six evaluations a step: the last stage is the next step's first.
+Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26; coefficients and continuous extension from
+Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, table II.5.2 and sec. II.6. The last stage is the first
+stage of the next step (FSAL), so a step needs six evaluations.
 """
 
 from typing import NamedTuple
@@ -51,7 +52,7 @@ F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
 
 
 class DormandPrince(NamedTuple):
-    """Parameters, as in ``Tolerances``."""
+    """Parameters of Dormand and Prince's method; see ``Tolerances``."""
 
     h: float
     rtol: float

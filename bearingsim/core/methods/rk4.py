@@ -1,4 +1,4 @@
-"""The classical Runge-Kutta method, fourth order, four evaluations a step (Kutta 1901).
+"""The classical Runge-Kutta method, fourth order, four evaluations per step (Kutta 1901).
 
 Its stability region reaches -2.785 on the real axis and 2.828 i on the imaginary one; in between, at a damping
 ratio of 0.54, its boundary is at a distance of only 2.615. The stages are written out, because as a table in the

@@ -76,7 +76,7 @@ STAGE_BLOCKS = lay.states(RIGHT_V + lay.STATE, "m, m/s", "rodas", "step", count=
 
 
 class Rodas(NamedTuple):
-    """Parameters, as in ``Tolerances``."""
+    """Parameters of Rodas4P; see ``Tolerances``."""
 
     h: float
     rtol: float
@@ -126,7 +126,7 @@ def end_stage(model, i, h, y, n):
     for j in range(n):
         y[RIGHT_Q + j] += y[lay.VELOCITY + j]
         y[RIGHT_V + j] += y[lay.ACCELERATION + j]
-        y[r + j] = 0.0  # also where there is no coordinate, to remove values of a non-finite state
+        y[r + j] = 0.0  # also unused entries, to overwrite values of a non-finite state
     multiply(model, lay.POSITION_JACOBIAN, RIGHT_Q, r, y)
     for j in range(n):
         y[r + j] = h_gamma * (y[RIGHT_V + j] + h_gamma * y[r + j])

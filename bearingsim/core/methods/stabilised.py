@@ -1,4 +1,4 @@
-"""Runge-Kutta-Chebyshev method, second order, eight evaluations a step, explicit, for heavy damping.
+"""Runge-Kutta-Chebyshev method, second order, eight evaluations per step, explicit, for heavy damping.
 
 With s stages its stability region reaches -0.65 (s^2 - 1) along the real axis, per evaluation s/4 times as far as
 RK4's; for oscillating motion it has almost no advantage. Source: Sommeijer, Shampine and Verwer, J. Comput. Appl.

@@ -1,4 +1,4 @@
-"""Semi-implicit (symplectic) Euler, first order, one evaluation a step: the simplest method in use.
+"""Semi-implicit (symplectic) Euler, first order, one evaluation per step: the simplest method in use.
 
     v1 = v + h f(t, q, v),   q1 = q + h v1
 

@@ -1,4 +1,4 @@
-"""Velocity Verlet, second order, one evaluation a step; the damping force depends on a predicted velocity.
+"""Velocity Verlet, second order, one evaluation per step; the damping force depends on a predicted velocity.
 
     q1 = q + h v + h^2 a/2,   a1 = f(q1, v + h a),   v1 = v + h (a + a1)/2
 

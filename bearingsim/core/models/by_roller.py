@@ -54,7 +54,7 @@ def accelerate_roller(model: Any, common: Any, body_acceleration: Any, y: np.nda
 
 @absent
 class NoUpdate(NamedTuple):
-    """Motion without drift and kick: the state is evaluated as it is."""
+    """Motion without drift and kick: the state is evaluated unchanged."""
 
 
 @generic(inline="late", absent=None)

@@ -22,7 +22,7 @@ def update_largest_forces(y, n):
     y[lay.LOADED_ROLLERS] = loaded
 
 
-SMOOTH_RATIO = 0.7  # least ratio of the three values to the parabola's top for which the parabola is used
+SMOOTH_RATIO = 0.7  # minimum ratio of the three values to the parabola's top for which the parabola is used
 
 
 @jit

@@ -17,7 +17,7 @@ from bearingsim.core.models.equilibrium import (
 )
 from bearingsim.core.parts.bending import Bending, NoSprings, supported_position
 
-# a prime, so that no two triples of angles agree modulo a ball pass; of all generators, 109 lets the least of a
+# a prime, so that no two triples of angles agree modulo a ball pass; of all generators, 109 lets the smallest of a
 # smooth function's squared Fourier coefficients alias to its mean
 LATTICE_POINTS, LATTICE_GENERATOR = 509, 109.0
 

@@ -38,7 +38,7 @@ CAGE, INNER = 3, 6  # first shared coordinates of the cage and of the inner ring
 
 @jit
 def clear_changes(low, high, y, n):
-    """Clear all displacements and changes of force, including shared coordinates ``low`` to before ``high``."""
+    """Clear all displacements and changes of force, including shared coordinates range(low, high)."""
     for j in range(n):
         y[lay.D_POSITION_R + j] = 0.0
         y[lay.D_POSITION_T + j] = 0.0
@@ -98,7 +98,7 @@ def write_roller_column(matrix, i, m_r, y, n):
 def write_shared_column(matrix, m, low, high, m_r, y, n):
     """Write the changes of acceleration into the column of the shared coordinate ``m``.
 
-    low, high: the shared coordinates from ``low`` to before ``high`` depend on it.
+    low, high: the shared coordinates range(low, high) depend on it.
     """
     for j in range(n):
         y[lay.border_column(matrix, RADIAL, m) + j] = y[lay.MOBILITY_R + j] * y[lay.D_FORCE_R + j]
@@ -164,7 +164,7 @@ def add_roller_columns(model, omega_cage, omega_i, spin, y, n):
 
 @jit
 def add_ring_columns(side, omega_ring, spin, m_r, low, high, y, n):
-    """Fill the columns of a ring's centre; its shared coordinates are ``low`` to before ``high``."""
+    """Fill the columns of a ring's centre; its shared coordinates are range(low, high)."""
     for axis in range(2):
         for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
             clear_changes(low, high, y, n)

@@ -2,7 +2,7 @@
 
 The unknowns are q_j and tilt_j of every roller, the outer ring's x and y, and the axial position and tilt of each
 ring on springs. Friction and damping are absent. Geometry and contacts are those of ``models/spatial.py`` at zero
-velocity, so that misalignment and roller profiles act as in the motion. Rollers do not skew, stay in the middle of
+velocity, so that misalignment and roller profiles act as in the motion. Rollers do not skew, stay centred in
 their pockets and between the flanges, and a defect exerts no tangential force (as in ``models/equilibrium.py``).
 
 The residuals are minus the gradient of an energy that is convex except for the tilt of normals (1e-6 of it). For
@@ -263,7 +263,7 @@ def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> Me
     for n in range(samples):
         residual = solve_spatial_equilibrium(model, (n + 0.5) / samples * pass_time, y, tilted=n > 0)
         if not residual <= 1e-8 * load:
-            raise NoEquilibrium(f"no static equilibrium in space: {residual:g} N left of {load:g} N")
+            raise NoEquilibrium(f"no static equilibrium in space: residual {residual:g} N at a load of {load:g} N")
         positions.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.Q_O : lay.Q_O + b.Z].max()))
     x_mean, y_mean, _ = (float(value) for value in np.mean(positions, axis=0))
     return MeanSpatialEquilibrium(x_mean, y_mean, float(max(largest for _, _, largest in positions)))

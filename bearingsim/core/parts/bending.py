@@ -6,8 +6,8 @@ n = 1 is the rigid motion of the ring. The amplitudes satisfy
 
     m_n a_n'' + c_n a_n' + k_n a_n = f_n + sum_j Q_o,j cos(n theta_j)
 
-and likewise b_n with sines; f_n is the generalised force of the given load. The rollers are evenly spaced, so cos
-and sin of n phi_j are tabulated, with theta_j = theta_c + phi_j and
+and likewise b_n with sines; f_n is the generalised force of the applied load. The rollers are evenly spaced, so
+cos and sin of n phi_j are tabulated, with theta_j = theta_c + phi_j and
 
     w(theta_j) = sum_n A_n cos(n phi_j) + B_n sin(n phi_j),   A_n + i B_n = (a_n + i b_n) exp(-i n theta_c).
 
@@ -70,9 +70,9 @@ class NoSprings(NamedTuple):
 class Springs(NamedTuple):
     """P compression-only springs between the ring and a rigid carrier, whose position is stored as a harmonic.
 
-    spring_table: (5, P padded to 8), rows as named below; shapes: (2, n, P padded) compression of a spring per
-    amplitude, n counting the harmonics and the carrier; transposed_shapes: (2, P, H) the same; carrier: index of
-    the carrier in H.
+    spring_table: (5, P padded to a multiple of 8), rows as named below; shapes: (2, n, P padded) compression of a
+    spring per amplitude, n counting the harmonics and the carrier; transposed_shapes: (2, P, H) the same;
+    carrier: index of the carrier in H.
     """
 
     spring_table: np.ndarray
@@ -82,7 +82,7 @@ class Springs(NamedTuple):
 
 
 # rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), and its compression (m) with the
-# undeformed ring in the middle of the carrier
+# undeformed ring centred in the carrier
 COS_S, SIN_S, K_S, C_S, FIT = range(5)
 
 
@@ -120,7 +120,7 @@ def bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
 def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
     """Fill the accelerations of the amplitudes, and add the springs' forces over ``m_o`` (kg) to the ring's.
 
-    Requires filled rows Q_O, and ``bend_race`` before it.
+    Requires the rows Q_O; call ``bend_race`` first.
 
     Equation (R2) of docs/ring.md.
     """

@@ -143,7 +143,7 @@ def test_each_race_has_its_own_film() -> None:
         assert outer != pytest.approx(inner, rel=0.02)
 
 
-def test_at_the_elements_own_frequency_a_film_damps_less() -> None:
+def test_at_the_elements_natural_frequency_a_film_damps_less() -> None:
     slow, natural = (contacts.outer(case(at=at)) for at in ("low", "own"))
     for Q in LOADS:
         assert derivatives(natural, approach(natural, Q), 0.0)[1] < derivatives(slow, approach(slow, Q), 0.0)[1]

@@ -7,7 +7,7 @@ from bearingsim.core.jit import generic
 from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import MIN_APPROACH, elastic, tangent
 
-MIN_RATE = 1e-12  # m/s: least rate for evaluating a derivative that is infinite at rest
+MIN_RATE = 1e-12  # m/s: minimum rate for evaluating a derivative that is infinite at rest
 
 
 class General(NamedTuple):
@@ -55,7 +55,7 @@ def _stiffness_bound(contact, delta, v):
 
 @damping_bound.register(General)
 def _damping_bound(contact, delta, v):
-    # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1, so 1e-3 m/s is the least rate
+    # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1, so 1e-3 m/s is the minimum rate
     return contact.c * monomial_derivative(contact.m2, max(abs(v), 1e-3)) * monomial(contact.m3, delta)
 
 

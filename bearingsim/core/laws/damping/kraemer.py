@@ -10,7 +10,7 @@ class Kraemer(NamedTuple):
     """Damping proportional to the tangent stiffness: Q = Q_e + beta Q_e' v. beta in s.
 
     Source: Kraemer, Dynamics of Rotors and Foundations 1993: 0.25e-5 .. 2.5e-5 s for rolling bearings.
-    Jumps (by delta^(1/9)) at touch-down.
+    At touch-down the damping force rises almost as a jump, as delta^(m1 - 1) with m1 = 10/9 for line contact.
     """
 
     stiffness: Any
@@ -21,7 +21,7 @@ class Kraemer(NamedTuple):
 def _force(contact, delta, v):
     d = max(delta, 0.0)
     force = max(elastic(contact.stiffness, d) + contact.beta * tangent(contact.stiffness, d) * v, 0.0)
-    return force if delta > 0.0 else 0.0  # with stiffness at touch-down (m1 = 1) damping would act in a gap
+    return force if delta > 0.0 else 0.0  # for m1 = 1 the stiffness at delta = 0 is not zero
 
 
 @derivatives.register(Kraemer)

@@ -1,7 +1,7 @@
-"""Functions of every elastic law: the force Q_e = k delta^m1, or a similar one, and its derivatives.
+"""Interface of elastic laws: the force Q_e(delta), for example k delta^m1, and its derivatives.
 
-delta: approach (m), positive in contact. All laws except ``PowerLaw``, which calls the library's power, allow the
-vectorisation of loops over rollers.
+delta: approach (m), positive in contact. All laws except ``PowerLaw``, which calls ``pow``, allow the compiler to
+vectorise loops over rollers.
 """
 
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 
-MIN_APPROACH = 1e-12  # m: least approach for evaluating a derivative that is infinite at touch-down
+MIN_APPROACH = 1e-12  # m: minimum approach for evaluating a derivative that is infinite at touch-down
 
 
 @generic
@@ -30,7 +30,7 @@ def curvature(law: Any, delta: float) -> float:
 
 @jit
 def fill_curve(law: Any, delta: Any, Q: Any, k: Any) -> None:
-    """Fill the arrays ``Q`` and ``k`` with the result of ``curve``."""
+    """Fill ``Q`` with elastic forces (N) and ``k`` with stiffnesses (N/m) at approaches ``delta`` (m)."""
     for i in range(len(delta)):
         Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
 

@@ -20,7 +20,7 @@ Rows = Mapping[str, "pd.DataFrame"]
 
 
 @dataclass(frozen=True)
-class Stock:
+class CheckedUnits:
     """Result of a check: names of units in the table, rows of units not in it, errors of damaged units by path."""
 
     in_table: set[str] = field(default_factory=set)
@@ -30,33 +30,33 @@ class Stock:
 
 def check_units(
     units: Iterable[Path], table: "pd.DataFrame | None", known_rows: Rows, verify: bool = False
-) -> Stock:
-    """Check units.
+) -> CheckedUnits:
+    """Read and verify units; return their rows.
 
     table: with the columns ``unit`` and ``stamp``; known_rows: rows read before, by unit; verify: also read the
     units in the table.
     """
-    stock, known_stamps = Stock(), {} if verify else _known_stamps(table)
+    checked, known_stamps = CheckedUnits(), {} if verify else _known_stamps(table)
     for path in units:
         stamp = _stamp(path)
         if known_stamps.get(path.stem) == stamp:
-            stock.in_table.add(path.stem)
+            checked.in_table.add(path.stem)
         elif path.stem in known_rows and known_rows[path.stem]["stamp"].iloc[0].startswith(f"{stamp} "):
-            stock.rows[path.stem] = known_rows[path.stem]
+            checked.rows[path.stem] = known_rows[path.stem]
         else:
-            _read(path, stamp, stock)
-    return stock
+            _read(path, stamp, checked)
+    return checked
 
 
-def _read(path: Path, stamp: str, stock: Stock) -> None:
+def _read(path: Path, stamp: str, checked: CheckedUnits) -> None:
     import pandas as pd
 
     try:
         rows = pd.DataFrame({**read_unit(path), "unit": path.stem}).set_index("job")
     except DamagedUnit as damage:
-        stock.damaged[path] = str(damage)
+        checked.damaged[path] = str(damage)
     else:
-        stock.rows[path.stem] = rows.assign(stamp=f"{stamp} {len(rows)}")
+        checked.rows[path.stem] = rows.assign(stamp=f"{stamp} {len(rows)}")
 
 
 def _stamp(path: Path) -> str:
