@@ -1,13 +1,14 @@
 """Chart of speed against accuracy: a figure per scene, CPU time over numerical (left) and total error (right).
 
 Rows of panels: defect line, RMS, largest force. Colours are models, paler for variants with fewer harmonics or
-slices; marks are methods, and runs of one method are joined. Hollow marks are solvers of other packages. Failed
-runs are listed on a line above the panels.
+slices. A dot is a run at one step or tolerance; a line joins the runs of a method, in a style of its own. Hollow
+dots are solvers of other packages, named beside them, and stars the automatic choice as a job. A line above the
+panels lists failed runs.
 """
 
 from collections.abc import Sequence
 from io import BytesIO
-from math import hypot, log10
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,7 @@ from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
 from bearingsim.bench.verdict import ACCURACIES, label, method_text, pareto_front, percent, seconds, verdict
 from bearingsim.catalogue import MODELS
-from bearingsim.plots.style import COLOURS, MARKERS, RC, drawing
+from bearingsim.plots.style import COLOURS, RC, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +35,12 @@ RAIL = 1.075  # height of the line of failed runs, over that of a panel
 HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 SIDES = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
 MIN_ERROR, MAX_ERROR, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; smallest upper limit of an axis
-APART = 0.3  # decades, minimum distance between labelled marks
+LINES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
+"""Styles of the lines of methods, by the order of the methods."""
+DOT: dict[str, Any] = {"marker": "o", "markersize": 3.5}
+HOLLOW: dict[str, Any] = DOT | {"markerfacecolor": "white", "linewidth": 0.6, "linestyle": (0, (1, 3))}
+STAR: dict[str, Any] = {"marker": "*", "markersize": 9.0, "markeredgecolor": "black", "markeredgewidth": 0.5}
+FRONT: dict[str, Any] = {"color": "0.85", "linewidth": 5.0, "zorder": 1, "solid_capstyle": "round"}
 PALER = 0.35  # fraction of white blended in, for each further variant of a model
 
 
@@ -51,14 +57,14 @@ def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
 
 def figure(rows: Sequence[Row], title: str) -> Canvas:
     """Draw cost against numerical and total error of a scene, a row of panels per quantity."""
-    methods = list(dict.fromkeys(row["method"] for row in rows if row["role"] in (POINT, AUTOMATIC, PEER)))
+    methods = dict.fromkeys(row["method"] for row in rows if row["role"] == POINT and row["method"])
+    styles = {name: LINES[n % len(LINES)] for n, name in enumerate(methods)}
     colours = _colours(rows)
-    marks = {name: MARKERS[n % len(MARKERS)] for n, name in enumerate(filter(None, methods))} | {"": MARKERS[-1]}
     canvas = Canvas(figsize=SIZE_IN, layout="constrained")
     panels = canvas.subplots(len(QUANTITIES), 2, sharex=True, sharey=True, squeeze=False)
     for i, quantity in enumerate(QUANTITIES):
         for j, kind in enumerate((NUMERICAL, TOTAL)):
-            _panel(panels[i][j], rows, kind, quantity, colours, marks)
+            _panel(panels[i][j], rows, kind, quantity, colours, styles)
         panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU time for 1 s of signal (s)")
     for ax, kind in zip(panels[0], HEADS, strict=True):
         ax.set_title(HEADS[kind], fontsize=8.5, pad=24)
@@ -66,8 +72,8 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     for ax in panels[-1]:
         ax.set_xlabel("relative error")
     canvas.suptitle(f"{title}\n{_verdicts(rows)}", x=0.01, ha="left", fontsize=9.5)
-    handles = _legend(rows, colours, marks)
-    canvas.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7.5, handlelength=2.0)
+    handles = _legend(rows, colours, styles)
+    canvas.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8.0, handlelength=2.6)
     return canvas
 
 
@@ -102,18 +108,18 @@ def _verdicts(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: dict, marks: dict) -> None:
+def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: dict, styles: dict) -> None:
     column = f"{kind}.{quantity}"
     good = [row for row in rows if not row["failure"] and row[column] == row[column]]
     ax.set(xscale="log", yscale="log", ymargin=0.09)
     if kind == TOTAL:
         best = pareto_front([row for row in good if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
         ax.step(
-            [_shown(row[f"{column}.counted"]) for row in best], [row["cpu_per_s"] for row in best],
-            where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
-        )  # fmt: skip
-        for row in _spread([row for row in best if row[column] < MAX_ERROR], column):
-            _name(ax, row, _shown(row[column]))
+            [_shown(row[f"{column}.counted"]) for row in best],
+            [row["cpu_per_s"] for row in best],
+            where="pre",
+            **FRONT,
+        )
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > MIN_ERROR:
             ax.axvspan(MIN_ERROR / 2.0, _shown(floor), color="0.94", zorder=0)
@@ -124,15 +130,16 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
             fontsize=SMALL_POINTS, color="0.35", ha="center", va="bottom",
         )  # fmt: skip
     for variant, colour in colours.items():
-        for method, mark in marks.items():
-            for role in (POINT, PEER):
-                same_method = [
-                    r for r in good if (r["variant"], r["method"], r["role"]) == (variant, method, role)
-                ]
-                _curve(ax, same_method, column, colour, mark, hollow=role == PEER)
-    for row in good:
-        if row["role"] == AUTOMATIC:
-            _automatic(ax, row, [r for r in good if r["role"] == JOB], column, colours, marks)
+        own = [row for row in good if row["variant"] == variant]
+        for method, style in styles.items():
+            runs = [row for row in own if row["role"] == POINT and row["method"] == method]
+            _dots(ax, runs, column, DOT | {"color": colour, "linewidth": 0.9, "linestyle": style, "zorder": 3})
+        for method in dict.fromkeys(row["method"] for row in own if row["role"] == PEER):
+            runs = [row for row in own if row["role"] == PEER and row["method"] == method]
+            _dots(ax, runs, column, HOLLOW | {"color": colour, "zorder": 2})
+            if kind == NUMERICAL:
+                _name(ax, runs[0], _shown(runs[0][column]))
+        _dots(ax, [row for row in own if row["role"] == JOB], column, STAR | {"color": colour, "zorder": 5})
     errors = [
         _shown(row[f"{same_method}.{name}"])
         for row in rows
@@ -145,45 +152,19 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _spread(rows: Sequence[Row], column: str) -> list[Row]:
-    """Select rows with marks far enough apart to be labelled."""
-    separate: list[Row] = []
-    for row in rows:
-        points = [(log10(_shown(other[column])), log10(other["cpu_per_s"])) for other in (row, *separate)]
-        if all(hypot(points[0][0] - x, 1.5 * (points[0][1] - y)) > APART for x, y in points[1:]):
-            separate.append(row)
-    return separate
-
-
 def _name(ax: "Axes", row: Row, x: float) -> None:
-    """Label a mark with the step or tolerance of its run, on the side away from the frame."""
-    side, offset = ("left", 6.0) if x < 2.0 * MIN_ERROR else ("right", -4.0)
+    """Write the name of a solver of another package beside a run."""
     ax.annotate(
-        label(row), (x, row["cpu_per_s"]), xytext=(offset, -3.0), textcoords="offset points",
-        fontsize=SMALL_POINTS, color="0.25", ha=side, va="top", zorder=6,
+        row["method"].removeprefix("scipy-"), (x, row["cpu_per_s"]), xytext=(4.0, 0.0), textcoords="offset points",
+        fontsize=SMALL_POINTS, color="0.25", va="center", zorder=6,
     )  # fmt: skip
 
 
-def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str, hollow: bool) -> None:
-    """Draw the runs of a method, joined from the coarsest setting."""
+def _dots(ax: "Axes", rows: Sequence[Row], column: str, look: dict[str, Any]) -> None:
+    """Draw runs, joined from the coarsest setting if the look has a line."""
     if rows:
-        ax.plot(
-            [_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows],
-            color=colour, marker=mark, markersize=4.5, linewidth=0.7, markeredgewidth=0.8,
-            linestyle="--" if hollow else "-", markerfacecolor="white" if hollow else colour, zorder=3,
-        )  # fmt: skip
-
-
-def _automatic(ax: "Axes", row: Row, jobs: Sequence[Row], column: str, colours: dict, marks: dict) -> None:
-    """Draw the automatic choice in full with a ring around it, and the corresponding job as a star."""
-    colour, x, y = colours[row["variant"]], _shown(row[column]), row["cpu_per_s"]
-    ax.plot(x, y, marker=marks[row["method"]], color=colour, markersize=4.5, zorder=4)
-    ax.plot(x, y, marker="o", markersize=11.0, markerfacecolor="none", markeredgecolor=colour, mew=1.4, zorder=5)
-    for job in jobs:
-        if job["variant"] == row["variant"]:
-            x_job, y_job = _shown(job[column]), job["cpu_per_s"]
-            ax.plot([x, x_job], [y, y_job], color=colour, linewidth=0.8, linestyle=":", zorder=2)
-            ax.plot(x_job, y_job, marker="*", color=colour, markersize=8.0, mec="black", mew=0.5, zorder=5)
+        look = {"linestyle": "none"} | look
+        ax.plot([_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows], **look)
 
 
 def _shown(error: float) -> float:
@@ -208,26 +189,20 @@ def _failed(row: Row) -> str:
     return "any method" if row["role"] == JOB else f"{row['method']} {label(row)}".strip()
 
 
-def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
+def _legend(rows: Sequence[Row], colours: dict, styles: dict) -> list[Any]:
+    """Return the entries of three columns: models by colour, methods by line, runs by mark."""
     chaotic = {row["variant"] for row in rows if row["chaotic"] == 1.0}
-    entries: list[Any] = [
+    models = [
         Line2D([], [], color=colour, linewidth=4.0, label=name + " (chaotic)" * (name in chaotic))
         for name, colour in colours.items()
     ]
-    peers = {row["method"] for row in rows if row["role"] == PEER}
-    for name, mark in marks.items():
-        if name:
-            fill = "white" if name in peers else "0.3"
-            line: dict[str, Any] = {"linestyle": "--" if name in peers else "-", "linewidth": 0.7}
-            entries.append(Line2D([], [], color="0.3", marker=mark, ms=4.5, mfc=fill, label=name, **line))
-    instant = [row for row in rows if row["role"] == AUTOMATIC and not row["method"]]
-    if instant:
-        entries.append(
-            Line2D([], [], color="0.3", marker=marks[""], ms=4.5, ls="none", label="static: no integrator")
-        )
-    ring: dict[str, Any] = {"marker": "o", "ms": 10.0, "mfc": "none", "mec": "0.2", "mew": 1.4}
-    entries.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
-    star: dict[str, Any] = {"marker": "*", "ms": 8.0, "mfc": "0.6", "mec": "black", "mew": 0.5}
-    entries.append(Line2D([], [], ls="none", label="automatic choice, as a job", **star))
-    entries.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front, in full"))
-    return entries
+    methods = [Line2D([], [], color="0.3", linewidth=1.2, ls=style, label=name) for name, style in styles.items()]
+    methods.append(Line2D([], [], label="cheapest full integration", **FRONT))
+    has_peers = any(row["role"] == PEER for row in rows)
+    runs = [
+        Line2D([], [], color="0.3", ls="none", label="a step or tolerance, full integration", **DOT),
+        *([Line2D([], [], color="0.3", label="a solver of another package", **HOLLOW)] if has_peers else []),
+        Line2D([], [], color="0.6", ls="none", label="automatic choice, as a job", **STAR),
+    ]
+    filled = zip(*zip_longest(models, methods, runs, fillvalue=Line2D([], [], ls="none", label=" ")), strict=True)
+    return [entry for column in filled for entry in column]
