@@ -117,20 +117,20 @@ def film() -> str:
     rows = read("film_damping")
     z = rows.z
     ranges = {
-        "slow oscillations, all": z > 0,
-        "z < 0.8: squeezed": z <= 0.8,
-        "0.8 < z < 1.8: between": (z > 0.8) & (z <= 1.8),
-        "z > 1.8: carried": z > 1.8,
+        "low frequency, all": z > 0,
+        "z < 0.8: squeeze film": z <= 0.8,
+        "0.8 < z < 1.8: transition": (z > 0.8) & (z <= 1.8),
+        "z > 1.8: entrainment": z > 1.8,
     }
     cells = [[name, *ratio_cells(rows.ratio[chosen])] for name, chosen in ranges.items()]
-    cells.append(["the smaller of the two terms instead", *ratio_cells(rows.hard_min_ratio)])
+    cells.append(["the minimum of the two terms instead", *ratio_cells(rows.hard_min_ratio)])
     own = rows[rows.c_own_solved > 0]
     ratios = own.c_own_closed / own.c_own_solved
     share = f"{np.mean(np.abs(np.log(ratios)) < np.log(3)):.0%} within a factor 3".replace("%", " %")
-    cells.append([f"own frequency, where the solution damps ({len(own)})", share, quantiles(ratios)])
+    cells.append([f"natural frequency, where the solution has damping ({len(own)})", share, quantiles(ratios)])
     central, least = rows.h_solved_um / rows.h_moes_um, rows.least_solved_um / rows.least_moes_um
     cells.append(["Moes' film: solution over formula, central", "", quantiles(central)])
-    cells.append(["the same, least", "", quantiles(least)])
+    cells.append(["the same, minimum", "", quantiles(least)])
     return table(("", "within a factor 1.25", "5 %, 50 %, 95 %"), cells)
 
 
