@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim.simulation import choice, limits
+from bearingsim.simulation.channels import FEATURE_CELLS
 from bearingsim.simulation.integration import MOTIONS, STENCIL_REACH, difference_weights, differentiate
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.short_cases import SLOT, case
@@ -37,6 +38,17 @@ def test_differences_are_of_eighth_order_across_passes(omega):
     assert (
         0.8 * bound < 3150 * np.abs(acceleration[1] / omega**2 + np.cos(omega * t))[is_started].max() < 1.1 * bound
     )
+
+
+def test_motion_at_the_sensor_is_differentiated_like_that_of_the_ring():
+    """A flexible ring's sensor has rows of its own, after those of the features."""
+    window = np.zeros((len(FEATURE_CELLS) + 3, TAIL + STEPS))
+    for motion in MOTIONS:
+        window[motion[0]] = np.sin(400.0 * H * np.arange(TAIL + STEPS))
+        differentiate(window, motion, TAIL, H)
+    ring, sensor = (np.array([window[rows][0] for rows in motion]) for motion in MOTIONS)
+    np.testing.assert_array_equal(sensor, ring)
+    assert np.all(np.ptp(sensor, axis=1) > 0.0)
 
 
 @pytest.mark.parametrize("reach", [1, 2, 3, 4])

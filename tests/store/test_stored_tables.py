@@ -77,6 +77,19 @@ def test_current_table_is_read_without_the_units(tmp_path: Path, study: FakeStud
     assert (tmp_path / "study.h5").stat().st_mtime_ns == written
 
 
+def test_altered_csv_is_written_again_and_a_current_one_is_left(tmp_path: Path, study: FakeStudy) -> None:
+    store_jobs(tmp_path, study)
+    store.build_table(tmp_path)
+    path = tmp_path / "results.csv"
+    text = path.read_text()
+    path.write_text(text.replace("done", "gone"))
+    store.build_table(tmp_path)
+    assert path.read_text() == text
+    written = path.stat().st_mtime_ns
+    store.build_table(tmp_path)
+    assert path.stat().st_mtime_ns == written
+
+
 @pytest.mark.parametrize("action", [store.build_table, store.sweep, lambda root: store.discard(root, "study")])
 def test_processes_that_share_a_folder_wait_for_the_lock(
     tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
