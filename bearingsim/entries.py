@@ -32,7 +32,7 @@ class Model:
         return "forces" in self.abilities
 
     @property
-    def takes_defects(self) -> bool:
+    def has_defect_geometry(self) -> bool:
         """True if the rollers roll over the shape of a defect; otherwise a defect is a series of impulses."""
         return "shapes" in self.abilities
 

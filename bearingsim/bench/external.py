@@ -1,7 +1,7 @@
 """Solvers of other packages on the compiled equations, with the features of their solutions.
 
 A solver gets a model, its static equilibrium and the instants at which an adaptive method records. Its states are
-recorded, and features computed, as for own methods.
+recorded, and features computed, as for the program's methods.
 """
 
 import time
@@ -34,7 +34,7 @@ POINTS_OF_STEP = 4  # evaluations of the force, on the solver's interpolant; ste
 class Equations(NamedTuple):
     """Problem for a solver: compiled model, its buffer in static equilibrium, instants (n,) in s, tolerances.
 
-    tolerances: as for own methods (``core/methods/interface.py``: Tolerances); settled: s, beginning
+    tolerances: as for the program's methods (``core/methods/interface.py``: Tolerances); settled: s, beginning
     of the time for the largest force.
     """
 

@@ -63,8 +63,8 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     text = recorded.text_of(channel)
     canvas.colorbar(colours, ax=list(axes), label=f"{text} ({scale.unit_text(amplitude=True)})")
     table = select.case_rows(results)
-    every = set().union(*(swept[name] for name in jobs))
-    fixed = fixed_values(results, table[table["job"].isin(jobs)], every)
+    swept_paths = set().union(*(swept[name] for name in jobs))
+    fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)
     length = pass_period(next(iter(records.values()))) / PER_PASS
     finish(canvas, figure.title, [f"segments of {1e3 * length:.2g} ms", *sampling_of(records.values()), *fixed])
     return [Sheet(file_words(figure, jobs), canvas)]

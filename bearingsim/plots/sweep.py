@@ -103,11 +103,11 @@ def mark_spread(ax: "Axes", curve: Curve) -> None:
     if all(has) and len(points.x) > 1:
         ax.fill_between(points.x, points.low, points.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
-        abscissas, least, largest = (
+        abscissas, lowest, highest = (
             [v for v, is_finite in zip(a, has, strict=True) if is_finite]
             for a in (points.x, points.low, points.high)
         )
-        ax.vlines(abscissas, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
+        ax.vlines(abscissas, lowest, highest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
 def mark_errors(ax: "Axes", curve: Curve) -> None:
@@ -206,7 +206,7 @@ def _values(
         mark_chaotic(ax, values, heights, curve.points.chaotic)
         if len(curves) == 1:
             _numbers(ax, values, heights, is_log)
-        _mark_lost_left(ax, heights, curve.points.status)
+        _mark_jobs_without_result_left(ax, heights, curve.points.status)
     _value_axis(ax, name, is_log)
     ax.grid(visible=False, axis="x")
 
@@ -228,7 +228,7 @@ def _numbers(ax: "Axes", points: Sequence[float], heights: Sequence[float], is_l
                         textcoords="offset points", va="center", fontsize=7)  # fmt: skip
 
 
-def _mark_lost_left(ax: "Axes", heights: Sequence[float], status: Sequence[str]) -> None:
+def _mark_jobs_without_result_left(ax: "Axes", heights: Sequence[float], status: Sequence[str]) -> None:
     """Mark jobs without a result on the left axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [height for height, state in zip(heights, status, strict=True) if state == kind]

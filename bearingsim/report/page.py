@@ -50,7 +50,7 @@ class Table:
         return Table([(head, cells[:rows]) for head, cells in self.columns], self.numeric, self.total)
 
     def omission(self) -> str:
-        """Describe the rows that are left out."""
+        """Describe the omitted rows."""
         return f"{self.total - len(self.rows)} of {self.total} rows of the table: results.csv has all"
 
 
@@ -60,7 +60,7 @@ class Page:
 
     subject: bearing, defect and figures in words; varied: uncertain parameters that the study varies;
     counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
-    measured: measured and simulated features; omissions: what was left out, and why; text: the study file;
+    measured: measured and simulated features; omissions: omitted parts, with reasons; text: the study file;
     changes: overrides of the command line.
     """
 
@@ -226,6 +226,4 @@ def _study_text(results: "Results") -> str:
         text = read_study_text(results.path)
     except UNREADABLE:
         return ""
-    return (
-        text if len(text) <= MAX_TEXT else f"{text[:MAX_TEXT]}\n# ... {len(text) - MAX_TEXT} characters left out"
-    )
+    return text if len(text) <= MAX_TEXT else f"{text[:MAX_TEXT]}\n# ... {len(text) - MAX_TEXT} characters omitted"

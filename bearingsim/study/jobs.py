@@ -289,7 +289,7 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
 
 def healthy_case(case: Case) -> Case | None:
     """Return the case without its defects; None if it has none, or for the impulse model."""
-    if not case.defects or not MODELS[case.model].takes_defects:
+    if not case.defects or not MODELS[case.model].has_defect_geometry:
         return None
     changes: dict[str, Any] = {
         name: Case.model_fields[name].default for name in _defect_keys(case) & Case.model_fields.keys()

@@ -7,7 +7,7 @@
         scale: true
 
 Points are rows of parameters and features, in the file or in a table whose headers give units: `load [N]`,
-`velocity@BPFO [um/s]`. Of signals the features are computed. The section changes no job.
+`velocity@BPFO [um/s]`. The features of signals are computed. The section changes no job.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -53,7 +53,7 @@ def parse_measured(
     """Read the measured values of a study, in SI; return them, and remarks on values outside the study.
 
     folder: of the study, in which files are searched after the working directory. Mistakes are added to
-    ``problems``, with their place in the study or the table.
+    ``problems``, with their position in the study or the table.
     """
     if not isinstance(section.value, tuple) or not section.items:
         message = "measured: expected a list such as `[{points: line.csv, label: test rig}]`"
@@ -305,7 +305,7 @@ class _Reader:
         for path, places in left_out.items():
             value = self.fixed_value(path)
             fixed_value = f"no {path}" if value is None else f"{path} {_shown(path, value)}"
-            self.remarks.append(f"measured `{label}`: left out {listed(places)}: the study has {fixed_value}")
+            self.remarks.append(f"measured `{label}`: skipped {listed(places)}: the study has {fixed_value}")
         for path, places in beyond.items():
             numbers = [value for value in self.ranges[path] if not isinstance(value, str)]
             ends = [_shown(path, pick(numbers)) for pick in (min, max)] if numbers else map(str, self.ranges[path])

@@ -301,7 +301,7 @@ def _ring_mass_refusal(case: Case, has_models: bool) -> Refusal:
 
 
 def _edge_refusal(case: Case, has_models: bool) -> Refusal:
-    if not case.defects or not MODELS[case.model].takes_defects:
+    if not case.defects or not MODELS[case.model].has_defect_geometry:
         return "a case has no defect with edges", "remove `edge`"
     if any(defect.shape == "scan" for defect in case.defects):
         return "a scan already contains its edges", "remove `edge`"

@@ -175,7 +175,7 @@ def test_quoted_separators_do_not_separate(tmp_path):
         assert entry.points[0].features == pytest.approx({"velocity@BPFO": 6.1e-6})
     (tmp_path / "line.csv").write_text('load [N],"velocity@BPFO [um/s]","rig.sensor.on"\n150,6.1,"a,b"\n')
     assert (
-        "left out line.csv:2: the study has rig.sensor.on ring"
+        "skipped line.csv:2: the study has rig.sensor.on ring"
         in load(tmp_path, "measured: [{points: line.csv}]\n").notes[-1]
     )
 

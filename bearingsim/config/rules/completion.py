@@ -21,7 +21,7 @@ def complete(case: CaseFields) -> None:
     if case.model == catalogue.REFERENCE:
         _fill_reference(case)
     model = catalogue.MODELS[case.model]
-    if not model.takes_defects and "excitation" not in case.model_fields_set:
+    if not model.has_defect_geometry and "excitation" not in case.model_fields_set:
         _fill(case, "excitation", "impulse-train")
     if case.method is None and not model.own_method:
         _fill(case, "method", catalogue.AUTO)

@@ -241,7 +241,7 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("duration", duration_paths, f"{value} is shorter than one ball pass ({limit})")
     if (
         case.excitation in IMPULSE_EXCITATIONS
-        and not catalogue.MODELS[case.model].takes_defects
+        and not catalogue.MODELS[case.model].has_defect_geometry
         and not case.defects
     ):
         paths: tuple[Path, ...] = (("model",), ("excitation",))
