@@ -138,10 +138,10 @@ class Run:
             pass
         return self.raw_record()
 
-    def raw_record(self, period: int = 0, difference: float = nan) -> RawRecord:
+    def raw_record(self, period: int = 0, difference: float = nan, contraction: float = inf) -> RawRecord:
         """Return the record so far. Raises ``MethodFailure`` if its end is not finite or steps missed a defect."""
         _check_end(self.setup, self._initial_passages, self.y, self.passes)
-        return self.recording.raw_record(Repetition(self.passes, period, difference), self.y)
+        return self.recording.raw_record(Repetition(self.passes, period, difference, contraction), self.y)
 
     def inspected_record(self) -> RawRecord:
         """Return the record so far, its end unchecked."""
@@ -157,6 +157,7 @@ def integrate(
     max_passes: int | None = None,
     inspector: Inspector | None = None,
     begun: Run | None = None,
+    contraction: float = inf,
 ) -> RawRecord:
     """Integrate the ball passes and record fine samples (and raw values if the case needs them).
 
@@ -166,7 +167,7 @@ def integrate(
     equilibrium; patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never;
     max_passes: largest number of ball passes; inspector: inspections that may end the run; begun: the same run
     from rest, of which some passes are computed. It is continued if the motion cannot be periodic and no end of
-    the run lies within them.
+    the run lies within them; contraction: of the same motion with another step (``Repetition``).
     """
     run, search = begun, None
     inspected: Collection[int] = () if inspector is None else inspector.passes
@@ -174,7 +175,7 @@ def integrate(
         pace = Pace(setup.max_cpu)
         steady_start = _find_steady_start(setup, pace, start, closeness, max_passes)
         run = Run(setup, _start(setup, perturbation, steady_start), pace)
-        search = _search(setup, run.recording.cells, closeness)
+        search = _search(setup, run.recording.cells, closeness, contraction)
     run.pace.max_cpu = setup.max_cpu
     period, difference = 0, nan
     for window in run.ball_passes():
@@ -189,7 +190,7 @@ def integrate(
         if passes == patience:
             seconds = passes / setup.grid.rate
             raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", seconds)
-    raw = run.raw_record(period, difference)
+    raw = run.raw_record(period, difference, inf if search is None else search.contraction)
     if period > 0 and run.recording.stores_raw_values:
         run.recording.fill_repeated_passes(raw.repetition)
     if MODELS[setup.case.model].memoryless:  # the motion does not start from rest
@@ -197,12 +198,12 @@ def integrate(
     return raw
 
 
-def _search(setup: Setup, cells: np.ndarray, closeness: Closeness) -> Search | None:
+def _search(setup: Setup, cells: np.ndarray, closeness: Closeness, contraction: float) -> Search | None:
     if not may_repeat(setup.case):
         return None
     memoryless = MODELS[setup.case.model].memoryless
     slowest_ratio = exp(-slowest_decay(setup.case) / setup.grid.rate)
-    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio)
+    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio, contraction)
 
 
 def _start(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:

@@ -14,7 +14,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.simulation import channels, choice
-from bearingsim.simulation.comparison import RunSignals, steady_time
+from bearingsim.simulation.comparison import steady_time
 from bearingsim.simulation.integration import Run, integrate
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import price
@@ -26,8 +26,10 @@ from bearingsim.simulation.step_check import (
     COARSE_BOUNDS,
     FINER_BOUNDS,
     MAX_COST_RATIO,
+    ORBIT_CLOSENESS,
     SECOND_PILOT,
     Beginning,
+    FinerPilot,
     StepCheck,
     check_on_orbit,
     check_on_pilot,
@@ -170,7 +172,7 @@ def _until_periodic(setup: Setup) -> Setup:
 def _search(coarse: Setup) -> RawRecord:
     """Return the first ball passes of a run, until it is periodic."""
     max_passes = max(int(price("patience")), extrapolation_passes(coarse.case))
-    return integrate(_until_periodic(coarse), max_passes=max_passes)
+    return integrate(_until_periodic(coarse), closeness=ORBIT_CLOSENESS, max_passes=max_passes)
 
 
 def _refine_on_orbit(coarse: Setup, raw: RawRecord) -> Refinement | None:
@@ -202,7 +204,7 @@ def _refine_on_pilots(coarse: Setup, short_runs: ShortRuns, is_stable: bool) -> 
     """
     case, step_fraction, factor = Inspections(coarse).earliest.case, coarse.step_fraction, 1.0
     runs = PilotRuns(coarse.case)
-    previous: tuple[Setup, RunSignals] | None = None
+    previous: FinerPilot | None = None
 
     def run_of(pilot_setup: Setup) -> Beginning | None:
         return runs.run_of(pilot_setup) or short_runs.run_of(pilot_setup)
@@ -222,9 +224,9 @@ def _refine_on_pilots(coarse: Setup, short_runs: ShortRuns, is_stable: bool) -> 
         if may_be_coarse and coarse_check.holds:
             return refinement(step_fraction, coarse_check)
         check = replace(check, bounds=FINER_BOUNDS)
-        if _is_last(finer[0], check):
-            return refinement(finer[0].step_fraction, check)
-        step_fraction, previous = finer[0].step_fraction, finer
+        if _is_last(finer.setup, check):
+            return refinement(finer.setup.step_fraction, check)
+        step_fraction, previous = finer.setup.step_fraction, finer
 
 
 def _is_last(finer: Setup, check: StepCheck) -> bool:

@@ -75,12 +75,14 @@ class Repetition(NamedTuple):
 
     computed: number of computed ball passes; period: in ball passes, 0 if the motion is not periodic; difference:
     largest difference of the last pass from the one a period before, relative to the range of the quantity (NaN if
-    no period was searched for).
+    no period was searched for); contraction: ratio of the last difference of successive passes to the one before
+    (inf if unknown).
     """
 
     computed: int
     period: int
     difference: float
+    contraction: float = inf
 
     def source(self, p: np.ndarray | int) -> np.ndarray:
         """Return the computed pass equal to pass ``p`` (any shape), apart from the numbering of rollers."""
@@ -107,6 +109,8 @@ class Closeness(NamedTuple):
 
 RECORD_CLOSENESS = Closeness(1e-7, 1e-10, pass_count=2)
 """Limits for a record computed with one step."""
+CONTRACTION_MARGIN, MAX_CONTRACTED = 10.0, 0.02
+"""Safety factor on a contraction known from another step, and largest difference of passes to which it applies."""
 MAX_DECAY_RATIO = 0.98  # ratio of successive differences above which they do not count as decaying
 NEAR_FACTOR = 1e3  # factor on the limit within which final states must agree before all steps are compared
 MAX_STORED = 256e6  # bytes of recordings stored for comparison
@@ -131,15 +135,19 @@ class Search:
         memoryless: bool,
         closeness: Closeness,
         slowest_ratio: float = 0.0,
+        contraction: float = inf,
     ) -> None:
         """Prepare the comparison of passes.
 
         cells: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
         in a pass; memoryless: whether the first pass is already periodic; closeness: limits of the differences;
-        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass.
+        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass; contraction: as in
+        ``Repetition``, of a run of the same motion with another step.
         """
         self.cells, self.memoryless, self.closeness, self.Z = cells, memoryless, closeness, model.bearing.Z
-        self.slowest_ratio = slowest_ratio
+        self.slowest_ratio, self.steps = slowest_ratio, steps
+        self.known_contraction = contraction
+        self.near = NEAR_FACTOR * closeness.sum_limit if contraction == inf else MAX_CONTRACTED
         self.model = model
         self.compared_rows = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
         self.compared_rows = self.compared_rows[cells[self.compared_rows] != lay.SENSOR_A]
@@ -168,7 +176,7 @@ class Search:
             return 1, 0.0
         if not self.periods:
             return 0, nan
-        self.recordings.append(window[self.compared_rows])
+        self.recordings.append(window[self.compared_rows, -self.steps :])
         end_state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights
         self.end_states.append(end_state.reshape(2, 6, lay.ROW))
         self.peaks.append(peaks)
@@ -184,7 +192,22 @@ class Search:
                     for n in range(passes)
                 ):
                     return period, differences[-1]
+        if len(self.end_states) > 1 and self._is_in_reach(self.differences[1][-1]):
+            return 1, self.differences[1][-1]
         return 0, min((differences[-1] for differences in self.differences.values() if differences), default=nan)
+
+    @property
+    def contraction(self) -> float:
+        """Ratio of the last difference of successive passes to the one before; that of another step if unknown."""
+        last_two = self.differences.get(1, [])[-2:]
+        if len(last_two) < 2 or not 0.0 < last_two[0] < inf:
+            return self.known_contraction
+        return max(last_two[1] / last_two[0], self.slowest_ratio)
+
+    def _is_in_reach(self, difference: float) -> bool:
+        """Check if a pass is on its orbit, by its difference from the one before and the known contraction."""
+        error = CONTRACTION_MARGIN * self.known_contraction * difference
+        return difference <= MAX_CONTRACTED and error <= self.closeness.sum_limit
 
     def _ranges(self, recording: np.ndarray) -> np.ndarray:
         """Return the range of the quantity of each recorded row (C,), 0 if it is not compared."""
@@ -209,7 +232,7 @@ class Search:
         previous_end = rotate_state(self.end_states[-1 - period], self.model, -period)
         end_differences = np.abs(self.end_states[-1] - previous_end).max(axis=2)
         end_difference = _largest_ratio(end_differences, end_ranges)  # of lengths and speeds
-        if not end_difference <= NEAR_FACTOR * self.closeness.sum_limit:
+        if not end_difference <= self.near:
             return end_difference
         current, previous = self.recordings[-1], self.recordings[-1 - period]
         row_differences = np.array(

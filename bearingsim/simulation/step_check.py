@@ -200,7 +200,14 @@ def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
         coarse.case, coarse.step_fraction * step_ratio(coarse.grid.decimation), MAX_COST_RATIO * time_grid.MAX_CPU
     )
     start = rewound_state(coarse, raw)
-    return fine, integrate(fine, start=start, closeness=ORBIT_CLOSENESS, max_passes=max_finer_passes(raw))
+    fine_raw = integrate(
+        fine,
+        start=start,
+        closeness=ORBIT_CLOSENESS,
+        max_passes=max_finer_passes(raw),
+        contraction=raw.repetition.contraction,
+    )
+    return fine, fine_raw
 
 
 def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
@@ -237,6 +244,14 @@ class Beginning(Protocol):
         """Return the record of at least ``passes`` ball passes, computed within ``max_cpu`` (s)."""
 
 
+class FinerPilot(NamedTuple):
+    """Finer pilot of a check; converges: whether a perturbation of the coarser one has decayed (``DECAY``)."""
+
+    setup: Setup
+    signals: RunSignals
+    converges: bool = False
+
+
 class PilotCheck(NamedTuple):
     """Step check by a pilot; finer: the finer pilot.
 
@@ -245,7 +260,7 @@ class PilotCheck(NamedTuple):
 
     check: StepCheck
     is_doubtful: bool
-    finer: tuple[Setup, RunSignals]
+    finer: FinerPilot
 
 
 def check_on_pilot(
@@ -253,7 +268,7 @@ def check_on_pilot(
     step_fraction: float,
     pilot_case: Case,
     passes: int,
-    previous: tuple[Setup, RunSignals] | None = None,
+    previous: FinerPilot | None = None,
     run_of: Callable[[Setup], Beginning | None] = lambda pilot_setup: None,
 ) -> PilotCheck:
     """Check the step of a case by a pilot of ``passes``.
@@ -263,15 +278,15 @@ def check_on_pilot(
     """
     allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
     pilot_case = pilot_case.model_copy(update={"periodic": False, "step_check": False})
-    coarse = previous[0] if previous is not None else set_up(pilot_case, step_fraction, allowed)
+    coarse = previous.setup if previous is not None else set_up(pilot_case, step_fraction, allowed)
     fine = set_up(
         with_finer_tolerance(pilot_case),
         step_fraction * step_ratio(coarse.grid.decimation),
         MAX_COST_RATIO * allowed,
     )
-    coarse_run = previous[1] if previous is not None else run_pilot(coarse, passes, run=run_of(coarse))
+    coarse_run = previous.signals if previous is not None else run_pilot(coarse, passes, run=run_of(coarse))
     fine_run = run_pilot(fine, passes, run=run_of(fine))
-    finer = fine, fine_run
+    finer = FinerPilot(fine, fine_run, previous is not None and previous.converges)
     check = StepCheck(*compare(coarse_run, fine_run))
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
     step_changes = (
@@ -282,14 +297,15 @@ def check_on_pilot(
         )
         / scale
     )
-    if not step_changes.max() > MIN_DIVERGENCE:
+    if finer.converges or not step_changes.max() > MIN_DIVERGENCE:
         return PilotCheck(check, False, finer)
     adaptive = assemble.is_adaptive(case)
     base, base_run = (fine, fine_run) if adaptive else (coarse, coarse_run)
     perturbed_run = run_pilot(base, passes, perturbation=PERTURBATION)
     perturbation_changes = pass_rms(base_run.fine_velocity - perturbed_run.fine_velocity, passes) / scale
     if not is_chaotic_motion(perturbation_changes, step_changes, adaptive):
-        return PilotCheck(check, bool(perturbation_changes[-1] > DECAY * PERTURBATION), finer)
+        converges = bool(perturbation_changes[-1] <= DECAY * PERTURBATION)
+        return PilotCheck(check, not converges, finer._replace(converges=converges))
     # pilots agree at first: the signal that diverges sooner, usually of the wider band, is more informative
     noise, confidence_factor = max(
         (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], perturbed_run[:2], strict=True)),
