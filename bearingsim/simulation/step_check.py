@@ -52,7 +52,7 @@ class Bounds(NamedTuple):
 
 
 FIXED_STEP_BOUNDS = Bounds(2.5, 0.3, 1e-5)
-COARSE_BOUNDS, FINER_BOUNDS = Bounds(2.5, 0.5, 1e-4), Bounds(2.0, 0.5, 1e-4)
+COARSE_BOUNDS, FINER_BOUNDS = Bounds(2.5, 0.5, 5e-4), Bounds(2.0, 0.5, 5e-4)
 """Bounds for a step given by the case, and for the coarse and the finer run of a refinement (safety factors 1.4
 and 2.5). Calibrated on random scenes and tested on others (docs/evidence/step_check.md)."""
 
