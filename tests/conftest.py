@@ -117,6 +117,12 @@ def write(tmp_path: Path) -> Write:
 
 
 @pytest.fixture
+def constant_candidates(monkeypatch):
+    """Let `method: auto` try one method in every case: ids differ by parameters only, and nothing is compiled."""
+    monkeypatch.setattr("bearingsim.simulation.choice.candidate_methods", lambda case: ["verlet"])
+
+
+@pytest.fixture
 def study_folder(tmp_path, monkeypatch):
     """A working folder that contains only a small study."""
     monkeypatch.chdir(tmp_path)

@@ -37,6 +37,7 @@ def test_explicit_and_default_edge_radius_may_be_combined() -> None:
     assert len(case(defects=pair).defects) == 2
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_material_is_part_of_the_case_id() -> None:
     soft = case(defect=SLOT).bearing.material.model_copy(update={"young_modulus": 100e9})
     softer = case(defect=SLOT, bearing=case().bearing.model_copy(update={"material": soft}))

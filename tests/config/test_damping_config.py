@@ -27,12 +27,14 @@ def damping(fields: Any) -> Any:
 DEFAULTS: list[Any] = ["kraemer", {"law": "kraemer"}, {"beta": "2.5 us"}, {"law": "kraemer", "beta": 2.5e-6}, {}]
 
 
+@pytest.mark.usefixtures("constant_candidates")
 @pytest.mark.parametrize("fields", DEFAULTS)
 def test_all_notations_of_the_default_are_equal(fields: Any) -> None:
     assert damping(fields) == case().contact.damping == Contact().damping == Kraemer(beta=2.5e-6)
     assert case_id(case(fields)) == case_id(case())
 
 
+@pytest.mark.usefixtures("constant_candidates")
 @pytest.mark.parametrize(
     ("keys", "law"),
     [
@@ -65,6 +67,7 @@ def test_an_oil_is_a_grade_at_a_temperature(grade: Any) -> None:
     assert damping({"law": "film", "oil": grade, "temperature": "313.15 K"}) == film
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_a_film_survives_its_own_dump() -> None:
     for keys in ({"viscosity": "30 mPa s", "at": "own"}, {"oil": "VG 68", "temperature": "55 C"}):
         test_case = case({"law": "film"} | keys)

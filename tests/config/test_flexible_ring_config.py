@@ -164,6 +164,7 @@ def test_one_sensor_has_one_id() -> None:
     assert case_id(case(rig={"sensor": {"angle": "60 deg"}})) != case_id(case())
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_id_depends_on_all_parameters_of_a_flexible_ring() -> None:
     rigs: list[dict[str, Any]] = [
         *LOADS,

@@ -17,6 +17,8 @@ from bearingsim.study.jobs import case_id
 from bearingsim.study.used import relevant_fields
 from bearingsim.text.yamlfile import StudyError
 
+pytestmark = pytest.mark.usefixtures("constant_candidates")
+
 HEAD = "angle [deg],deviation [um]"
 ORDERS = {2: (0.3, 0.4), 5: (0.1, -2.0), 12: (0.05, 1.0), 40: (0.01, 3.0)}
 """Amplitude (um) and phase of each order."""

@@ -23,6 +23,8 @@ from bearingsim.text.yamlfile import StudyError
 from tests.scenes.bombs import DATASETS
 from tests.scenes.scan_files import STUDY, S, Z, bowl, refusal, write_grid
 
+pytestmark = pytest.mark.usefixtures("constant_candidates")
+
 # In a case and in a study
 
 

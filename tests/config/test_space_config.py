@@ -209,6 +209,7 @@ def test_loads_at_rest_include_misalignment() -> None:
     assert tilted[2] == pytest.approx(2.39e-6 * tilted[1], rel=0.01)  # flanges hold, and are not damped so
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_equivalent_cases_have_one_id() -> None:
     assert case_id(case(misalignment={})) == case_id(case())
     assert case_id(case(contact={"length_nodes": 6})) == case_id(case())
@@ -216,6 +217,7 @@ def test_equivalent_cases_have_one_id() -> None:
     assert case_id(case(**fields)) == case_id(case(excitation="elastic-edge", defect=DEFECT))
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_keys_of_spatial_do_not_change_ids_of_other_models() -> None:
     for other in ({"contact": {"slices": 12}}, {"cage": {"axial_clearance": "0.1 mm"}}):
         for model, same in (("planar", True), ("spatial", False)):

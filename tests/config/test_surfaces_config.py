@@ -10,6 +10,8 @@ from bearingsim.config.sections.surfaces import MAX_ORDER
 from bearingsim.study.jobs import case_id, healthy_case
 from tests.scenes.nf308 import SLOT
 
+pytestmark = pytest.mark.usefixtures("constant_candidates")
+
 SPECTRUM = {"spectrum": {"amplitude": "0.2 um"}}
 
 

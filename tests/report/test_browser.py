@@ -55,7 +55,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         patch.setattr(figure_results, "record", record)
         for name, text, lost in (("swept", SWEPT, {4: "failed", 5: "missing"}), ("design", DESIGN, {})):
             folder = tmp_path_factory.mktemp(name)
-            opened = figure_results.results.__wrapped__(folder)(text, lost)  # type: ignore[attr-defined]
+            opened = figure_results.results.__wrapped__(folder, None)(text, lost)  # type: ignore[attr-defined]
             written[name] = opened.path / "report.html"
             written[name].write_text(html(page_of(opened)), encoding="utf-8")
     return written

@@ -55,7 +55,7 @@ def record(case):
 
 
 @pytest.fixture
-def results(tmp_path):
+def results(tmp_path, constant_candidates):
     """A function that makes a results folder of a study text; ``lost`` maps the number of a job to its status."""
 
     def make(text=STUDY + FIGURES, lost=None, **options):

@@ -77,6 +77,7 @@ def test_ramp_is_computed_by_reference(write: Write, costs: dict[str, float]) ->
     ] * 3
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_candidates_are_independent_of_other_cases(write: Write, costs: dict[str, float]) -> None:
     """Those of a study that is extended are as they were, though what is new has more slices."""
     sweep = "sweep: {contact: [{slices: 10}, {slices: 20}]}"

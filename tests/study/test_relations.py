@@ -10,6 +10,8 @@ from bearingsim.study import Problem, StudyError, case_id, load_study
 from bearingsim.study.relations import MAX_CONDITIONS
 from tests.scenes.study_text import BASE, Write
 
+pytestmark = pytest.mark.usefixtures("constant_candidates")
+
 
 def problems(path: Path, overrides: dict[str, str] | None = None) -> list[Problem]:
     with pytest.raises(StudyError) as caught:

@@ -135,6 +135,7 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
     assert case_id(single_case(**first)) == case_id(single_case(**second))
 
 
+@pytest.mark.usefixtures("constant_candidates")
 @pytest.mark.parametrize(
     "change",
     [
@@ -171,6 +172,7 @@ def test_parameters_that_change_the_result_change_the_id(change: dict[str, Any])
     assert case_id(single_case(**change)) != case_id(single_case())
 
 
+@pytest.mark.usefixtures("constant_candidates")
 @pytest.mark.parametrize(
     "change",
     [
@@ -192,6 +194,7 @@ def test_parameters_of_planar_change_the_id(change: dict[str, Any]) -> None:
     assert case_id(single_case(**PLANAR | change)) != case_id(single_case(**PLANAR))
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_race_and_excitation_of_a_defect_change_the_id() -> None:
     defect = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
     roller: dict[str, Any] = {"race": "roller"}
@@ -208,6 +211,7 @@ def test_race_and_excitation_of_a_defect_change_the_id() -> None:
     )
 
 
+@pytest.mark.usefixtures("constant_candidates")
 def test_elastic_constants_change_the_id_if_they_are_used() -> None:
     def ids(**fields: Any) -> set[str]:
         materials = [{"density": 7850.0, "young_modulus": modulus} for modulus in (207e9, 100e9)]

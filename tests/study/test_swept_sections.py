@@ -7,6 +7,8 @@ import pytest
 from bearingsim.study import case_id, load_study
 from tests.scenes.study_text import BASE, Write, swept
 
+pytestmark = pytest.mark.usefixtures("constant_candidates")
+
 # Models, excitations, classes, optional sections
 
 

@@ -9,6 +9,8 @@ import pytest
 from bearingsim.study import StudyError, case_id, load_study
 from tests.scenes.study_text import BASE, Write
 
+pytestmark = pytest.mark.usefixtures("constant_candidates")
+
 # Form of surfaces, shaft, mass of the ring, edges
 
 
