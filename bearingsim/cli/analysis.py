@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 KURTOGRAM = "kurtogram"
 BAND = re.compile(r"^\s*(?P<low>[\d.]+)\s*(?P<unit>k?Hz)?\s*(?:-|\.\.)\s*(?P<high>[\d.]+)\s*(?P<last>k?Hz)\s*$")
-BEARING = "bearing", "--bearing 6205"
-"""Option for the bearing, and an example."""
+BEARING = "bearing", {"bearing": "6205"}
+"""What is missing without the option for the bearing, and its example."""
 LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 VERDICTS = {
     "outer": "outer race",

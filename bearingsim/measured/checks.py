@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.measured.content import MeasuredError
+from bearingsim.measured.content import MeasuredError, Request
 
 MAX_CLIPPED = 1e-3
 """Largest share of samples at the extremes, in runs of two and more."""
@@ -13,7 +13,13 @@ LONGEST_REST = 0.02
 """Longest share of a record without change that gives no remark."""
 
 
-def refuse_unusable(path: Path, channel: str, values: np.ndarray, rate: float) -> None:
+def refuse_unusable(
+    path: Path,
+    channel: str,
+    values: np.ndarray,
+    rate: float,
+    request: Request = Request(),  # noqa: B008
+) -> None:
     """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, or clipped."""
     missing = np.flatnonzero(~np.isfinite(values))
     if len(missing):
@@ -24,7 +30,8 @@ def refuse_unusable(path: Path, channel: str, values: np.ndarray, rate: float) -
         )
     low, high = values.min(), values.max()
     if high - low <= 1e-12 * max(abs(low), abs(high)):
-        raise MeasuredError(path, f"`{channel}` is constant ({low:.6g}): check the sensor, or name a `--channel`")
+        advice = f"check the sensor, or name a `{request.name('channel')}`"
+        raise MeasuredError(path, f"`{channel}` is constant ({low:.6g}): {advice}")
     share = clipped_share(values)
     if share > MAX_CLIPPED:
         raise MeasuredError(

@@ -1,5 +1,6 @@
 """Content of a file of signals, before and after its sampling rate, units and speed are known."""
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import pi
@@ -12,12 +13,12 @@ from bearingsim.errors import UserError
 
 Value = TypeVar("Value")
 EXAMPLES = {
-    "sampling rate": "--rate '51.2 kHz'",
-    "speed": "--speed '1796 rpm'",
-    "unit": "--unit g",
-    "unit of integer samples": "--unit g --full-scale 50",
+    "sampling rate": {"rate": "51.2 kHz"},
+    "speed": {"speed": "1796 rpm"},
+    "unit": {"unit": "g"},
+    "unit of integer samples": {"unit": "g", "full_scale": "50"},
 }
-"""Options for values that a file may lack, with an example."""
+"""Fields of a request that give what a file may lack, with example values."""
 
 
 class MeasuredError(UserError):
@@ -28,20 +29,57 @@ class MeasuredError(UserError):
         self.reason = reason
 
 
-class MissingError(MeasuredError):
-    """Values are stated neither by the file nor by the user; the message names the options that give them.
+class Request(NamedTuple):
+    """Values given by the user, which replace those of the file: rate (Hz), speed (rad/s), unit, and full scale of
+    integer samples in this unit; channel: name of the only one to read."""
 
-    examples: options with an example value, by what is missing.
+    rate: float | None = None
+    speed: float | None = None
+    unit: str | None = None
+    full_scale: float | None = None
+    channel: str | None = None
+
+    def name(self, field: str) -> str:
+        """Name the option of a command that gives a field."""
+        return f"--{field.replace('_', '-')}"
+
+    def example(self, values: Mapping[str, str]) -> str:
+        """Write values as options of a command."""
+        return " ".join(f"{self.name(field)} {shlex.quote(value)}" for field, value in values.items())
+
+
+class StudyRequest(Request):
+    """Request by the keys of a signal in a study, which messages name instead of options."""
+
+    def name(self, field: str) -> str:
+        """Name the key that gives a field."""
+        return field
+
+    def example(self, values: Mapping[str, str]) -> str:
+        """Write values as keys of a study."""
+        return ", ".join(f"{field}: {value}" for field, value in values.items())
+
+
+class MissingError(MeasuredError):
+    """Values are stated neither by the file nor by the user; the message names the options or keys that give them.
+
+    examples: fields of the request with an example value, by what is missing.
     """
 
-    def __init__(self, path: Path, examples: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        examples: Mapping[str, Mapping[str, str]],
+        request: Request = Request(),  # noqa: B008
+    ) -> None:
         names = [f"no {name}" for name in examples]
         listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
         advice = {1: "it", 2: "both"}.get(len(names), "them")
-        super().__init__(path, f"states {listed}: give {advice}, such as `{' '.join(examples.values())}`")
+        values = {field: value for example in examples.values() for field, value in example.items()}
+        super().__init__(path, f"states {listed}: give {advice}, such as `{request.example(values)}`")
         self.path, self.examples = path, dict(examples)
 
-    def with_missing(self, name: str, example: str) -> "MissingError":
+    def with_missing(self, name: str, example: Mapping[str, str]) -> "MissingError":
         """Return the error with one more missing value, which is named before the others."""
         return MissingError(self.path, {name: example, **self.examples})
 
@@ -61,17 +99,6 @@ MAX_DIFFERENCE = 1e-3
 def differ(value: float, other: float) -> bool:
     """Check if two statements of one value contradict each other."""
     return not abs(value - other) <= MAX_DIFFERENCE * abs(other)
-
-
-class Request(NamedTuple):
-    """Values given by the user, which replace those of the file: rate (Hz), speed (rad/s), unit, and full scale of
-    integer samples in this unit; channel: name of the only one to read."""
-
-    rate: float | None = None
-    speed: float | None = None
-    unit: str | None = None
-    full_scale: float | None = None
-    channel: str | None = None
 
 
 @dataclass(frozen=True)

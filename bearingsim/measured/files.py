@@ -84,8 +84,9 @@ def read(
 
     needs_speed: refuse a file without a speed unless the request gives it; needs_unit: name a missing unit, too,
     if another value is missing.
-    Raises MissingError with all options that state what is missing; MeasuredError with the reason and the remedy:
-    an unknown or damaged format, a gap in time, a missing channel. OSError if the file cannot be opened.
+    Raises MissingError with all options, or keys of a study, that state what is missing; MeasuredError with the
+    reason and the remedy: an unknown or damaged format, a gap in time, a missing channel. OSError if the
+    file cannot be opened.
     """
     size = path.stat().st_size
     reader = FORMATS.get(path.suffix.lower())
@@ -111,7 +112,7 @@ def read(
     if missing and needs_unit:
         missing += _missing_unit(content, request)
     if missing:
-        raise MissingError(path, {name: EXAMPLES[name] for name in missing})
+        raise MissingError(path, {name: EXAMPLES[name] for name in missing}, request)
     return _recording(path, content, request)
 
 
@@ -150,16 +151,16 @@ def _recording(path: Path, content: Content, request: Request) -> Recording:
 def _contradictions(path: Path, content: Content, request: Request) -> Iterator[str]:
     """Yield the values of a file that contradict the request, which takes precedence."""
     times = None if content.time is None or _is_coarse(content.time.value) else content.time
-    rates = content.rate, None if times is None else _rate_of_times(path, times)
+    rates = content.rate, None if times is None else _rate_of_times(path, times, request)
     statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
-        *(("--rate", request.rate, rate, 1.0, "Hz") for rate in rates),
-        *(("--speed", request.speed, speed, 30.0 / pi, "rpm") for speed in content.speeds.values()),
+        *(("rate", request.rate, rate, 1.0, "Hz") for rate in rates),
+        *(("speed", request.speed, speed, 30.0 / pi, "rpm") for speed in content.speeds.values()),
     ]
-    for option, requested, stated, factor, unit in statements:
+    for field, requested, stated, factor, unit in statements:
         if requested is not None and stated is not None and differ(requested, stated.value):
             yield (
                 f"{path.name} states {factor * stated.value:.6g} {unit} ({stated.source}): "
-                f"`{option}`, {factor * requested:.6g} {unit}, is used instead"
+                f"`{request.name(field)}`, {factor * requested:.6g} {unit}, is used instead"
             )
 
 
@@ -171,32 +172,31 @@ def _listed(channels: dict[str, np.ndarray]) -> str:
 def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     """Return the sampling rate (Hz), from the request, the file's own statement, or its times."""
     if content.time is not None and not (request.rate is not None and _is_coarse(content.time.value)):
-        own = _rate_of_times(path, content.time)
-        return Stated(request.rate, "--rate") if request.rate is not None else own
+        own = _rate_of_times(path, content.time, request)
+        return Stated(request.rate, request.name("rate")) if request.rate is not None else own
     if request.rate is not None:
-        return Stated(request.rate, "--rate")
+        return Stated(request.rate, request.name("rate"))
     if content.rate is None:
-        raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]})
+        raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]}, request)
+    rate = f"`{request.name('rate')}`"
     if content.other_rate is not None:
-        values = " and ".join(f"{rate.value:g} Hz ({rate.source})" for rate in (content.rate, content.other_rate))
-        raise MeasuredError(path, f"states two sampling rates, {values}: give the right one by `--rate`")
+        values = " and ".join(f"{own.value:g} Hz ({own.source})" for own in (content.rate, content.other_rate))
+        raise MeasuredError(path, f"states two sampling rates, {values}: give the right one by {rate}")
     if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
-        raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by `--rate`")
+        raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by {rate}")
     return content.rate
 
 
 def _speed(path: Path, content: Content, request: Request, names: list[str]) -> Stated[float] | None:
     """Return the speed (rad/s) of channels. Raises MeasuredError if they have several."""
     if request.speed is not None:
-        return Stated(request.speed, "--speed")
+        return Stated(request.speed, request.name("speed"))
     speeds = [content.speed_of(name) for name in names]
     stated = [speed for speed in speeds if speed is not None]
     if any(differ(stated[0].value, speed.value) for speed in stated) or (stated and None in speeds):
         listed = {f"{30.0 / pi * speed.value:.6g} rpm ({speed.source})": None for speed in stated}
-        raise MeasuredError(
-            path,
-            f"states several speeds, such as {' and '.join([*listed][:2])}: name a `--channel`, or a `--speed`",
-        )
+        advice = f"name a `{request.name('channel')}`, or a `{request.name('speed')}`"
+        raise MeasuredError(path, f"states several speeds, such as {' and '.join([*listed][:2])}: {advice}")
     return stated[0] if stated else None
 
 
@@ -206,15 +206,14 @@ def _is_coarse(time: np.ndarray) -> bool:
     return len(steps) > 0 and bool(np.all(steps >= 0.0)) and float(np.median(steps)) == 0.0
 
 
-def _rate_of_times(path: Path, time: Stated[np.ndarray]) -> Stated[float]:
+def _rate_of_times(path: Path, time: Stated[np.ndarray], request: Request) -> Stated[float]:
     """Return the sampling rate (Hz) of instants (s). Raises MeasuredError for a gap."""
     steps = np.diff(time.value)
     if len(steps) == 0:
         raise MeasuredError(path, "has one sample only")
     if _is_coarse(time.value):
-        raise MeasuredError(
-            path, f"has times rounded to more than a step, in {time.source}: give the rate by `--rate`"
-        )
+        advice = f"give the rate by `{request.name('rate')}`"
+        raise MeasuredError(path, f"has times rounded to more than a step, in {time.source}: {advice}")
     if not np.all(np.isfinite(steps)):
         raise MeasuredError(path, f"has missing times in {time.source}")
     median = float(np.median(steps))
@@ -249,9 +248,10 @@ def _scale(content: Content, request: Request) -> tuple[float, str | None]:
 def _unit(own: str | None, request: Request, scale_unit: str | None) -> Stated[str]:
     """Return the unit of a channel, and its source."""
     if scale_unit is not None:
-        return Stated(scale_unit, "integer samples; set their unit by `--unit` and `--full-scale`")
+        fields = f"`{request.name('unit')}` and `{request.name('full_scale')}`"
+        return Stated(scale_unit, f"integer samples; set their unit by {fields}")
     if request.unit is not None:
-        return Stated(request.unit, "--unit")
+        return Stated(request.unit, request.name("unit"))
     if own:
         return Stated(own, "the file")
-    return Stated("", "not stated; set it by `--unit`")
+    return Stated("", f"not stated; set it by `{request.name('unit')}`")

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from bearingsim.config import FEATURES, Case
 from bearingsim.config.fields import Path, Section
-from bearingsim.measured import MeasuredError, Request
+from bearingsim.measured import MeasuredError, StudyRequest
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.study.measured_table import table_rows
 from bearingsim.study.measured_values import SAME, MeasuredPoint, MeasuredSet, listed, same
@@ -236,7 +236,7 @@ class _Reader:
 
     def signal(self, node: Node) -> Iterator[MeasuredPoint]:
         """Yield the point of one signal, unless it is invalid."""
-        from bearingsim.study.measured_signals import signal_point, with_keys
+        from bearingsim.study.measured_signals import signal_point
 
         entries, count = node.mapping, len(self.problems)
         if "file" not in entries:
@@ -247,7 +247,7 @@ class _Reader:
         if named is not None and not isinstance(named.value, dict):
             self.fail(named.mark, "measured: `at` expects parameters", "as in `at: {load: 150 N}`")
         parameters = self.converted(named.mapping if named is not None else {})
-        request = Request(
+        request = StudyRequest(
             self.quantity("rate", entries, "frequency"),
             self.quantity("speed", entries, "rotation"),
             entries["unit"].text if "unit" in entries else None,
@@ -260,9 +260,9 @@ class _Reader:
         try:
             signal, features, remarks = signal_point(path, request, case, self.cases.features)
         except MeasuredError as error:
-            self.fail(entries["file"].mark, f"measured: {with_keys(str(error))}")
+            self.fail(entries["file"].mark, f"measured: {error}")
             return
-        self.remarks += map(with_keys, remarks)
+        self.remarks += remarks
         yield MeasuredPoint(parameters, features, path.name, signal)
 
     def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:

@@ -1,6 +1,5 @@
 """Features of measured signals: level, shape and spectral lines, in the band of the simulated ones."""
 
-import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +11,7 @@ from bearingsim.config.bands import PASSBAND, BandFeature
 from bearingsim.config.names import LINES, QUANTITIES, Line, read_band
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis import Lines
-from bearingsim.measured import MeasuredError, Recording, Request, read
+from bearingsim.measured import MeasuredError, Recording, Request, StudyRequest, read
 from bearingsim.measured.checks import refuse_unusable
 from bearingsim.measured.files import OF_FULL_SCALE
 from bearingsim.measured.si import FACTORS, factor_to
@@ -30,8 +29,6 @@ SAME = 1e-3
 """Relative difference up to which sampling rates are equal."""
 MIN_PASSES = 20
 """Ball passes below which a remark is made: level and lines of fewer depend on where the record begins."""
-OPTIONS = re.compile(r"`(--[a-z][^`]*)`")
-"""Options of commands, quoted in a message."""
 MIN_BINS = 3.0
 """Minimum distance of a line from zero, in lines of the spectrum."""
 
@@ -57,7 +54,7 @@ def signal_point(
     of which level and shape share; features: bands and envelopes to compute in addition. Raises MeasuredError.
     """
     recording = read(path, request)
-    signal = _signal(path, recording, case)
+    signal = _signal(path, recording, request, case)
     remarks = list(recording.remarks)
     if signal.fs < case.sampling * (1.0 - SAME):
         remarks.append(
@@ -86,28 +83,18 @@ def _remarks_on_passes(path: Path, signal: MeasuredSignal, case: Case) -> Iterat
         )
 
 
-def with_keys(text: str) -> str:
-    """Write the options of commands in a message as keys of a signal: `--rate '5 kHz'` as `rate: 5 kHz`."""
-    return OPTIONS.sub(lambda match: f"`{', '.join(_keys(match[1]))}`", text)
-
-
-def _keys(options: str) -> Iterator[str]:
-    """Yield the key of each option, with its value if one is given."""
-    for name, *values in (part.split(maxsplit=1) for part in options.split("--") if part):
-        yield ": ".join([name.replace("-", "_"), *(value.strip().strip("'") for value in values)])
-
-
 def read_series(file: SignalFile) -> tuple[np.ndarray, float]:
     """Read a signal again: its series (n,) in SI, and sampling rate (Hz).
 
     Raises MeasuredError, and OSError if the file does not exist.
     """
-    _, _, series, fs = _series(Path(file.path), read(Path(file.path), Request(**file.request)))
+    path, request = Path(file.path), StudyRequest(**file.request)
+    _, _, series, fs = _series(path, read(path, request), request)
     return series, fs
 
 
-def _signal(path: Path, recording: Recording, case: Case) -> MeasuredSignal:
-    quantity, channel, series, fs = _series(path, recording)
+def _signal(path: Path, recording: Recording, request: Request, case: Case) -> MeasuredSignal:
+    quantity, channel, series, fs = _series(path, recording, request)
     speed = case.speed if recording.speed is None else recording.speed.value
     bearing = case.bearing
     parts = RollingParts(
@@ -117,13 +104,13 @@ def _signal(path: Path, recording: Recording, case: Case) -> MeasuredSignal:
     return MeasuredSignal(quantity, QUANTITIES[quantity], channel, series, fs, lines)
 
 
-def _series(path: Path, recording: Recording) -> tuple[str, str, np.ndarray, float]:
+def _series(path: Path, recording: Recording, request: Request) -> tuple[str, str, np.ndarray, float]:
     """Return quantity, channel, series (n,) in SI and sampling rate (Hz) of a recording with one channel."""
     names = list(recording.channels)
     if len(names) > 1:
         raise MeasuredError(path, f"has {len(names)} channels: name one, as in `channel: {names[0]}`")
     name, fs = names[0], recording.rate.value
-    refuse_unusable(path, name, recording.channels[name], fs)
+    refuse_unusable(path, name, recording.channels[name], fs, request)
     unit = recording.units[name].value
     for quantity, si_unit in QUANTITIES.items():
         factor = factor_to(si_unit, unit)
