@@ -20,7 +20,7 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import RING_MOTION, advance
+from bearingsim.core.advance import RING_MOTION, NoSamples, advance_and_sample
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.run_setup import make_monitor
@@ -85,8 +85,8 @@ def run(entry: dict[str, Any], steps: int) -> float:
     rows = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
     out = np.empty((len(rows), count))
     start = time.thread_time_ns()
-    _, outcome, _ = advance(
-        entry["method"], entry["model"], entry["monitor"], entry["step"], entry["y"], rows, out
+    _, outcome, _ = advance_and_sample(
+        entry["method"], entry["model"], entry["monitor"], entry["step"], entry["y"], rows, out, NoSamples()
     )
     elapsed = time.thread_time_ns() - start
     if outcome != SUCCESS:

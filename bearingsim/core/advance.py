@@ -184,12 +184,6 @@ def _take_samples(samples, method, model, t, until, y, cells):
 
 
 @jit
-def advance(method, model, monitor, start, y, cells, out):
-    """Run ``advance_and_sample`` without samples."""
-    return advance_and_sample(method, model, monitor, start, y, cells, out, NoSamples())
-
-
-@jit
 def advance_and_sample(method, model, monitor, start, y, cells, out, samples):
     """Take ``out.shape[1]`` steps from step number ``start``, recording ``cells`` of the buffer after each.
 

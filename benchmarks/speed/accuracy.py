@@ -21,7 +21,7 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, prepare_first_step
+from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, prepare_first_step
 from bearingsim.core.methods.interface import Tolerances, prepare
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
@@ -105,7 +105,8 @@ class Start:
         if type(method) in prepare.types:
             prepare_first_step(method, self.model, 0.0, y)
         outcomes: list[tuple] = []
-        cpu_s = cpu_time(lambda: outcomes.append(advance(method, self.model, self.monitor, 0, y, rows, out)))
+        arguments = method, self.model, self.monitor, 0, y, rows, out, NoSamples()
+        cpu_s = cpu_time(lambda: outcomes.append(advance_and_sample(*arguments)))
         return (cpu_s, out[:, substeps - 1 :: substeps]) if outcomes[0][1] == SUCCESS else FAILED_RUN
 
 

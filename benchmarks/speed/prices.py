@@ -15,7 +15,7 @@ from bearingsim import assemble
 from bearingsim.assemble.contacts import count_powers
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import RING_MOTION, advance, prepare_first_step
+from bearingsim.core.advance import RING_MOTION, NoSamples, advance_and_sample, prepare_first_step
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import accelerations
@@ -83,7 +83,8 @@ class Steps:
         if type(self.method) in prepare.types:
             prepare_first_step(self.method, self.model, 0.0, y)
         outcomes: list[tuple] = []
-        cpu_s = cpu_time(lambda: outcomes.append(advance(self.method, self.model, self.monitor, 0, y, ROWS, out)))
+        arguments = self.method, self.model, self.monitor, 0, y, ROWS, out, NoSamples()
+        cpu_s = cpu_time(lambda: outcomes.append(advance_and_sample(*arguments)))
         if outcomes[0][1] != SUCCESS:
             raise RuntimeError(f"{type(self.method).__name__} was stopped")
         if self.adaptive:

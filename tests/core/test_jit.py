@@ -140,7 +140,7 @@ def test_a_cache_that_cannot_be_written_is_not_used(tmp_path: Path, monkeypatch:
 
 
 def test_compiled_code_goes_only_into_the_cache_folder() -> None:
-    assert Path(driver.advance._cache.cache_path).is_relative_to(str(jit._CACHE))
+    assert Path(driver.advance_and_sample._cache.cache_path).is_relative_to(str(jit._CACHE))
     assert str(jit.numba_config.CACHE_DIR) == os.environ.get("NUMBA_CACHE_DIR", "")
 
 
