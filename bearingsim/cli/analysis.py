@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 KURTOGRAM = "kurtogram"
 BAND = re.compile(r"^\s*(?P<low>[\d.]+)\s*(?P<unit>k?Hz)?\s*(?:-|\.\.)\s*(?P<high>[\d.]+)\s*(?P<last>k?Hz)\s*$")
 BEARING = "bearing", {"bearing": "6205"}
-"""What is missing without the option for the bearing, and its example."""
+"""Name of the bearing where it is missing, and an example of its option."""
 LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 VERDICTS = {
     "outer": "outer race",
@@ -174,7 +174,7 @@ def verdict_text(diagnosis: "Diagnosis") -> str:
 
     needed = f"{decibels(diagnosis.threshold):.1f} dB"
     if diagnosis.verdict == RHYTHM:
-        other = f"a periodicity of {diagnosis.rival.frequency:.2f} Hz"
+        other = f"a periodicity of {diagnosis.strongest_other.frequency:.2f} Hz"
         return f"verdict: {other} that matches no line of this bearing at this speed; check bearing and speed"
     finding = diagnosis.findings[diagnosis.best]
     if diagnosis.verdict == NONE and finding.comb.score > diagnosis.threshold:
@@ -203,7 +203,7 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
 
 
 def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
-    from bearingsim.diagnosis.claims import MAX_CROWDED
+    from bearingsim.diagnosis.detection import MAX_CROWDED
     from bearingsim.diagnosis.thresholds import decibels
 
     heads = [
@@ -229,10 +229,10 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     print_table(heads, rows)
     low, high = band
     say(f"harmonics: envelope of {low / 1e3:.3g} to {high / 1e3:.3g} kHz; levelled: whole band, tones removed")
-    rival, line = diagnosis.rival, LINE_NAMES[diagnosis.best]
+    other, line = diagnosis.strongest_other, LINE_NAMES[diagnosis.best]
     count = f"{100.0 * diagnosis.crowded:.0f} %" if diagnosis.crowded > 0.0 else "none"
     say(
-        f"strongest other periodicity: {rival.frequency:.2f} Hz, {decibels(rival.score):.1f} dB; "
+        f"strongest other periodicity: {other.frequency:.2f} Hz, {decibels(other.score):.1f} dB; "
         f"{count} of the other periodicities score as high as {line} (limit {100.0 * MAX_CROWDED:.0f} %)"
     )
     _print_remarks(diagnosis)
@@ -243,13 +243,13 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
     from bearingsim.diagnosis import NONE
     from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
 
-    rival = diagnosis.rival
+    other = diagnosis.strongest_other
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
         say(
             "this periodicity matches no line of this bearing at this speed: its cause is another part of the "
             "machine, or the bearing or the speed is wrong"
         )
-    elif diagnosis.verdict == NONE and diagnosis.threshold < rival.score < clear(diagnosis.threshold):
+    elif diagnosis.verdict == NONE and diagnosis.threshold < other.score < clear(diagnosis.threshold):
         say(
             "noise may be its cause: the strongest of many periodicities exceeds the threshold, "
             "which is for three lines"
@@ -353,8 +353,8 @@ def _channel_dict(
             for race, finding in diagnosis.findings.items()
         },
         "rival": {
-            "hz": diagnosis.rival.frequency,
-            "score_db": decibels(diagnosis.rival.score),
+            "hz": diagnosis.strongest_other.frequency,
+            "score_db": decibels(diagnosis.strongest_other.score),
             "crowded": diagnosis.crowded,
             "is_sideband": diagnosis.is_sideband,
         },

@@ -17,8 +17,8 @@ from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.diagnosis import Lines
-    from bearingsim.diagnosis.claims import Claim
     from bearingsim.diagnosis.comparison import Row, Signal
+    from bearingsim.diagnosis.detection import Detection
     from bearingsim.measured import Recording, Request
     from bearingsim.store import Results
 
@@ -63,8 +63,8 @@ def show(
         figures.check_path(figure)
     pair = _pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
-    line_claim, remark = _line_claim(pair)
-    has_line = line_claim is None or line_claim.objection is None
+    detection, remark = _line_detection(pair)
+    has_line = detection is None or detection.objection is None
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
     factor = rows[0].measured / rows[0].simulated if scale else None
     if factor is not None:
@@ -78,7 +78,7 @@ def show(
     for text in filter(None, (*pair.recording.remarks, remark_on_rest)):
         say(text, err=True)
     if as_json:
-        say(json.dumps(_as_dict(job, pair, band, factor, line_claim, rows), indent=1))
+        say(json.dumps(_as_dict(job, pair, band, factor, detection, rows), indent=1))
         return
     _print_signals(job, pair, band, factor)
     _print_features(rows)
@@ -114,16 +114,16 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     )
 
 
-def _line_claim(pair: Pair) -> "tuple[Claim | None, list[str]]":
+def _line_detection(pair: Pair) -> "tuple[Detection | None, list[str]]":
     """Compare the race's line with the rest of the measured signal; None if that is not possible. Also return a
     remark."""
-    from bearingsim.diagnosis.comparison import line_claim
+    from bearingsim.diagnosis.comparison import detect_line
     from bearingsim.diagnosis.suitability import Unsuitable
     from bearingsim.diagnosis.thresholds import decibels
 
     line = LINE_NAMES[pair.race]
     try:
-        result = line_claim(pair.measured, pair.race)
+        result = detect_line(pair.measured, pair.race)
     except Unsuitable as error:
         return None, [f"{line} of the measured signal cannot be assessed: {error}"]
     score, needed = (f"{decibels(value):.1f} dB" for value in (result.comb.score, result.threshold))
@@ -135,9 +135,8 @@ def _line_claim(pair: Pair) -> "tuple[Claim | None, list[str]]":
     elif result.is_crowded:
         reason = f"not significant, {100.0 * result.crowded:.0f} % of all periodicities are as strong ({values})"
     else:
-        reason = (
-            f"a periodicity of {result.rival.frequency:.2f} Hz is stronger ({decibels(result.rival.score):.1f} dB"
-        )
+        other = result.strongest_other
+        reason = f"a periodicity of {other.frequency:.2f} Hz is stronger ({decibels(other.score):.1f} dB"
         reason += f", {line} {score})"
     return result, [f"{line} of the measured signal: {reason}; check speed and bearing by `bearingsim analyze`"]
 
@@ -191,7 +190,7 @@ def _as_dict(
     pair: Pair,
     band: tuple[float, float],
     factor: float | None,
-    line_claim: "Claim | None",
+    detection: "Detection | None",
     rows: "list[Row]",
 ) -> dict[str, Any]:
     """Return the values of `--json`."""
@@ -214,10 +213,10 @@ def _as_dict(
         "unit_source": recording.units[name].source,
         "band_hz": list(band),
         "scale": 1.0 if factor is None else factor,
-        "score_db": decibels(line_claim.comb.score) if line_claim else None,
-        "threshold_db": decibels(line_claim.threshold) if line_claim else None,
-        "objection": line_claim.objection if line_claim else None,
-        "rival": _rival(line_claim) if line_claim else None,
+        "score_db": decibels(detection.comb.score) if detection else None,
+        "threshold_db": decibels(detection.threshold) if detection else None,
+        "objection": detection.objection if detection else None,
+        "rival": _strongest_other(detection) if detection else None,
         "features": {
             row.key: {"unit": row.unit, "simulated": _json(row.simulated), "measured": _json(row.measured)}
             for row in rows
@@ -225,12 +224,12 @@ def _as_dict(
     }
 
 
-def _rival(line_claim: "Claim") -> dict[str, float]:
+def _strongest_other(detection: "Detection") -> dict[str, float]:
     """Return the strongest other periodicity, with the keys of `analyze --json`."""
     from bearingsim.diagnosis.thresholds import decibels
 
-    rival = line_claim.rival
-    return {"hz": rival.frequency, "score_db": decibels(rival.score), "crowded": line_claim.crowded}
+    other = detection.strongest_other
+    return {"hz": other.frequency, "score_db": decibels(other.score), "crowded": detection.crowded}
 
 
 def only_job(results: "Results") -> str:

@@ -1,6 +1,6 @@
 """Diagnosis of a bearing from a measured signal."""
 
-from bearingsim.diagnosis.claims import NONE, RHYTHM
+from bearingsim.diagnosis.detection import NONE, RHYTHM
 from bearingsim.diagnosis.kinematics import RACES, Lines
 from bearingsim.diagnosis.verdict import EITHER, Diagnosis, Finding, diagnose
 

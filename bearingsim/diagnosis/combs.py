@@ -11,19 +11,20 @@ from bearingsim.diagnosis.kinematics import Lines
 HARMONICS = 3
 STEPS_PER_BIN = 6
 """Fundamentals tried per bin: the third harmonic moves by half a bin."""
-RIVALS_FROM, RIVALS_TO = 1.2, 1.3
+OTHERS_FROM, OTHERS_TO = 1.2, 1.3
 """Range of other periodicities: from 1.2 shaft orders to 1.3 times the highest line."""
 SHAFT_SHARE = 0.01
 """Relative half width of the shaft orders, which do not count as other periodicities."""
 RELATIVE_SHARE, RELATIVE_BINS = 0.006, 2.0
-"""Half width of the relatives of a claimed line: its share, and at least some bins."""
+"""Half width of the relatives of the line of a race: its share, and at least some bins."""
 RELATIVES = (1 / 3, 1 / 2, 2 / 3, 1.0, 3 / 2, 2.0, 3.0)
-"""Multiples of a claimed line whose combs share its harmonics."""
+"""Multiples of the line of a race whose combs share its harmonics."""
 
 
 def highest_frequency(lines: Lines) -> float:
-    """Return the highest frequency (Hz) that is read from a spectrum: the third harmonic of the highest rival."""
-    return 1.02 * HARMONICS * RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
+    """Return the highest frequency (Hz) that is read from a spectrum: the third harmonic of the highest other
+    periodicity."""
+    return 1.02 * HARMONICS * OTHERS_TO * max(lines.outer, lines.inner, lines.roller)
 
 
 class Comb(NamedTuple):
@@ -99,34 +100,34 @@ def refined(spectra: Sequence[EnvelopeSpectrum], frequency: float) -> float:
     return float(np.average(estimates, weights=weights)) if np.sum(weights) > 0.0 else frequency
 
 
-class Rivals(NamedTuple):
-    """Fundamentals (n,) in Hz and the lower of their scores (n,), 0 for relatives of the claimed line."""
+class OtherPeriodicities(NamedTuple):
+    """Fundamentals (n,) in Hz and the lower of their scores (n,), 0 for relatives of the line of the race."""
 
     fundamentals: np.ndarray
     scores: np.ndarray
 
 
-def rivals(
-    spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, claimed: Comb, tolerance: float
-) -> Rivals:
-    """Score the periodicities that are neither the claimed line of a race nor its relatives, nor shaft orders.
+def other_periodicities(
+    spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, race_comb: Comb, tolerance: float
+) -> OtherPeriodicities:
+    """Score the periodicities that are neither the line of a race nor its relatives, nor shaft orders.
 
     Relatives are its multiples and fractions up to 3, and its sidebands at one and two times the frequencies of
-    shaft and cage. A sideband of the shaft that scores higher than the claimed line in both spectra is no
+    shaft and cage. A sideband of the shaft that scores higher than the line in both spectra is no
     relative, because the load zone modulates an inner-race defect less than fully, so a line exceeds its own
-    sidebands, and the claimed line may itself be a sideband of a line of another bearing.
+    sidebands, and the line of the race may itself be a sideband of a line of another bearing.
     """
-    low, high = RIVALS_FROM * lines.shaft, RIVALS_TO * max(lines.outer, lines.inner, lines.roller)
+    low, high = OTHERS_FROM * lines.shaft, OTHERS_TO * max(lines.outer, lines.inner, lines.roller)
     fundamentals = fundamentals_between(low, high, spectra[0].step)
     scores = comb_scores(spectra, fundamentals)
     order = np.round(fundamentals / lines.shaft) * lines.shaft
     is_own = np.abs(fundamentals - order) <= SHAFT_SHARE * order
     is_own |= np.abs(fundamentals / lines.of_race(race) - 1.0) <= tolerance
-    is_own |= _is_near(fundamentals, [share * claimed.frequency for share in RELATIVES], spectra[0].step)
-    is_own |= _is_near(fundamentals, _sidebands(claimed.frequency, lines.cage), spectra[0].step)
-    is_weaker = np.any(scores <= np.array(claimed.scores)[:, np.newaxis], axis=0)
-    is_own |= is_weaker & _is_near(fundamentals, _sidebands(claimed.frequency, lines.shaft), spectra[0].step)
-    return Rivals(fundamentals, np.where(is_own, 0.0, scores.min(axis=0)))
+    is_own |= _is_near(fundamentals, [share * race_comb.frequency for share in RELATIVES], spectra[0].step)
+    is_own |= _is_near(fundamentals, _sidebands(race_comb.frequency, lines.cage), spectra[0].step)
+    is_weaker = np.any(scores <= np.array(race_comb.scores)[:, np.newaxis], axis=0)
+    is_own |= is_weaker & _is_near(fundamentals, _sidebands(race_comb.frequency, lines.shaft), spectra[0].step)
+    return OtherPeriodicities(fundamentals, np.where(is_own, 0.0, scores.min(axis=0)))
 
 
 def _sidebands(frequency: float, spacing: float) -> list[float]:
@@ -141,7 +142,7 @@ def _is_near(fundamentals: np.ndarray, relatives: Sequence[float], step: float) 
     return np.any([np.abs(fundamentals - relative) <= width for relative, width in pairs], axis=0)
 
 
-def share_of_rivals(others: Rivals, score: float, tolerance: float) -> float:
+def share_at_score(others: OtherPeriodicities, score: float, tolerance: float) -> float:
     """Compute the share of windows, each twice the relative tolerance wide, in which a periodicity reaches a
     score."""
     low, high = np.log(others.fundamentals[[0, -1]])

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.claims import Claim, claim
 from bearingsim.diagnosis.combs import best_comb, highest_frequency, refined
+from bearingsim.diagnosis.detection import Detection, detect
 from bearingsim.diagnosis.envelopes import band_spectrum, default_band, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
@@ -44,7 +44,7 @@ class Row(NamedTuple):
         return re.sub(r"\W+", "_", self.name.lower())
 
 
-def line_claim(signal: Signal, race: str) -> Claim:
+def detect_line(signal: Signal, race: str) -> Detection:
     """Compare the line of a race with all other periodicities of a signal, as ``diagnose`` does.
 
     Raises Unsuitable for a record that cannot be judged.
@@ -55,7 +55,7 @@ def line_claim(signal: Signal, race: str) -> Claim:
     spectra = band_spectrum(part, fs, lines.shaft, highest), levelled_spectrum(part, fs, lines.shaft, highest)
     comb = best_comb(spectra, lines.of_race(race), TOLERANCE)
     comb = comb._replace(frequency=refined(spectra, comb.frequency))
-    return claim(spectra, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
+    return detect(spectra, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
 
 
 def common_band(*signals: Signal) -> tuple[float, float]:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
-from bearingsim.diagnosis.claims import NONE, RHYTHM, Claim, claim
 from bearingsim.diagnosis.combs import (
     RELATIVE_BINS,
     RELATIVE_SHARE,
@@ -18,6 +17,7 @@ from bearingsim.diagnosis.combs import (
     highest_frequency,
     refined,
 )
+from bearingsim.diagnosis.detection import NONE, RHYTHM, Detection, detect
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum, band_spectrum, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import RACES, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
@@ -58,7 +58,7 @@ class Finding(NamedTuple):
 
 
 class Diagnosis(NamedTuple):
-    """Verdict, and its evidence: spectra, findings by element, and the claim of the best one.
+    """Verdict, and its evidence: spectra, findings by element, and the detection of its line at the best one.
 
     verdict: a name of ``RACES``, "outer or roller", "other rhythm" or "none"; loose: whether clearance alone may
     give the line; turns: of the shaft.
@@ -67,7 +67,7 @@ class Diagnosis(NamedTuple):
     verdict: str
     lines: Lines
     findings: dict[str, Finding]
-    claim: Claim
+    detection: Detection
     size: Size | None
     loose: bool
     turns: float
@@ -76,17 +76,17 @@ class Diagnosis(NamedTuple):
     @property
     def threshold(self) -> float:
         """Score exceeded by 1 % of healthy signals."""
-        return self.claim.threshold
+        return self.detection.threshold
 
     @property
-    def rival(self) -> Comb:
+    def strongest_other(self) -> Comb:
         """Strongest other periodicity."""
-        return self.claim.rival
+        return self.detection.strongest_other
 
     @property
     def crowded(self) -> float:
         """Share of other periodicities with a score as high as the best race's."""
-        return self.claim.crowded
+        return self.detection.crowded
 
     @property
     def has_other_rhythm(self) -> bool:
@@ -95,8 +95,8 @@ class Diagnosis(NamedTuple):
 
         Of 200 records of noise the strongest periodicity exceeds the threshold in 8, by 1.2 dB at most.
         """
-        is_full = self.claim.is_over and self.claim.is_crowded
-        is_clear = self.verdict == NONE and self.rival.score >= clear(self.threshold) and not is_full
+        is_full = self.detection.is_over and self.detection.is_crowded
+        is_clear = self.verdict == NONE and self.strongest_other.score >= clear(self.threshold) and not is_full
         return self.verdict == RHYTHM or is_clear
 
     @property
@@ -106,9 +106,9 @@ class Diagnosis(NamedTuple):
         The inner race may then be damaged nevertheless: 1.5 to 3 % of the damaged signals of the operating table,
         at 0 to 10 dB and diagnosed as the right bearing, have a sideband that scores higher than the line.
         """
-        claimed = self.findings[INNER].comb.frequency
-        step = abs(self.rival.frequency - claimed)
-        width = max(RELATIVE_SHARE * self.rival.frequency, RELATIVE_BINS * self.spectra[0].step)
+        race_line = self.findings[INNER].comb.frequency
+        step = abs(self.strongest_other.frequency - race_line)
+        width = max(RELATIVE_SHARE * self.strongest_other.frequency, RELATIVE_BINS * self.spectra[0].step)
         is_beside = any(abs(step - number * self.lines.shaft) <= width for number in (1, 2))
         return self.verdict == RHYTHM and self.best == INNER and is_beside
 
@@ -163,12 +163,12 @@ def diagnose(
     limit = threshold(turns, tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)
     comb = findings[best].comb
-    best_claim = claim(spectra, lines, best, comb, tolerance, limit)
-    verdict = best_claim.objection or _race(spectra, findings, best)
+    detection = detect(spectra, lines, best, comb, tolerance, limit)
+    verdict = detection.objection or _race(spectra, findings, best)
     has_size = verdict == OUTER and comb.score >= clear(limit)
     size = outer_race_size(series, fs, parts, comb.frequency) if has_size else None
     loose = verdict in (OUTER, EITHER) and size is None
-    return Diagnosis(verdict, lines, findings, best_claim, size, loose, turns, spectra)
+    return Diagnosis(verdict, lines, findings, detection, size, loose, turns, spectra)
 
 
 def _finding(spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, tolerance: float) -> Finding:

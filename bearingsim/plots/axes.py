@@ -46,7 +46,7 @@ class Curve:
 
     colour_text: str
     line_text: str
-    look: CurveStyle
+    style: CurveStyle
     points: Points
 
 
@@ -171,8 +171,8 @@ def legend_entries(
     if len(first_texts) > 1:
         colour_entries = [(colour_text, styles[colour_text, second_texts[0]]) for colour_text in first_texts]
         entries += [
-            _entry(text, look._replace(line="") if len(second_texts) > 1 else look)
-            for text, look in colour_entries
+            _entry(text, style._replace(line="") if len(second_texts) > 1 else style)
+            for text, style in colour_entries
         ]
     if len(second_texts) > 1:
         entries += [
@@ -198,8 +198,8 @@ def is_baseline_hidden(figure: Figure, rows: "pd.DataFrame") -> bool:
     )
 
 
-def _entry(text: str, look: CurveStyle) -> Line2D:
-    return Line2D([], [], label=text, **look.keywords())
+def _entry(text: str, style: CurveStyle) -> Line2D:
+    return Line2D([], [], label=text, **style.keywords())
 
 
 MODEL_MARKS = "osD^vP"

@@ -139,7 +139,7 @@ def _panel(
     ax.set_ylabel(y_label(name, scale.unit))
     for curve in curves_of(figure, name, part, rows, units, scale.factor):
         points = curve.points
-        ax.plot(points.x, points.y, **curve.look.keywords() | POINTS)
+        ax.plot(points.x, points.y, **curve.style.keywords() | POINTS)
         _mark_trend(ax, curve, trend(points.x, points.y))
         mark_chaotic(ax, points.x, points.y, points.chaotic)
         mark_jobs_without_result(ax, points)
@@ -149,5 +149,5 @@ def _panel(
 
 def _mark_trend(ax: "Axes", curve: Curve, groups: Trend | None) -> None:
     if groups is not None:
-        ax.fill_between(groups.x, groups.low, groups.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
-        ax.plot(groups.x, groups.middle, color=curve.look.colour, ls=curve.look.line, lw=1.8)
+        ax.fill_between(groups.x, groups.low, groups.high, color=curve.style.colour, alpha=BAND_ALPHA, lw=0.0)
+        ax.plot(groups.x, groups.middle, color=curve.style.colour, ls=curve.style.line, lw=1.8)

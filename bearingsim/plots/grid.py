@@ -12,8 +12,8 @@ from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish, share_scales
-from bearingsim.plots.beside import signals_beside
 from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.overlay import overlaid_signals
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shaded
 from bearingsim.plots.units import Scale, scale_of
@@ -252,7 +252,7 @@ def _measured_curves(
     """Yield the curves of measured signals at the parameters of the jobs in a row."""
     names = set[str]()
     for name in row.jobs.values():
-        for legend, signal in signals_beside(results, name, channels[0]):
+        for legend, signal in overlaid_signals(results, name, channels[0]):
             if legend not in names:
                 colour = MEASURED_COLOURS[len(names) % len(MEASURED_COLOURS)]
                 names.add(legend)

@@ -15,7 +15,7 @@ class Family(NamedTuple):
 
     line: str
     fundamental: Line
-    beside: Line | None = None
+    modulation: Line | None = None
     distance: str = ""
 
     def name(self, k: int) -> str:
@@ -91,12 +91,12 @@ def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
     for race in races(parameters) or ["outer"]:
         family = FAMILIES[race]
         fundamental = frequency(family.fundamental, parameters)
-        if family.beside:
-            yield Mark(frequency(family.beside, parameters), race, family.distance, 0, side=1)
+        if family.modulation:
+            yield Mark(frequency(family.modulation, parameters), race, family.distance, 0, side=1)
         for k in range(1, int(highest / fundamental) + 1):
             yield Mark(k * fundamental, race, family.name(k), k)
-            if family.beside:
-                spacing = frequency(family.beside, parameters)
+            if family.modulation:
+                spacing = frequency(family.modulation, parameters)
                 for sign, side in (("-", -1), ("+", 1)):
                     name = f"{family.name(k)} {sign} {family.distance}"
                     yield Mark(k * fundamental + side * spacing, race, name, k, side)

@@ -139,8 +139,8 @@ def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
     entries = []
     for race in elements:
         family = lines.FAMILIES[race]
-        if family.beside:
-            distances = {f"{lines.frequency(family.beside, job.parameters):.4g} Hz" for job in steady}
+        if family.modulation:
+            distances = {f"{lines.frequency(family.modulation, job.parameters):.4g} Hz" for job in steady}
             text = f"± {family.distance}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
             entries.append(Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=text))
     if entries:

@@ -82,8 +82,8 @@ def diagnosis_figure(
 def _title(diagnosis: Diagnosis) -> str:
     """Return the verdict with its frequency."""
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
-        return f"{TITLES[NONE]}; strongest other periodicity {diagnosis.rival.frequency:.2f} Hz"
-    frequency = {"none": None, "other rhythm": diagnosis.rival.frequency}.get(
+        return f"{TITLES[NONE]}; strongest other periodicity {diagnosis.strongest_other.frequency:.2f} Hz"
+    frequency = {"none": None, "other rhythm": diagnosis.strongest_other.frequency}.get(
         diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
     )
     healthy = " or a healthy bearing with clearance" if diagnosis.loose else ""
@@ -133,8 +133,8 @@ def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) ->
             )  # fmt: skip
     if diagnosis.has_other_rhythm:
         for number in range(1, HARMONICS + 1):
-            label = f"{diagnosis.rival.frequency:.2f} Hz" if number == 1 else None
-            ax.axvline(number * diagnosis.rival.frequency, color="0.2", lw=1.0, label=label, zorder=0.9)
+            label = f"{diagnosis.strongest_other.frequency:.2f} Hz" if number == 1 else None
+            ax.axvline(number * diagnosis.strongest_other.frequency, color="0.2", lw=1.0, label=label, zorder=0.9)
     spacings = {"inner": ("fr", diagnosis.lines.shaft), "roller": ("FTF", diagnosis.lines.cage)}
     if diagnosis.verdict in spacings:
         (name, spacing), line = spacings[diagnosis.verdict], diagnosis.findings[diagnosis.verdict].comb.frequency

@@ -165,7 +165,7 @@ def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> lis
     Raises PlotError if none of them is done.
     """
     from bearingsim.plots import select
-    from bearingsim.plots.beside import signal_points
+    from bearingsim.plots.overlay import signal_points
 
     named = [] if list(jobs) == [ALL] else list(jobs)
     if named and figure.where:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bearingsim.plots import recorded
-from bearingsim.plots.beside import signal_points
 from bearingsim.plots.grid import Content, Curve, Display, content, grid
+from bearingsim.plots.overlay import signal_points
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.window import cut, pass_period, window_of

@@ -128,10 +128,10 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
 def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings: list[float]) -> None:
     column, row = {d: n for n, d in enumerate(damping)}, {s: n for n, s in enumerate(settings)}
     for cell in cells.to_dict("records"):
-        x, y, look = column[cell["m3"], cell["c"]], row[cell[axis]], CLASS_STYLES[cell["class"]]
-        ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=look.colour, edgecolor="white", lw=0.4))
-        if look.mark:
-            ax.plot(x, y, marker=look.mark, color=look.ink, ms=2.6, mew=0.6, ls="none")
+        x, y, cell_style = column[cell["m3"], cell["c"]], row[cell[axis]], CLASS_STYLES[cell["class"]]
+        ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=cell_style.colour, edgecolor="white", lw=0.4))
+        if cell_style.mark:
+            ax.plot(x, y, marker=cell_style.mark, color=cell_style.ink, ms=2.6, mew=0.6, ls="none")
         if cell["measure"] == "RMS":
             ax.plot([x + 0.28, x + 0.46], [y - 0.42, y - 0.42], color="white", lw=1.0)
     if axis == "step":
@@ -184,10 +184,10 @@ def _compact(value: float) -> str:
 def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
     """Make an entry for each class present, for the limit, and for cells compared by RMS."""
     entries: list[Any] = []
-    for name, look in CLASS_STYLES.items():
+    for name, cell_style in CLASS_STYLES.items():
         if (rows["class"] == name).any():
-            patch = Line2D([], [], marker="s", ms=9, ls="none", mfc=look.colour, mec="0.7")
-            mark = Line2D([], [], marker=look.mark or "None", ms=4, ls="none", color=look.ink, mew=0.8)
+            patch = Line2D([], [], marker="s", ms=9, ls="none", mfc=cell_style.colour, mec="0.7")
+            mark = Line2D([], [], marker=cell_style.mark or "None", ms=4, ls="none", color=cell_style.ink, mew=0.8)
             entries.append(Entry((patch, mark), MEANING.get(name, name)))
     if limit:
         line = Line2D([], [], color="black", lw=1.5)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from bearingsim.plots import beside, labels, select
+from bearingsim.plots import labels, overlay, select
 from bearingsim.plots.axes import (
     BAND_ALPHA,
     BASELINE,
@@ -57,7 +57,7 @@ def draw(
 
     Other arguments as of ``axes.draw_panels``.
     """
-    drawing = beside.Drawing(figure, rows, units)
+    drawing = overlay.Drawing(figure, rows, units)
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
@@ -65,7 +65,7 @@ def draw(
         curves = curves_of(figure, name, part, rows, units, scale.factor)
         for curve in curves:
             points = curve.points
-            ax.plot(*_broken(points.x, points.y, name), **curve.look.keywords())
+            ax.plot(*_broken(points.x, points.y, name), **curve.style.keywords())
             mark_spread(ax, curve)
             mark_errors(ax, curve)
             mark_models(ax, points, models_of(rows))
@@ -73,20 +73,20 @@ def draw(
             mark_jobs_without_result(ax, points)
         if f"baseline {name}" in rows:
             mark_baselines(ax, curves)
-        beside.mark_measured(ax, drawing, name, part, curves, measured, scale.factor)
+        overlay.mark_measured(ax, drawing, name, part, curves, measured, scale.factor)
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
         if scale.is_rounding:
             note_rounding(ax)
 
-    return draw_panels(figure, rows, units, caption, panel, beside.entries(drawing, measured))
+    return draw_panels(figure, rows, units, caption, panel, overlay.entries(drawing, measured))
 
 
 def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:
     """Draw the level of the healthy bearing, dashed: one line if all curves share it, else in their colours."""
     shared = len({(*curve.points.x, *curve.points.healthy) for curve in curves}) == 1
     for curve in curves[:1] if shared else curves:
-        colour = BASELINE_COLOUR if shared else curve.look.colour
+        colour = BASELINE_COLOUR if shared else curve.style.colour
         ax.plot(curve.points.x, curve.points.healthy, **BASELINE, color=colour)
 
 
@@ -101,13 +101,13 @@ def mark_spread(ax: "Axes", curve: Curve) -> None:
     points = curve.points
     has = [math.isfinite(value) for value in points.low]
     if all(has) and len(points.x) > 1:
-        ax.fill_between(points.x, points.low, points.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
+        ax.fill_between(points.x, points.low, points.high, color=curve.style.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
         abscissas, lowest, highest = (
             [v for v, is_finite in zip(a, has, strict=True) if is_finite]
             for a in (points.x, points.low, points.high)
         )
-        ax.vlines(abscissas, lowest, highest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
+        ax.vlines(abscissas, lowest, highest, color=curve.style.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
 def mark_errors(ax: "Axes", curve: Curve) -> None:
@@ -115,7 +115,7 @@ def mark_errors(ax: "Axes", curve: Curve) -> None:
     bounded = list(curve.points.having("error"))
     if bounded:
         abscissas, value, error = zip(*bounded, strict=True)
-        ax.errorbar(abscissas, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
+        ax.errorbar(abscissas, value, error, fmt="none", ecolor=curve.style.colour, elinewidth=1.0, capsize=2.5)
 
 
 def mark_models(ax: "Axes", points: Points, marks: Mapping[str, str]) -> None:
@@ -202,7 +202,7 @@ def _values(
     for number, curve in enumerate(curves):
         shift = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         values, heights = curve.points.y, [rank + shift for rank in curve.points.x]
-        ax.plot(values, heights, **curve.look.keywords())
+        ax.plot(values, heights, **curve.style.keywords())
         mark_chaotic(ax, values, heights, curve.points.chaotic)
         if len(curves) == 1:
             _numbers(ax, values, heights, is_log)

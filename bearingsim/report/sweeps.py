@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import PlotError, labels, select
 from bearingsim.plots.axes import axis_label, is_baseline_hidden
-from bearingsim.plots.beside import Drawing, position_in
 from bearingsim.plots.features import Prepared, prepared
+from bearingsim.plots.overlay import Drawing, position_in
 from bearingsim.plots.points import curve_rows, order_of, points_of
 from bearingsim.plots.style import SEQUENCE_FROM
 from bearingsim.plots.units import FeatureScale, feature_scale

@@ -176,13 +176,13 @@ def test_a_strong_rhythm_that_is_no_line_is_marked_and_explained(file, rhythm, v
     result = diagnose(values, RATE, PARTS, SHAFT)
     assert result.verdict == verdict
     assert result.has_other_rhythm
-    assert result.rival.frequency == pytest.approx(rhythm, rel=2e-3)
+    assert result.strongest_other.frequency == pytest.approx(rhythm, rel=2e-3)
     canvas = measured.diagnosis_figure(
         read(file), "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205"
     )
-    assert f" {result.rival.frequency:.2f} Hz" in canvas.get_suptitle()
+    assert f" {result.strongest_other.frequency:.2f} Hz" in canvas.get_suptitle()
     labels = [str(curve.get_label()) for curve in canvas.axes[2].get_lines()]
-    assert f"{result.rival.frequency:.2f} Hz" in labels
+    assert f"{result.strongest_other.frequency:.2f} Hz" in labels
     out = type_("analyze", file, "--bearing", "6205")[0]
     assert ("its cause is another part of the machine, or the bearing or the speed is wrong" in out) is (
         verdict == "none"

@@ -49,7 +49,7 @@ def test_noise_has_no_line_and_the_needed_height_is_that_of_the_threshold():
 def test_a_wrong_speed_names_no_race_but_the_rhythm(change):
     result = diagnosis(impacts(LINES.outer, slip=0.005), shaft=change * SHAFT)
     assert result.verdict in ("other rhythm", "none")
-    multiples = result.rival.frequency / LINES.outer
+    multiples = result.strongest_other.frequency / LINES.outer
     assert abs(multiples - round(multiples)) < 0.01
 
 
@@ -60,7 +60,7 @@ def test_a_line_beyond_the_tolerance_names_no_race(tolerance, verdict):
     assert result.findings["outer"].comb.score > result.threshold
     assert result.verdict == verdict
     if verdict == "other rhythm":
-        assert result.rival.frequency == pytest.approx(rhythm, rel=2e-3)
+        assert result.strongest_other.frequency == pytest.approx(rhythm, rel=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_a_sideband_of_the_line_of_another_bearing_names_no_race(true, side, ass
     assert result.best == race
     assert result.findings[race].comb.score > result.threshold
     assert result.verdict == "other rhythm"
-    assert result.rival.frequency == pytest.approx(line, rel=2e-3)
+    assert result.strongest_other.frequency == pytest.approx(line, rel=2e-3)
 
 
 def test_tones_with_many_harmonics_are_no_defect():

@@ -105,7 +105,7 @@ def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", parameters: Mapping
     by_job = part.set_index("job")
     others = {path: value for path, value in parameters.items() if path != x and path in part}
     colours = {
-        str(curve.look.colour)
+        str(curve.style.colour)
         for curve in curves
         if all(same(by_job.loc[curve.points.jobs[0], path], value) for path, value in others.items())
     }
@@ -123,7 +123,7 @@ def signal_points(results: "Results", job: str) -> Iterator[tuple["MeasuredSet",
                 yield entry, point
 
 
-def signals_beside(results: "Results", job: str, channel: str) -> Iterator[tuple[str, Signal]]:
+def overlaid_signals(results: "Results", job: str, channel: str) -> Iterator[tuple[str, Signal]]:
     """Yield legend and signal (SI) of each measurement at a job's parameters, in the unit of a channel of motion.
 
     Warns of files that cannot be read any more.
