@@ -28,22 +28,8 @@ def table_rows(
     def fail(mark: Mark, message: str, hint: str | None = None) -> None:
         problems.append(problem(mark, message, hint))
 
-    if path.stat().st_size > MAX_BYTES:
-        hint = "give means of repeated measurements, or fewer columns"
-        fail(Mark(str(path)), f"has over {MAX_BYTES // 1000} kB, too much for a table of points", hint)
-        return
-    try:
-        _, text = decoded(path, path.read_bytes())
-    except MeasuredError as error:
-        fail(Mark(str(path)), error.reason, "export the table as CSV")
-        return
-    except OSError as error:
-        fail(Mark(str(path)), f"cannot be read: {error.strerror}")
-        return
-    lines = text.lstrip("\ufeff").splitlines()
-    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
-    if len(numbered) < 2:
-        fail(Mark(str(path)), "has no row below a header line", "as in `load [N], velocity@BPFO [um/s]`")
+    numbered = _numbered_lines(path, fail)
+    if not numbered:
         return
     (header_line, header), *rows = numbered
     separator = next((mark for mark in SEPARATORS if mark in header), ",")
@@ -80,6 +66,28 @@ def table_rows(
             fail(replace(mark, column=nameless[0]), "has a value in a column without a header", "name the column")
             return
         yield f"{path.name}:{number}", Node(dict(_entries(names, cells, mark, separator)), mark)
+
+
+def _numbered_lines(path: FilePath, fail: Callable[..., None]) -> list[tuple[int, str]]:
+    """Return number and text of the header and the rows of a file; none after a problem by ``fail``."""
+    if path.stat().st_size > MAX_BYTES:
+        hint = "give means of repeated measurements, or fewer columns"
+        fail(Mark(str(path)), f"has over {MAX_BYTES // 1000} kB, too much for a table of points", hint)
+        return []
+    try:
+        _, text = decoded(path, path.read_bytes())
+    except MeasuredError as error:
+        fail(Mark(str(path)), error.reason, "export the table as CSV")
+        return []
+    except OSError as error:
+        fail(Mark(str(path)), f"cannot be read: {error.strerror}")
+        return []
+    lines = text.lstrip("\ufeff").splitlines()
+    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith(COMMENT)]
+    if len(numbered) < 2:
+        fail(Mark(str(path)), "has no row below a header line", "as in `load [N], velocity@BPFO [um/s]`")
+        return []
+    return numbered
 
 
 def _entries(
