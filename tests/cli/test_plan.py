@@ -7,8 +7,10 @@ from typing import Any
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import _group_refusals, friction_scale
+from bearingsim.cli.plan import _group_refusals, _price, friction_scale
+from bearingsim.study import load_study
 from tests.scenes.short_cases import case
+from tests.scenes.study_text import BASE, Write
 
 FORCE = 50.0  # N
 
@@ -29,6 +31,12 @@ def test_slip_without_friction_does_not_decay() -> None:
     force, decay_time = friction_scale(case(model="ring"), FORCE)
     assert isnan(force)
     assert decay_time == inf
+
+
+def test_healthy_baseline_has_no_drop_into_a_defect(write: Write) -> None:
+    defective, healthy = load_study(write(f"{BASE}model: rollers\n")).jobs()
+    assert _price(defective).roller_drop > 0.0
+    assert isnan(_price(healthy).roller_drop)
 
 
 def test_refusals_that_differ_in_numbers_only_are_one_message() -> None:
