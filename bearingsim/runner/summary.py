@@ -5,8 +5,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from bearingsim.store import Failure
+if TYPE_CHECKING:
+    from bearingsim.store import Failure
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class FailureGroup:
         return f"{count} failed: {self.reason}{advice}, for example {self.jobs[0]}"
 
 
-def group_failures(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
+def group_failures(failures: Iterable["Failure"]) -> tuple[FailureGroup, ...]:
     """Group failures whose reasons differ only in numbers, largest group first."""
     ordered = sorted(failures, key=lambda failure: (failure_kind(failure.reason), failure.job))
     groups = [list(group) for _, group in groupby(ordered, key=lambda failure: failure_kind(failure.reason))]
