@@ -37,7 +37,6 @@ def show_jobs(
     columns: replace the usual ones, at any width. every: all usual columns, at any width in a pipe.
     """
     from bearingsim.runner.promises import withdrawals
-    from bearingsim.store import job_frame
 
     table = results.table()
     rows = table[table["status"] == "failed"] if failed else table
@@ -68,7 +67,7 @@ def show_jobs(
     if len(printed_rows) < len(rows):
         _print_wrapped(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
     _print_wrapped(_status_counts(table) + _variation_text(results))
-    for text in withdrawals(results.plan, job_frame(results.path)):
+    for text in withdrawals(results.plan, results.frame):
         _print_wrapped(text)
     _print_measured(results)
     info = results.info().reindex(table["job"])

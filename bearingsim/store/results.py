@@ -83,16 +83,17 @@ class Results:
         return list(self.plan.get("variations", ()))
 
     @cached_property
-    def _frame(self) -> "pd.DataFrame":
+    def frame(self) -> "pd.DataFrame":
+        """Data of each planned job, indexed by id: parameters, features, info, status, in SI (not a copy)."""
         return job_frame(self.path)
 
     @cached_property
     def _table(self) -> "pd.DataFrame":
-        return table(self.plan, self._frame)
+        return table(self.plan, self.frame)
 
     @cached_property
     def _parameters(self) -> "pd.DataFrame":
-        done = self._frame[self._frame["status"] == "done"]
+        done = self.frame[self.frame["status"] == "done"]
         return done.filter(regex="^parameters/").rename(columns=lambda name: name.partition("/")[2])
 
     def table(self) -> "pd.DataFrame":
@@ -113,31 +114,31 @@ class Results:
 
     def info(self) -> "pd.DataFrame":
         """Return the solver statistics of finished jobs (step, CPU time, error estimates), indexed by job."""
-        return info(self._frame)
+        return info(self.frame)
 
     def values(self, feature: str) -> "pd.Series[float]":
         """Return a feature (SI) of the finished jobs, variations included, by job; empty if none has it."""
         import pandas as pd
 
-        return self._frame.get(f"features/{feature}", pd.Series(dtype=float)).copy()
+        return self.frame.get(f"features/{feature}", pd.Series(dtype=float)).copy()
 
     def spread(self, feature: str, quantity: str | None = None) -> "pd.DataFrame":
         """Return ``least`` and ``largest`` (SI) of a feature over the variations of `uncertainty:`, by job.
 
         quantity: the varied quantity, None for all. NaN where a standard error is unknown.
         """
-        return spread(self.plan, self._frame, feature, quantity)
+        return spread(self.plan, self.frame, feature, quantity)
 
     def failures(self) -> dict[str, Failure]:
         """Return the planned jobs that failed, by id, with reason, advice and traceback."""
-        status = self._frame["status"]
+        status = self.frame["status"]
         return {job: failure for job, failure in read_failures(self.path).items() if status.get(job) == "failed"}
 
     def series(self, job: str) -> Series:
         """Read the recorded series of a job. Raises ResultsError for an unknown or unfinished job."""
-        if job not in self._frame.index:
+        if job not in self.frame.index:
             raise ResultsError(f"no job {job} in {self.path}")
-        row = self._frame.loc[job]
+        row = self.frame.loc[job]
         if row["status"] != "done":
             raise ResultsError(f"job {job} has no series: {row['reason'] or 'not computed yet'}")
         return read_series(unit_path(self.path, str(row["unit"])), job)
@@ -154,11 +155,11 @@ class Results:
 
     def has_feature(self, name: str) -> bool:
         """Check if any job has a feature."""
-        return f"features/{name}" in self._frame
+        return f"features/{name}" in self.frame
 
     def _repr_html_(self) -> str:
         """Return a summary for notebooks."""
-        rows = [("folder", str(self.path)), ("jobs", _counts(self._frame["status"]))]
+        rows = [("folder", str(self.path)), ("jobs", _counts(self.frame["status"]))]
         table = self._table
         for path in filter(table.__contains__, swept_paths(self.plan)):
             values = list(dict.fromkeys(table[path].dropna()))

@@ -26,16 +26,16 @@ UNCERTAIN = STUDY.replace("model: [static, ring]", "model: [ring]") + (
 def uncertain(results):
     """Results of a study with variations; column ``features/acceleration.rms`` is the number of the job (m/s²)."""
     opened = results(UNCERTAIN)
-    opened._frame["features/acceleration.rms"] = np.arange(1.0, len(opened._frame) + 1.0)
+    opened.frame["features/acceleration.rms"] = np.arange(1.0, len(opened.frame) + 1.0)
     opened._table["acceleration.rms"] = (
-        opened._frame["features/acceleration.rms"].reindex(opened._table["job"]).values
+        opened.frame["features/acceleration.rms"].reindex(opened._table["job"]).values
     )
     return opened
 
 
 def test_each_feature_has_its_range_over_all_cases(uncertain):
     [rms, line] = feature_results(uncertain)
-    numbers = uncertain._frame["features/acceleration.rms"]
+    numbers = uncertain.frame["features/acceleration.rms"]
     cases = [entry["job"] for entry in uncertain.plan["jobs"] if not entry["twin"] | entry["variation"]]
     for quantity, values in (("damping", "1 to 5 µs"), ("clearance", "0 to 5 µm")):
         jobs = [v["job"] for v in uncertain.variations if v["what"] == quantity]
@@ -47,9 +47,9 @@ def test_each_feature_has_its_range_over_all_cases(uncertain):
 
 def set_features(uncertain, values):
     """Set the acceleration (m/s²) of jobs by their ids."""
-    features = uncertain._frame["features/acceleration.rms"].copy()
+    features = uncertain.frame["features/acceleration.rms"].copy()
     features.update(values)
-    uncertain._frame["features/acceleration.rms"] = features
+    uncertain.frame["features/acceleration.rms"] = features
     uncertain._table["acceleration.rms"] = features.reindex(uncertain._table["job"]).values
 
 
@@ -77,8 +77,8 @@ def test_cases_without_a_common_value_are_separate_and_keep_their_order(uncertai
 
 
 def test_unknown_range_is_named_in_the_card_with_its_reason(uncertain):
-    uncertain._frame["features/chaotic"] = 1.0
-    uncertain._frame["features/rms_scatter"] = np.inf
+    uncertain.frame["features/chaotic"] = 1.0
+    uncertain.frame["features/rms_scatter"] = np.inf
     [rms, _] = feature_results(uncertain)
     text = "with damping 1 to 5 µs: unknown in 6 of 6 cases (variation missing, or chaotic and too short)"
     assert text in rms.remarks
@@ -167,9 +167,9 @@ def test_missing_error_bound_is_stated(results):
 
 
 def test_caption_counts_the_cases_of_unknown_range(uncertain):
-    uncertain._frame["features/chaotic"] = 0.0
-    uncertain._frame["features/rms_scatter"] = np.inf
-    uncertain._frame.loc[uncertain.variations[0]["of"], "features/chaotic"] = 1.0
+    uncertain.frame["features/chaotic"] = 0.0
+    uncertain.frame["features/rms_scatter"] = np.inf
+    uncertain.frame.loc[uncertain.variations[0]["of"], "features/chaotic"] = 1.0
     [chart] = [chart for chart in page_of(uncertain).charts if chart.kind == "line"]
     text = "shaded: damping 1 to 5 µs and clearance 0 to 5 µm, range unknown in 1 of 6 cases"
     assert chart.names["band"].startswith(text)
