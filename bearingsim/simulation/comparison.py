@@ -12,7 +12,6 @@ from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES, LINES
 from bearingsim.core import layout as lay
-from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation import channels, recording, spectral_lines
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.channels import MOTION
@@ -134,12 +133,11 @@ def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
     """
     case, grid, model = setup.case, setup.grid, setup.model
     M, period = grid.fine_per_pass, raw.repetition.period
-    taps = sampling_kernel(grid.fine_rate / case.sampling)
-    turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # whole turns of the cage
+    turns = ceil((raw.repetition.computed + ceil(len(raw.taps) / M)) / raw.Z)  # whole turns of the cage
     start = turns * raw.Z * M
     fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
-    filtered = raw.low_pass(taps).read(start, length) if case.antialias else None
+    filtered = raw.low_passed.read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
     raw_values = raw.raw_values[:, max(0, ceil((steady - case.settle_s) * case.sampling)) :]
     return _collect_signals(
@@ -185,16 +183,10 @@ def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
     case, grid = setup.case, setup.grid
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
-    filtered = low_pass_rows(setup, raw, start, length) if case.antialias else None
+    filtered = raw.low_passed.read(start, length) if case.antialias else None
     raw_values = raw.raw_values[:, : floor(passes / grid.rate * case.sampling) + 1]
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
     settling_passes = floor(case.settle_s * grid.rate + 1e-6)
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines, raw.peaks[settling_passes : settling_passes + passes]
     )
-
-
-def low_pass_rows(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
-    """Return all rows (C, ``length``) at fine samples from number ``start``, low-passed like the record."""
-    taps = sampling_kernel(setup.grid.fine_rate / setup.case.sampling)
-    return raw.low_pass(taps).read(start, length)

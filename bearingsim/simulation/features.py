@@ -18,7 +18,6 @@ from bearingsim.config.bands import PASSBAND, Band, BandFeature
 from bearingsim.config.names import LINES, NO_VALUE, read_band
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import speed_factor
-from bearingsim.core.sampling import sampling_kernel
 from bearingsim.errors import UserError
 from bearingsim.extensions import BrokenExtension
 from bearingsim.simulation.channels import CAGE_SPEED, MOTION
@@ -76,8 +75,7 @@ def _raw_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
 
 def _low_passed_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
     """Filter the motion along the sensor over the record's distinct passes."""
-    taps = sampling_kernel(grid.fine_rate / case.sampling)
-    record_windows, filtered = windows(case, grid, raw, reach=len(taps) // 2), raw.low_pass(taps)
+    record_windows, filtered = windows(case, grid, raw, reach=raw.reach), raw.low_passed
     count, weights = record_windows.distinct * record_windows.M, record_windows.weights
     multiplicities = np.repeat(weights, record_windows.M) if np.any(weights > 1) else None
     return lambda quantity: (sensor_samples(case, filtered, quantity, record_windows.start, count), multiplicities)
@@ -161,7 +159,7 @@ def _envelope_line(
 ) -> float:
     """Return the amplitude of a line of the squared envelope; NaN if the band or record does not resolve it."""
     Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
-    ends = np.array([angles.ends().phase(line, Z) for line in LINES.values()])
+    ends = angles.ends().phases(Z)
     frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)
     resolved = zip(frequencies, signals.resolvable(frequencies, duration), strict=True)
     frequency, is_resolved = dict(zip(LINES, resolved, strict=True))[name]

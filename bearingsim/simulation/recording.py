@@ -35,7 +35,8 @@ class RawRecord:
     cells: (C,) recorded cells of the buffer; fine: (C, n) their fine samples over the computed passes, with t = 0
     in column ``zero``, the first pass from column ``lead`` on, and ``M`` samples per pass; Z: number of rollers;
     raw_values: (C, m) raw values at the sampling instants, empty if not requested; peaks: (passes, E) largest
-    values of ``EXTREMES`` in each computed pass; y: the buffer at the end.
+    values of ``EXTREMES`` in each computed pass; taps: (odd,) of the low-pass to the band of ``sampling``; y: the
+    buffer at the end.
     """
 
     cells: np.ndarray
@@ -47,7 +48,13 @@ class RawRecord:
     repetition: Repetition
     raw_values: np.ndarray
     peaks: np.ndarray
+    taps: np.ndarray
     y: np.ndarray
+
+    @property
+    def reach(self) -> int:
+        """Fine samples on each side on which a low-passed sample depends."""
+        return len(self.taps) // 2
 
     @property
     def periodic_from(self) -> int | None:
@@ -73,9 +80,13 @@ class RawRecord:
         return np.concatenate([stored, self._repeated(max(column, computed), column + count, rows)], axis=1)
 
     def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
-        """Return columns ``start`` to ``end``, beyond the computed ones, from the passes that they repeat."""
+        """Return columns ``start`` to ``end``, beyond the computed ones, from the passes that they repeat.
+
+        After ``Z`` periods the rollers are back in their places, and the columns repeat as well.
+        """
         first_pass, last_pass = ((column - self.lead) // self.M for column in (start, end - 1))
-        passes = np.arange(first_pass, last_pass + 1)
+        count = last_pass + 1 - first_pass
+        passes = first_pass + np.arange(min(count, self.Z * self.repetition.period))
         sources = self.repetition.source(passes)
         starts, shifts = self.lead + sources * self.M, (passes - sources) % self.Z
         parts = [
@@ -83,7 +94,8 @@ class RawRecord:
             for m, column in zip(shifts, starts, strict=True)
         ]
         skipped = start - self.lead - first_pass * self.M
-        return np.concatenate(parts, axis=1)[:, skipped : skipped + end - start]
+        repeated = np.tile(np.concatenate(parts, axis=1), ceil(count / len(passes)))
+        return repeated[:, skipped : skipped + end - start]
 
     @cached_property
     def _rotated_rows(self) -> np.ndarray:
@@ -92,16 +104,19 @@ class RawRecord:
             return np.broadcast_to(np.arange(len(self.cells)), (self.Z, len(self.cells)))
         return np.array([rotated_rows(self.cells, self.Z, m) for m in range(self.Z)])
 
-    def low_pass(self, taps: np.ndarray) -> "RawRecord | LowPassed":
-        """Return the record filtered by the low-pass ``taps`` (odd number), with the same ``read``.
+    @property
+    def low_passed(self) -> "RawRecord | LowPassed":
+        """Record filtered to the band of ``sampling``, with the same ``read``.
 
-        For a periodic motion the computed passes, and the following ones within reach of the filter, are filtered
-        now; otherwise samples are filtered as they are read.
+        A periodic motion is filtered once; otherwise samples are filtered as they are read.
         """
-        if self.repetition.period == 0:
-            return LowPassed(self, taps)
-        reach, computed = len(taps) // 2, self.repetition.computed + ceil(len(taps) / self.M)
-        fine = LowPassed(self, taps).read(reach - self.zero, self.lead + computed * self.M - reach)
+        return self._filtered_passes if self.repetition.period else LowPassed(self)
+
+    @cached_property
+    def _filtered_passes(self) -> "RawRecord":
+        """Computed passes of a periodic motion, and the following ones within reach of the filter, low-passed."""
+        reach, computed = self.reach, self.repetition.computed + ceil(len(self.taps) / self.M)
+        fine = LowPassed(self).read(reach - self.zero, self.lead + computed * self.M - reach)
         repetition = self.repetition._replace(computed=computed)
         return replace(self, fine=fine, lead=self.lead - reach, zero=self.zero - reach, repetition=repetition)
 
@@ -112,20 +127,19 @@ MULTIPLICATIONS = 1 << 28
 
 @dataclass(frozen=True)
 class LowPassed:
-    """Raw record, filtered by the low-pass ``taps`` as it is read."""
+    """Raw record, filtered to the band of ``sampling`` as it is read."""
 
     raw: RawRecord
-    taps: np.ndarray
 
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Return filtered fine samples, as ``RawRecord.read``."""
-        reach = len(self.taps) // 2
+        taps, reach = self.raw.taps, self.raw.reach
         extended = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
         out = np.empty((len(extended), count))
-        block = max(1, MULTIPLICATIONS // (len(self.taps) * max(1, len(extended))))
+        block = max(1, MULTIPLICATIONS // (len(taps) * max(1, len(extended))))
         for begin in range(0, count, block):
             cpu_time.check()
-            low_pass(extended, self.taps, out, begin, min(begin + block, count))
+            low_pass(extended, taps, out, begin, min(begin + block, count))
         return out
 
 
@@ -231,6 +245,7 @@ class Recording:
             repetition=repetition,
             raw_values=self.raw_values,
             peaks=self.peaks[:passes],
+            taps=sampling_kernel(self.grid.fine_rate / self.case.sampling),
             y=y,
         )
 
@@ -308,7 +323,7 @@ def _low_passed(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.
     if len(rows) == 0:
         return out
     ratio, kernel = grid.fine_rate / case.sampling, interpolation_kernel()
-    filtered, weights = raw.low_pass(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
+    filtered, weights = raw.low_passed, np.empty(2 * INTERPOLATION_REACH)
     block = max(1, int(BLOCK / ratio))
     start = case.settle_s * grid.fine_rate
     for n in range(0, out.shape[1], block):

@@ -1,6 +1,6 @@
 """Spectral lines of a run at characteristic frequencies, and the motion along the sensor axis."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from math import ceil, floor, pi
 from typing import Any, NamedTuple
 
@@ -32,6 +32,10 @@ ROW_OF = {cell: row for row, cell in enumerate(FEATURE_CELLS + SENSOR_CELLS)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
+MULTIPLES = np.array(list(LINES.values())).T[:, :, np.newaxis]
+"""Fields of ``Line`` (5, lines, 1) of all ``LINES``."""
+
+
 class SampleAngles(NamedTuple):
     """Angles (n,) in rad at fine samples: of the cage (first roller), the inner ring, and a roller in the cage."""
 
@@ -44,14 +48,17 @@ class SampleAngles(NamedTuple):
         return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
 
     def phase(self, line: Line, Z: int) -> np.ndarray:
-        """Return the phase angle of a line."""
-        return (
-            line.outer * Z * self.cage
-            + line.inner * Z * (self.inner - self.cage)
-            + line.spin * self.roll
-            + line.cage * self.cage
-            + line.shaft * self.inner
-        )
+        """Return the phase angle (n,) of a line."""
+        return self._phase(line, Z)
+
+    def phases(self, Z: int) -> np.ndarray:
+        """Return the phase angles (lines, n) of all ``LINES``."""
+        return self._phase(MULTIPLES, Z)
+
+    def _phase(self, multiples: Iterable[Any], Z: int) -> np.ndarray:
+        outer, inner, spin, cage, shaft = multiples
+        races = outer * Z * self.cage + inner * Z * (self.inner - self.cage)
+        return races + spin * self.roll + cage * self.cage + shaft * self.inner
 
 
 def feature_rows(case: Case) -> np.ndarray:
@@ -196,9 +203,9 @@ def _lines_at_constant_speed(
     series = np.stack([sensor_samples(case, raw, q, start, window_count * M) for q in MOTION[:2]])
     tail = np.stack([sensor_samples(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
     angles = sample_angles(model, grid, start, np.zeros(1))
-    phases = np.array([angles.phase(line, case.bearing.rollers) for line in LINES.values()])
+    phases = angles.phases(case.bearing.rollers)
     initial_angles = sample_angles(model, grid, 0, np.zeros(2))  # small angles, for full precision
-    phase_step = np.diff([initial_angles.phase(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
+    phase_step = np.diff(initial_angles.phases(case.bearing.rollers))[:, 0]
     displacement, velocity = signals.lines_of_windows(
         series.reshape(2, window_count, M), count, record_windows.period, tail, phases[:, 0], phase_step
     )

@@ -14,7 +14,6 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.core.geometry.motion import is_steady
-from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
 from bearingsim.simulation.comparison import FORCE, fault_lines
 from bearingsim.simulation.recording import RawRecord, Windows, windows
@@ -64,7 +63,7 @@ def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) 
     case, grid = setup.case, setup.grid
     if MODELS[case.model].memoryless:
         return StartErrors(0.0, 0.0, 0.0)
-    record_windows = windows(case, grid, raw, reach=len(sampling_kernel(grid.fine_rate / case.sampling)) // 2)
+    record_windows = windows(case, grid, raw, reach=raw.reach)
     if len(record_windows.index) < PARTS or not is_steady(setup.model):
         return StartErrors(nan, nan, nan)
     passes = _passes(setup, raw, record_windows)
@@ -78,8 +77,7 @@ def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) 
 def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
     case, grid, M, n = setup.case, setup.grid, record_windows.M, record_windows.distinct
     velocity = sensor_samples(case, raw, "velocity", record_windows.start, n * M)
-    taps = sampling_kernel(grid.fine_rate / case.sampling)
-    filtered = sensor_samples(case, raw.low_pass(taps), "velocity", record_windows.start, n * M)
+    filtered = sensor_samples(case, raw.low_passed, "velocity", record_windows.start, n * M)
     angles = angles_of_record(case, setup.model, grid, raw, record_windows.start, n * M)
     lines = np.stack(
         [

@@ -18,7 +18,6 @@ import numpy as np
 from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, read_band
-from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation import ending, trial
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
 from bearingsim.simulation.comparison import fault_lines
@@ -104,7 +103,6 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
     spans = trial.turn_spans(passes, float(ending.unit(case)), grid.fine_per_pass)
     if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
-    filtered = raw.low_pass(sampling_kernel(grid.fine_rate / case.sampling))
     fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
     angles = angles_of_record(case, setup.model, grid, raw, start, length)
     window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
@@ -112,7 +110,7 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
         setup,
         window_features,
         fine,
-        cache(partial(sensor_samples, case, filtered, start=start, count=length)),
+        cache(partial(sensor_samples, case, raw.low_passed, start=start, count=length)),
         angles,
         spans,
     )

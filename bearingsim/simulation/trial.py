@@ -18,7 +18,7 @@ from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, Line, read_band
 from bearingsim.simulation import recording, spectral_lines
-from bearingsim.simulation.comparison import FORCE, low_pass_rows
+from bearingsim.simulation.comparison import FORCE
 from bearingsim.simulation.features import band_of
 from bearingsim.simulation.pilot import PILOT_FRACTION, ROUNDING, elements_with_deviations, longest_turn
 from bearingsim.simulation.recording import RawRecord
@@ -142,7 +142,7 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
-    rows = low_pass_rows(setup, raw, start, length) if case.antialias else fine
+    rows = raw.low_passed.read(start, length) if case.antialias else fine
     angles = spectral_lines.sample_angles(setup.model, grid, start, np.zeros(length))
     turn = max(1.0, turn * grid.rate)  # in ball passes
     spans = turn_spans(passes, turn, grid.fine_per_pass)

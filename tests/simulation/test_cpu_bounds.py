@@ -3,6 +3,7 @@
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -86,7 +87,7 @@ def test_filter_in_parts_equals_the_whole_filter(test_case: Case) -> None:
     from bearingsim.simulation import recording
 
     setup = set_up(test_case)
-    low = integrate(setup).low_pass(np.ones(101) / 101)
+    low = replace(integrate(setup), taps=np.ones(101) / 101).low_passed
     full = low.read(100, 500)
     with mock.patch.object(recording, "MULTIPLICATIONS", 1):
         assert np.array_equal(low.read(100, 500), full)
