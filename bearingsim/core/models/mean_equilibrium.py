@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.core import layout as lay
+from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series
 from bearingsim.core.models.equilibrium import (
     NoEquilibrium,
@@ -20,11 +22,7 @@ from bearingsim.core.parts.bending import Bending, NoSprings, supported_position
 # a prime, so that no two triples of angles agree modulo a ball pass; of all generators, 109 lets the smallest of a
 # smooth function's squared Fourier coefficients alias to its mean
 LATTICE_POINTS, LATTICE_GENERATOR = 509, 109.0
-
-
-def supported_body_position(model, y):
-    """Return the position (m, m) of the body held by the bracket: the ring, or the carrier around it."""
-    return supported_position(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
+MAX_RESIDUAL = 1e-8  # of an equilibrium, relative to the load
 
 
 class MeanEquilibrium(NamedTuple):
@@ -56,24 +54,59 @@ def ring_damping(Z, outer, inner, y):
     return c_xx, c_yy
 
 
-def equilibria(model, times, y):
-    """Yield the index of each of ``times`` (s) with ``y`` in static equilibrium, each found from the one before.
+@jit
+def fill_equilibria(model, springs, times, tolerance, y, rows):
+    """Find the static equilibrium at each of ``times`` (n,) s, the first from scratch, each from the one before.
 
-    Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
+    Fills a row of ``rows`` (n, 6) for each: the position of the body held by the bracket (m, m), the stiffness of
+    the rollers for the ring along x and y (N/m), the largest force on a roller (N), and the sum of the approaches
+    of its contacts (m). Ends at the first residual above ``tolerance`` (N). Returns the last residual (N).
     """
-    load = load_magnitude(model)
-    for n, t in enumerate(times):
-        solve = solve_initial_equilibrium if n == 0 else solve_equilibrium
-        residual = solve_in_cpu_time(solve, model, float(t), y)
-        if not residual <= 1e-8 * load:
-            raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
-        yield n
+    residual = 0.0
+    for n in range(len(times)):
+        if n == 0:
+            residual = solve_initial_equilibrium(model, times[n], y)
+        else:
+            residual = solve_equilibrium(model, times[n], y)
+        if not residual <= tolerance:
+            break
+        heaviest = 0
+        for j in range(model.bearing.Z):
+            if y[lay.Q_I + j] > y[lay.Q_I + heaviest]:
+                heaviest = j
+        rows[n, 0], rows[n, 1] = supported_position(springs, y)
+        rows[n, 2], _, rows[n, 3] = ring_stiffness(model, y)
+        rows[n, 4] = y[lay.Q_O + heaviest]
+        rows[n, 5] = y[lay.DELTA_O + heaviest] + y[lay.DELTA_I + heaviest]
+    return residual
 
 
-def equilibria_over_pass(model, y, samples):
-    """Run ``equilibria`` at ``samples`` times evenly spaced over a ball pass."""
+def equilibria(model, times, y):
+    """Return the rows (n, 6) of ``fill_equilibria`` at ``times`` (n,) s.
+
+    Raises ``NoEquilibrium`` like ``refuse_unbalanced``.
+    """
+    load, rows = load_magnitude(model), np.empty((len(times), 6))
+    springs = model.bending.springs if isinstance(model.bending, Bending) else NoSprings()
+
+    def fill_until(end):
+        y[lay.CPU_END] = end
+        return fill_equilibria(model, springs, times, MAX_RESIDUAL * load, y, rows)
+
+    refuse_unbalanced(cpu_time.bounded(fill_until), load)
+    return rows
+
+
+def refuse_unbalanced(residual, load):
+    """Raise ``NoEquilibrium`` if the residual force is over ``MAX_RESIDUAL`` of the load (N)."""
+    if not residual <= MAX_RESIDUAL * load:
+        raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
+
+
+def times_of_pass(model, samples):
+    """Return ``samples`` times (s) evenly spaced over a ball pass."""
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
-    return equilibria(model, [(n + 0.5) / samples * pass_time for n in range(samples)], y)
+    return (np.arange(samples) + 0.5) / samples * pass_time
 
 
 def mean_position(model, y):
@@ -85,21 +118,16 @@ def mean_position(model, y):
     b, g, N = model.bearing, LATTICE_GENERATOR, LATTICE_POINTS
     turning = model._replace(bearing=b._replace(omega_i=g * b.omega_c, omega_b=g * g % N * b.omega_c))
     times = 2.0 * pi / b.omega_c * np.arange(N) / N
-    x, y_mean = np.mean([supported_body_position(model, y) for _ in equilibria(turning, times, y)], axis=0)
+    x, y_mean = np.mean(equilibria(turning, times, y)[:, :2], axis=0)
     return float(x), float(y_mean)
 
 
 def mean_equilibrium(model, y, samples=32):
     """Return ``MeanEquilibrium`` of a bearing from ``samples`` equilibria over a ball pass. Raises
     ``NoEquilibrium``."""
-    Z, rows, loads = model.bearing.Z, [], []
-    for _ in equilibria_over_pass(model, y, samples):
-        k_xx, _, k_yy = ring_stiffness(model, y)
-        rows.append((*supported_body_position(model, y), k_xx, k_yy))
-        heaviest = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
-        loads.append((y[lay.Q_O + heaviest], y[lay.DELTA_O + heaviest] + y[lay.DELTA_I + heaviest]))
-    x_mean, y_mean, k_x, k_y = (float(value) for value in np.mean(rows, axis=0))
-    load, approach = (float(value) for value in max(loads))
+    rows = equilibria(model, times_of_pass(model, samples), y)
+    x_mean, y_mean, k_x, k_y = np.mean(rows[:, :4], axis=0).tolist()
+    load, approach = max(rows[:, 4:].tolist())
     return MeanEquilibrium(x_mean, y_mean, load, approach, k_x, k_y)
 
 
@@ -107,6 +135,10 @@ def mean_ring_damping(model, outer, inner, y, samples=32):
     """Return ``ring_damping`` of a bearing with the contact laws ``outer`` and ``inner``, averaged over a ball
     pass."""
     Z = model.bearing.Z
-    dampings = [ring_damping(Z, outer, inner, y) for _ in equilibria_over_pass(model, y, samples)]
+    dampings = []
+    for n, t in enumerate(times_of_pass(model, samples).tolist()):
+        residual = solve_in_cpu_time(solve_initial_equilibrium if n == 0 else solve_equilibrium, model, t, y)
+        refuse_unbalanced(residual, load_magnitude(model))
+        dampings.append(ring_damping(Z, outer, inner, y))
     c_x, c_y = np.mean(dampings, axis=0)
     return float(c_x), float(c_y)
