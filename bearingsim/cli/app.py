@@ -28,6 +28,7 @@ from bearingsim.cli.options import (
     parse_time,
 )
 from bearingsim.cli.results_commands import export, merge, plot, prune, report, sensitivity, show
+from bearingsim.garbage import rare_collections
 from bearingsim.interruption import interrupt
 from bearingsim.text.announcer import announcer
 from bearingsim.text.terminal import say
@@ -138,16 +139,17 @@ def check(
         return
     if study is None:
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
-    from bearingsim.cli import plan, plan_table
+    with rare_collections():
+        from bearingsim.cli import plan, plan_table
 
-    loaded_study = _load(study, set_, quick)
+        loaded_study = _load(study, set_, quick)
     if pilots and loaded_study.goal is None:
         raise typer.BadParameter("the study has no `accuracy`, so no model is chosen", param_hint="--pilots")
     if loaded_study.goal is not None:
         from bearingsim import runner
 
         loaded_study = runner.with_models(loaded_study, out, jobs, run_trials=pilots)
-    with announcer(seconds=SILENCE_S) as announcements:
+    with announcer(seconds=SILENCE_S) as announcements, rare_collections():
         study_plan = plan.plan_of(loaded_study, jobs, announcements)
     if as_json:
         say(plan_table.as_json(study_plan))

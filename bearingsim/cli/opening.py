@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.errors import UserError
+from bearingsim.garbage import rare_collections
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -20,12 +21,13 @@ DATA_ERRORS = (ArithmeticError, AttributeError, LookupError, MemoryError, Recurs
 
 
 def reads_results(command: Command) -> Command:
-    """Decorate a command that reads results: malformed results raise a UserError."""
+    """Decorate a command that reads results: malformed ones raise a UserError, and garbage is seldom collected."""
 
     @wraps(command)
     def wrapper(*arguments: Any, **options: Any) -> None:
         try:
-            command(*arguments, **options)
+            with rare_collections():
+                command(*arguments, **options)
         except UserError:
             raise
         except DATA_ERRORS as error:

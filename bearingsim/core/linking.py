@@ -14,12 +14,13 @@ This relies on internals of numba's compiler. If one is missing, ``OPTIONS`` is 
 does nothing, so functions are compiled in numba's standard way.
 """
 
-import gc
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
+
+from bearingsim.garbage import rare_collections
 
 try:
     from numba.core import compiler, sigutils
@@ -106,18 +107,6 @@ def is_outermost() -> bool:
     return HAS_INTERNALS and Compiler.depth == 0
 
 
-@contextmanager
-def raise_gc_thresholds() -> Iterator[None]:
-    """Raise the thresholds of the garbage collector while compiling, because collections take 7 % of the time and
-    free little."""
-    thresholds = gc.get_threshold()
-    gc.set_threshold(50_000, 20, 20)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*thresholds)
-
-
 def is_linked(result: Any) -> bool:
     """Check if a compiled function has no machine code of its own."""
     return HAS_INTERNALS and isinstance(result.library, LinkedLibrary)
@@ -141,7 +130,7 @@ def compile_on_call(dispatcher: Any) -> Any:
             existing = dispatcher.overloads.get(tuple(arguments))
             if existing is not None and is_linked(existing) and Compiler.depth == 0:
                 del dispatcher.overloads[tuple(arguments)]
-            with raise_gc_thresholds():
+            with rare_collections():
                 return compile_for(signature)
 
     dispatcher.add_overload, dispatcher.compile = add, compile_fully
