@@ -44,7 +44,7 @@ def test_level_hidden_by_the_axis_is_named_in_the_legend(results):
     """A line at zero lies on the axis; on a log axis it does not."""
     opened = results()
     healthy = [entry["job"] for entry in opened.plan["jobs"] if entry["twin"]]
-    opened._frame.loc[healthy, "features/velocity@BPFO"] = 1e-12
+    opened.frame.loc[healthy, "features/velocity@BPFO"] = 1e-12
     opened._table.loc[opened._table["job"].isin(healthy), "velocity@BPFO"] = 1e-12
     for log, text in (([], "healthy (about zero)"), (["y"], "healthy")):
         axes_options = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": log}
