@@ -79,11 +79,11 @@ def plot(
     if out is None:
         check_writable(study_results.path / FIGURES, "--out figures")
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
-    filters = dict(parse_assignment(text, "--where") for text in where or [])
     options = {
-        "y": y, "x": x, "by": by, "panels": panels, "where": filters,
-        "from": start, "to": stop, "span": span, "around": around, "range": limits, "band": band, "log": log,
-        "db": db, "unit": unit, "mean": mean, "healthy": healthy, "orders": orders,
+        "where": dict(parse_assignment(text, "--where") for text in where or []),
+        "y": y, "x": x, "by": by, "panels": panels, "from": start, "to": stop, "span": span, "around": around,
+        "range": limits, "band": band, "log": log, "db": db, "unit": unit, "mean": mean, "healthy": healthy,
+        "orders": orders,
     }  # fmt: skip
     with warnings.catch_warnings(record=True) as recorded_warnings:
         warnings.simplefilter("always", plots.PlotWarning)

@@ -17,7 +17,7 @@ VALUES = {
     "bracket": (
         "stiffness of the bracket",
         "rig.bracket_stiffness",
-        "half or twice of it changes the RMS by up to half, the line at the defect frequency by up to a tenth",
+        "halving or doubling it changes the RMS by up to half, the line at the defect frequency by up to a tenth",
     ),
 }
 """Name and path of the parameter that an uncertainty varies, and its effect (docs/evidence/form.md)."""
