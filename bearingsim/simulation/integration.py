@@ -104,48 +104,69 @@ class Inspection(NamedTuple):
 
 
 class Run:
-    """Run of a case, computed and recorded by ball passes: a pilot may be continued as the run it begins.
+    """Run of a case, computed and recorded by ball passes, until it is periodic or complete.
 
-    setup: as given; y: the buffer; pace: its CPU time; passes: number computed so far.
+    It may be computed as far as a pilot first, and continued later. setup: as given; y: the buffer; pace: its CPU
+    time; passes: number computed so far; period: of the motion, 0 if it is not periodic so far.
     """
 
-    def __init__(self, setup: Setup, y: np.ndarray, pace: Pace) -> None:
-        """Begin a run. y: the buffer at t = 0 (``_start``)."""
-        self.setup, self.y, self.pace, self.passes = setup, y, pace, 0
+    def __init__(self, setup: Setup, y: np.ndarray, pace: Pace, search: Search | None = None) -> None:
+        """Begin a run. y: the buffer at t = 0 (``_start``); search: for a period, None for no search."""
+        self.setup, self.y, self.pace, self.search = setup, y, pace, search
+        self.passes, self.period, self.difference = 0, 0, nan
         self.recording = Recording(setup.case, setup.grid, setup.model.bearing.Z, y)
         self._initial_passages = _defect_passages(setup, 0.0, y)
         self._windows = _ball_passes(setup, self.recording.samples, y, self.recording.cells, pace)
 
     @classmethod
-    def at_rest(cls, setup: Setup) -> "Run":
-        """Return the run of a setup before its first step, at static equilibrium."""
-        return cls(setup, _start(setup, 0.0), Pace(setup.max_cpu))
+    def begin(
+        cls,
+        setup: Setup,
+        perturbation: float = 0.0,
+        start: np.ndarray | None = None,
+        closeness: Closeness = RECORD_CLOSENESS,
+        max_passes: int | None = None,
+    ) -> "Run":
+        """Return the run of a setup before its first step; arguments as in ``integrate``."""
+        pace = Pace(setup.max_cpu)
+        steady_start = _find_steady_start(setup, pace, start, closeness, max_passes)
+        return cls(setup, _start(setup, perturbation, steady_start), pace, _search(setup, closeness))
 
-    def ball_passes(self) -> Iterator[np.ndarray]:
-        """Compute and record the ball passes that follow; yield the window (C, tail + steps) of each."""
-        for window in self._windows:
+    @property
+    def is_periodic(self) -> bool:
+        """Whether the motion is periodic after a whole number of periods, where the run ends."""
+        return self.period > 0 and self.passes % self.period == 0
+
+    def ball_passes(self) -> Iterator[int]:
+        """Compute and record the ball passes that follow; yield the number computed so far after each."""
+        while not self.is_periodic and (window := next(self._windows, None)) is not None:
             self.recording.add_pass(self.passes, window, self.y)
             self.passes += 1
-            yield window
+            if self.search is not None and self.period == 0:
+                peaks = self.recording.peaks[self.passes - 1]
+                self.period, self.difference = self.search.add_pass(window, self.y, peaks)
+            yield self.passes
 
-    def beginning(self, passes: int, max_cpu: float) -> RawRecord:
-        """Compute the run until ``passes`` and return its record, within ``max_cpu`` (s).
-
-        Raises like ``integrate``.
-        """
-        self.pace.max_cpu = max_cpu
+    def advance(self, passes: int) -> None:
+        """Compute the run until ``passes``, unless it is periodic before. Raises like ``integrate``."""
         for _ in islice(self.ball_passes(), max(0, passes - self.passes)):
             pass
-        return self.raw_record()
 
-    def raw_record(self, period: int = 0, difference: float = nan, contraction: float = inf) -> RawRecord:
+    def record(self) -> RawRecord:
         """Return the record so far. Raises ``MethodFailure`` if its end is not finite or steps missed a defect."""
         _check_end(self.setup, self._initial_passages, self.y, self.passes)
-        return self.recording.raw_record(Repetition(self.passes, period, difference, contraction), self.y)
+        raw = self.inspected_record()
+        if self.period > 0 and self.recording.stores_raw_values:
+            self.recording.fill_repeated_passes(raw.repetition)
+        if MODELS[self.setup.case.model].memoryless:  # the motion does not start from rest
+            extend_back(self.setup.case, raw)
+        return raw
 
     def inspected_record(self) -> RawRecord:
         """Return the record so far, its end unchecked."""
-        return self.recording.raw_record(Repetition(self.passes, 0, nan), self.y)
+        contraction = inf if self.search is None else self.search.contraction
+        repetition = Repetition(self.passes, self.period, self.difference, contraction)
+        return self.recording.raw_record(repetition, self.y)
 
 
 def integrate(
@@ -157,7 +178,6 @@ def integrate(
     max_passes: int | None = None,
     inspector: Inspector | None = None,
     begun: Run | None = None,
-    contraction: float = inf,
 ) -> RawRecord:
     """Integrate the ball passes and record fine samples (and raw values if the case needs them).
 
@@ -165,45 +185,33 @@ def integrate(
     number of periods (so that a run started from its end is in phase). perturbation: initial perturbation of the
     ring, relative to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static
     equilibrium; patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never;
-    max_passes: largest number of ball passes; inspector: inspections that may end the run; begun: the same run
-    from rest, of which some passes are computed. It is continued if the motion cannot be periodic and no end of
-    the run lies within them; contraction: of the same motion with another step (``Repetition``).
+    max_passes: largest number of ball passes; inspector: inspections that may end the run; begun: the same run,
+    of which some passes are computed. It is continued if no end of the run lies within them.
     """
-    run, search = begun, None
     inspected: Collection[int] = () if inspector is None else inspector.passes
+    run = begun
     if run is None or run.passes >= min((*inspected, max_passes or inf)):
-        pace = Pace(setup.max_cpu)
-        steady_start = _find_steady_start(setup, pace, start, closeness, max_passes)
-        run = Run(setup, _start(setup, perturbation, steady_start), pace)
-        search = _search(setup, run.recording.cells, closeness, contraction)
+        run = Run.begin(setup, perturbation, start, closeness, max_passes)
     run.pace.max_cpu = setup.max_cpu
-    period, difference = 0, nan
-    for window in run.ball_passes():
-        passes = run.passes
-        if search is not None and period == 0:
-            period, difference = search.add_pass(window, run.y, run.recording.peaks[passes - 1])
-        if (period > 0 and passes % period == 0) or passes == max_passes:
-            break
-        is_inspected = period == 0 and passes in inspected
+    for passes in run.ball_passes():
+        is_inspected = run.period == 0 and passes in inspected
         if inspector is not None and is_inspected and inspector.ends(run.inspected_record()):
             break
-        if passes == patience:
+        if passes == max_passes:
+            break
+        if run.period == 0 and passes == patience:
             seconds = passes / setup.grid.rate
             raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", seconds)
-    raw = run.raw_record(period, difference, inf if search is None else search.contraction)
-    if period > 0 and run.recording.stores_raw_values:
-        run.recording.fill_repeated_passes(raw.repetition)
-    if MODELS[setup.case.model].memoryless:  # the motion does not start from rest
-        extend_back(setup.case, raw)
-    return raw
+    return run.record()
 
 
-def _search(setup: Setup, cells: np.ndarray, closeness: Closeness, contraction: float) -> Search | None:
+def _search(setup: Setup, closeness: Closeness) -> Search | None:
+    """Return a search for a period; None if the case is computed in full."""
     if not may_repeat(setup.case):
         return None
-    memoryless = MODELS[setup.case.model].memoryless
+    cells, memoryless = channels.recorded_cells(setup.case), MODELS[setup.case.model].memoryless
     slowest_ratio = exp(-slowest_decay(setup.case) / setup.grid.rate)
-    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio, contraction)
+    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio)
 
 
 def _start(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Pilot of a case for its step check: the beginning of the run, or the whole run with `step_check: strict`."""
 
-from math import ceil, pi, sqrt
+from math import ceil, pi
 
 from bearingsim.assemble.scales import full_speed_case
 from bearingsim.config import Case
@@ -60,16 +60,6 @@ def longer_duration(case: Case) -> float:
     if not covers_defect_turns(case, passes):
         return DURATION_MARGIN * turns_of_defects(case)
     return LENGTH_RATIO * (pilot_case.settle_s + pilot_case.duration) / compared_fraction(case)
-
-
-def check_cost(case: Case) -> float:
-    """Return the ratio of the CPU time of a step check to that of its run.
-
-    A check runs a pilot at the step and one at 1/sqrt(5) of it. The third pilot of a possibly chaotic motion and
-    the longer ones of a doubtful result are not included.
-    """
-    pilot_case, _ = pilot(case)
-    return (1.0 + sqrt(5.0)) * (pilot_case.settle_s + pilot_case.duration) / (case.settle_s + case.duration)
 
 
 def turns_of_defects(case: Case) -> float:

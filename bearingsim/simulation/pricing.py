@@ -23,9 +23,9 @@ from bearingsim.config.rules.completion import slice_count
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.simulation import channels, ending
 from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
-from bearingsim.simulation.pilot import check_cost
+from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.repetition import LONGEST_PERIOD, MAX_STORED, may_repeat, searches_for_period
-from bearingsim.simulation.settling import extrapolation_passes
+from bearingsim.simulation.settling import extrapolation_passes, slow_modes
 
 TABLE = Path(__file__).with_name("prices.csv")
 DEFAULT = ""
@@ -164,6 +164,26 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
             check += extrapolation + periodic_passes
     computed += extrapolation
     return Cost(one_pass * computed, one_pass * check, non_periodic, computed, one_pass)
+
+
+def begins_with_pilot(case: Case) -> bool:
+    """Check if a run of a case begins with its pilots, step by step.
+
+    A pilot of a ramp runs at the highest speed, one of a motion with slow modes starts at rest, and raw values are
+    sampled from the end of `settle` on.
+    """
+    return not (case.ramp is not None or slow_modes(case) > 0 or channels.stores_raw_values(case))
+
+
+def check_cost(case: Case) -> float:
+    """Return the ratio of the CPU time of a step check to that of its run.
+
+    A check runs a pilot at 1/sqrt(5) of the step, and one at the step unless the run begins with that. The third
+    pilot of a possibly chaotic motion and the longer ones of a doubtful result are not included.
+    """
+    pilot_case, _ = pilot(case)
+    pilots = sqrt(5.0) if begins_with_pilot(case) else 1.0 + sqrt(5.0)
+    return pilots * (pilot_case.settle_s + pilot_case.duration) / (case.settle_s + case.duration)
 
 
 def solved_once(case: Case) -> bool:

@@ -15,20 +15,19 @@ from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.simulation import channels, choice
 from bearingsim.simulation.comparison import steady_time
-from bearingsim.simulation.integration import Run, integrate
+from bearingsim.simulation.integration import Run
 from bearingsim.simulation.pilot import pilot
-from bearingsim.simulation.pricing import price
+from bearingsim.simulation.pricing import begins_with_pilot, price
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.repetition import may_be_periodic, searches_for_period
+from bearingsim.simulation.repetition import searches_for_period
 from bearingsim.simulation.run_setup import NotPeriodic, Setup, StepRefused, set_up
-from bearingsim.simulation.settling import decay_time, extrapolation_passes, slow_modes
+from bearingsim.simulation.settling import decay_time, extrapolation_passes
 from bearingsim.simulation.step_check import (
     COARSE_BOUNDS,
     FINER_BOUNDS,
     MAX_COST_RATIO,
     ORBIT_CLOSENESS,
     SECOND_PILOT,
-    Beginning,
     FinerPilot,
     StepCheck,
     check_on_orbit,
@@ -46,7 +45,7 @@ INITIAL_FACTOR = 2.0
 class Refinement(NamedTuple):
     """Run with an accepted step: its setup, its record (None if not yet computed), and its check.
 
-    begun: the run as far as its pilot; None if that was not its beginning.
+    begun: the run as far as its pilot; None if it does not begin with that.
     """
 
     setup: Setup
@@ -55,83 +54,38 @@ class Refinement(NamedTuple):
     begun: Run | None = None
 
 
-class PilotRuns:
-    """Runs of a case that begin with its pilots, by fraction of the automatic step."""
+class BegunRuns:
+    """Runs of a case, by fraction of the automatic step, each computed as far as needed so far.
+
+    A run begins with the search for a period or with a pilot, and the accepted one is continued.
+    """
 
     def __init__(self, case: Case) -> None:
         """Begin no run yet. case: with a named method and `settle` as a time."""
         self.case = case
-        self.begun: dict[float, Run] = {}
+        self.runs: dict[float, Run] = {}
 
-    def run_of(self, pilot_setup: Setup) -> Run | None:
-        """Return the run that begins with a pilot; None if it does not or may not be as long."""
-        if not begins_with_pilot(self.case):
+    def beginning(self, pilot_setup: Setup) -> RawRecord | None:
+        """Return the record of a pilot from the run that begins with it.
+
+        None if there is no such run, or it is periodic within the pilot.
+        """
+        run = self._run(pilot_setup.step_fraction)
+        if run is None or run.setup.grid.passes < pilot_setup.grid.passes:
             return None
-        fraction = pilot_setup.step_fraction
-        if fraction not in self.begun:
+        run.pace.max_cpu = pilot_setup.max_cpu
+        run.advance(pilot_setup.grid.passes)
+        if run.period > 0:
+            return None
+        raw, rows = run.record(), len(channels.recorded_cells(pilot_setup.case))  # its first rows
+        return replace(raw, cells=raw.cells[:rows], fine=raw.fine[:rows])
+
+    def _run(self, step_fraction: float) -> Run | None:
+        """Return the run at a step, begun now if it begins with its pilots; None if it does not."""
+        if begins_with_pilot(self.case) and step_fraction not in self.runs:
             with suppress(Refused):
-                self.begun[fraction] = Run.at_rest(set_up(self.case, fraction, MAX_COST_RATIO * MAX_CPU))
-        run = self.begun.get(fraction)
-        return None if run is None or run.setup.grid.passes < pilot_setup.grid.passes else run
-
-
-class WholeRun(NamedTuple):
-    """Run that is already computed, of which a pilot is a part."""
-
-    raw: RawRecord
-
-    def beginning(self, passes: int, max_cpu: float) -> RawRecord:
-        """Return the record, of at least ``passes`` ball passes."""
-        return self.raw
-
-
-class ShortRuns:
-    """Whole runs of a motion that may be periodic but is not within its few ball passes.
-
-    Its pilots are parts of them. The search for a period is the run at the first step if it has computed all ball
-    passes. A pilot as long as the run is not computed separately.
-    """
-
-    def __init__(self, coarse: Setup, searched: RawRecord | None) -> None:
-        """Start with the search for a period, ``searched``, at the step of ``coarse``; None if there was none."""
-        case = coarse.case
-        self.coarse = coarse
-        self.runs = {} if searched is None or not case.periodic else {coarse.step_fraction: searched}
-        # Raw values are sampled at other instants, an extrapolated start differs, and strict pilots may be long.
-        self.contain_pilots = (
-            may_be_periodic(case)
-            and not (channels.stores_raw_values(case) or slow_modes(case) > 0 or case.step_check == "strict")
-            and case.until is None
-        )
-
-    def run_of(self, pilot_setup: Setup) -> WholeRun | None:
-        """Return the run that contains a pilot, computed now if it is as long; None if there is no such run."""
-        if not self.contain_pilots:
-            return None
-        step_fraction = pilot_setup.step_fraction
-        if step_fraction not in self.runs and pilot_setup.grid.passes == self.coarse.grid.passes:
-            self.runs[step_fraction] = integrate(replace(pilot_setup, case=self.coarse.case))
-        raw = self.runs.get(step_fraction)
-        if raw is None or raw.repetition.period > 0 or raw.repetition.computed < pilot_setup.grid.passes:
-            return None
-        rows = len(channels.recorded_cells(pilot_setup.case))  # the first ones
-        return WholeRun(replace(raw, cells=raw.cells[:rows], fine=raw.fine[:rows]))
-
-    def record(self, step_fraction: float) -> RawRecord | None:
-        """Return the whole run at a step; None if it is not computed."""
-        raw = self.runs.get(step_fraction) if self.contain_pilots else None
-        if raw is None or (raw.repetition.period == 0 and raw.repetition.computed < self.coarse.grid.passes):
-            return None
-        return raw
-
-
-def begins_with_pilot(case: Case) -> bool:
-    """Check if a run of a case begins with its pilots, step by step.
-
-    A pilot of a ramp runs at the highest speed; one of a motion that may be periodic starts at rest; raw values
-    are sampled from the end of `settle` on.
-    """
-    return not (case.ramp is not None or may_be_periodic(case) or channels.stores_raw_values(case))
+                self.runs[step_fraction] = Run.begin(set_up(self.case, step_fraction, MAX_COST_RATIO * MAX_CPU))
+        return self.runs.get(step_fraction)
 
 
 def refine_step(case: Case, step_fraction: float, patience: int = 0) -> Refinement:
@@ -141,20 +95,22 @@ def refine_step(case: Case, step_fraction: float, patience: int = 0) -> Refineme
     found. Raises ``StepRefused`` if no step is accepted, and like ``integrate``.
     """
     coarse = set_up(case, _start(case, step_fraction))
-    is_stable, searched = coarse.step_fraction == INITIAL_FACTOR * step_fraction, None
+    begun = BegunRuns(coarse.case)
     if searches_for_period(coarse.case):
         searched = _search(coarse)
-        if (periodic := _refine_on_orbit(coarse, searched)) is not None:
+        if (periodic := _refine_on_orbit(coarse, searched.record())) is not None:
             return periodic
         if patience > 0:
             raise NotPeriodic("no ball pass repeats another", "name a `method`")
-    return _refine_on_pilots(coarse, ShortRuns(coarse, searched), is_stable)
+        if begins_with_pilot(coarse.case) and coarse.case.periodic and searched.period == 0:
+            begun.runs[coarse.step_fraction] = searched
+    return _refine_on_pilots(coarse, begun, is_stable=coarse.step_fraction == INITIAL_FACTOR * step_fraction)
 
 
 def refine_periodic(case: Case, step_fraction: float) -> Refinement | None:
     """Refine the step of a case like ``refine_step``; None if the motion is not periodic within a few passes."""
     coarse = set_up(case, _start(case, step_fraction))
-    return _refine_on_orbit(coarse, _search(coarse))
+    return _refine_on_orbit(coarse, _search(coarse).record())
 
 
 def _start(case: Case, step_fraction: float) -> float:
@@ -169,10 +125,12 @@ def _until_periodic(setup: Setup) -> Setup:
     return replace(setup, case=setup.case.model_copy(update={"periodic": True}))
 
 
-def _search(coarse: Setup) -> RawRecord:
-    """Return the first ball passes of a run, until it is periodic."""
+def _search(coarse: Setup) -> Run:
+    """Return a run, computed until it is periodic or a search for a period has taken long enough."""
     max_passes = max(int(price("patience")), extrapolation_passes(coarse.case))
-    return integrate(_until_periodic(coarse), closeness=ORBIT_CLOSENESS, max_passes=max_passes)
+    run = Run.begin(_until_periodic(coarse), closeness=ORBIT_CLOSENESS, max_passes=max_passes)
+    run.advance(max_passes)
+    return run
 
 
 def _refine_on_orbit(coarse: Setup, raw: RawRecord) -> Refinement | None:
@@ -196,26 +154,22 @@ def _refine_on_orbit(coarse: Setup, raw: RawRecord) -> Refinement | None:
     return None
 
 
-def _refine_on_pilots(coarse: Setup, short_runs: ShortRuns, is_stable: bool) -> Refinement:
+def _refine_on_pilots(coarse: Setup, begun: BegunRuns, is_stable: bool) -> Refinement:
     """Refine the step of a non-periodic motion on pilots.
 
-    is_stable: whether the first step is not limited by stability. An adaptive method always uses the finer
-    tolerance, because its error may not change with the tolerance: a force 1.4 % off changed by 0.06 %.
+    begun: runs computed so far; is_stable: whether the first step is not limited by stability. An adaptive method
+    always uses the finer tolerance, because its error may not change with the tolerance: a force 1.4 % off changed
+    by 0.06 %.
     """
     case, step_fraction, factor = Inspections(coarse).earliest.case, coarse.step_fraction, 1.0
-    runs = PilotRuns(coarse.case)
     previous: FinerPilot | None = None
 
-    def run_of(pilot_setup: Setup) -> Beginning | None:
-        return runs.run_of(pilot_setup) or short_runs.run_of(pilot_setup)
-
     def refinement(fraction: float, check: StepCheck) -> Refinement:
-        raw = short_runs.record(fraction)
-        return Refinement(set_up(coarse.case, fraction), raw, check, runs.begun.get(fraction))
+        return Refinement(set_up(coarse.case, fraction), None, check, begun.runs.get(fraction))
 
     while True:
         pilot_run = pilot(case, factor)
-        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous, run_of)
+        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous, begun.beginning)
         if is_doubtful and factor < SECOND_PILOT and pilot(case, SECOND_PILOT) != pilot_run:
             factor, previous = SECOND_PILOT, None
             continue

@@ -99,12 +99,15 @@ class Closeness(NamedTuple):
 
     sum_limit: limit of the sum of all future differences; difference_limit: limit of the last difference if the
     differences need not show their decay; pass_count: required number of successive passes within a limit for a
-    period of one pass, and ``period`` - 1 more for longer periods.
+    period of one pass, and ``period`` - 1 more for longer periods; contraction: ratio of successive differences in
+    a run of the same motion with another step (inf if unknown), by which one difference shows that later ones are
+    small.
     """
 
     sum_limit: float
     difference_limit: float
     pass_count: int
+    contraction: float = inf
 
 
 RECORD_CLOSENESS = Closeness(1e-7, 1e-10, pass_count=2)
@@ -135,19 +138,16 @@ class Search:
         memoryless: bool,
         closeness: Closeness,
         slowest_ratio: float = 0.0,
-        contraction: float = inf,
     ) -> None:
         """Prepare the comparison of passes.
 
         cells: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
         in a pass; memoryless: whether the first pass is already periodic; closeness: limits of the differences;
-        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass; contraction: as in
-        ``Repetition``, of a run of the same motion with another step.
+        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass.
         """
         self.cells, self.memoryless, self.closeness, self.Z = cells, memoryless, closeness, model.bearing.Z
         self.slowest_ratio, self.steps = slowest_ratio, steps
-        self.known_contraction = contraction
-        self.near = NEAR_FACTOR * closeness.sum_limit if contraction == inf else MAX_CONTRACTED
+        self.near = NEAR_FACTOR * closeness.sum_limit if closeness.contraction == inf else MAX_CONTRACTED
         self.model = model
         self.compared_rows = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
         self.compared_rows = self.compared_rows[cells[self.compared_rows] != lay.SENSOR_A]
@@ -201,12 +201,12 @@ class Search:
         """Ratio of the last difference of successive passes to the one before; that of another step if unknown."""
         last_two = self.differences.get(1, [])[-2:]
         if len(last_two) < 2 or not 0.0 < last_two[0] < inf:
-            return self.known_contraction
+            return self.closeness.contraction
         return max(last_two[1] / last_two[0], self.slowest_ratio)
 
     def _is_in_reach(self, difference: float) -> bool:
         """Check if a pass is on its orbit, by its difference from the one before and the known contraction."""
-        error = CONTRACTION_MARGIN * self.known_contraction * difference
+        error = CONTRACTION_MARGIN * self.closeness.contraction * difference
         return difference <= MAX_CONTRACTED and error <= self.closeness.sum_limit
 
     def _ranges(self, recording: np.ndarray) -> np.ndarray:

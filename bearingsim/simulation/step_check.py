@@ -18,7 +18,7 @@ the finer of the two runs that agree.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -199,15 +199,8 @@ def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
     fine = set_up(
         coarse.case, coarse.step_fraction * step_ratio(coarse.grid.decimation), MAX_COST_RATIO * time_grid.MAX_CPU
     )
-    start = rewound_state(coarse, raw)
-    fine_raw = integrate(
-        fine,
-        start=start,
-        closeness=ORBIT_CLOSENESS,
-        max_passes=max_finer_passes(raw),
-        contraction=raw.repetition.contraction,
-    )
-    return fine, fine_raw
+    start, closeness = rewound_state(coarse, raw), ORBIT_CLOSENESS._replace(contraction=raw.repetition.contraction)
+    return fine, integrate(fine, start=start, closeness=closeness, max_passes=max_finer_passes(raw))
 
 
 def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
@@ -237,13 +230,6 @@ def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
     return rotate_state(state, coarse.model, raw.repetition.computed)
 
 
-class Beginning(Protocol):
-    """Run that begins with a pilot."""
-
-    def beginning(self, passes: int, max_cpu: float) -> RawRecord:
-        """Return the record of at least ``passes`` ball passes, computed within ``max_cpu`` (s)."""
-
-
 class FinerPilot(NamedTuple):
     """Finer pilot of a check; converges: whether a perturbation of the coarser one has decayed (``DECAY``)."""
 
@@ -269,12 +255,12 @@ def check_on_pilot(
     pilot_case: Case,
     passes: int,
     previous: FinerPilot | None = None,
-    run_of: Callable[[Setup], Beginning | None] = lambda pilot_setup: None,
+    beginning: Callable[[Setup], RawRecord | None] = lambda pilot_setup: None,
 ) -> PilotCheck:
     """Check the step of a case by a pilot of ``passes``.
 
-    previous: its coarse run, if already computed; run_of: returns the run that begins with the pilot of a setup,
-    or None.
+    previous: its coarse pilot, if already computed; beginning: returns the record of a pilot from the run that it
+    begins, None if there is no such run.
     """
     allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
     pilot_case = pilot_case.model_copy(update={"periodic": False, "step_check": False})
@@ -284,8 +270,8 @@ def check_on_pilot(
         step_fraction * step_ratio(coarse.grid.decimation),
         MAX_COST_RATIO * allowed,
     )
-    coarse_run = previous.signals if previous is not None else run_pilot(coarse, passes, run=run_of(coarse))
-    fine_run = run_pilot(fine, passes, run=run_of(fine))
+    coarse_run = previous.signals if previous is not None else run_pilot(coarse, passes, raw=beginning(coarse))
+    fine_run = run_pilot(fine, passes, raw=beginning(fine))
     finer = FinerPilot(fine, fine_run, previous is not None and previous.converges)
     check = StepCheck(*compare(coarse_run, fine_run))
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
@@ -321,10 +307,9 @@ def check_on_pilot(
     )
 
 
-def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0, run: Beginning | None = None) -> RunSignals:
-    """Run a pilot; return its compared signals. run: the run that it begins, if that is to be continued."""
-    raw = integrate(setup, perturbation) if run is None else run.beginning(setup.grid.passes, setup.max_cpu)
-    return pilot_signals(setup, raw, passes)
+def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0, raw: RawRecord | None = None) -> RunSignals:
+    """Run a pilot; return its compared signals. raw: its record, if already computed."""
+    return pilot_signals(setup, integrate(setup, perturbation) if raw is None else raw, passes)
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.simulation import choice, comparison, pilot, pricing, refinement, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.choice import STEP_FRACTIONS
-from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.integration import Run, integrate
 from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
@@ -405,22 +405,16 @@ def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[s
     """After two inaccurate steps: four orbits, of which the last is the record, or four pilots."""
     small, large = StepCheck(line=1e-3, rms=4.5e-3), StepCheck(line=0.05, rms=2e-3)
     checks, fractions = iter([large, large, small]), []
-    real_integrate, real_pilot, real_check = integrate, step_check.run_pilot, step_check.check_on_pilot
+    real_begin, real_check = Run.begin, step_check.check_on_pilot
 
-    def recorded_integrate(setup: Any, *args: Any, **options: Any) -> Any:
+    def recorded_begin(setup: Any, *args: Any, **options: Any) -> Run:
         fractions.append(setup.step_fraction)
-        return real_integrate(setup, *args, **options)
-
-    def recorded_pilot(setup: Any, *args: Any, **options: Any) -> Any:
-        fractions.append(setup.step_fraction)
-        return real_pilot(setup, *args, **options)
+        return real_begin(setup, *args, **options)
 
     with (
         mock.patch.object(refinement, "check_on_orbit", side_effect=checks),
         mock.patch.object(refinement, "check_on_pilot", lambda *a: real_check(*a)._replace(check=next(checks))),
-        mock.patch.object(step_check, "run_pilot", recorded_pilot),
-        mock.patch.object(refinement, "integrate", recorded_integrate),
-        mock.patch.object(step_check, "integrate", recorded_integrate),
+        mock.patch.object(Run, "begin", recorded_begin),
     ):
         record = simulate(case(model="rollers", method="verlet", **overrides))
     assert fractions[:4] == sorted(set(fractions), reverse=True)
@@ -434,12 +428,17 @@ def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[s
 
 @pytest.mark.parametrize(
     "overrides",
-    [{}, {"until": "1 %", "duration": "1.5 s", "record": []}, {"method": "dormand-prince"}],
-    ids=["full", "until", "adaptive"],
+    [
+        {},
+        {"until": "1 %", "duration": "1.5 s", "record": []},
+        {"method": "dormand-prince"},
+        {"defect": SLOT, **LIGHT},
+    ],
+    ids=["full", "until", "adaptive", "searched"],
 )
 def test_a_run_continues_its_pilot(overrides: dict[str, Any]) -> None:
     """The record is that of a run from rest, and the steps of the pilot are taken once."""
-    test_case = case(model="rollers", defect=SLOT | {"race": "inner"}, **overrides)
+    test_case = case(**{"model": "rollers", "defect": SLOT | {"race": "inner"}} | overrides)
     record = simulate(test_case)
     with mock.patch.object(refinement, "begins_with_pilot", return_value=False):
         from_rest = simulate(test_case)
@@ -454,15 +453,15 @@ def test_a_run_continues_its_pilot(overrides: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "fields",
     [
-        {"defect": SLOT},  # may be periodic
+        {"defect": SLOT, "rig": {"ring_mass": "100 kg"}, "settle": "0.1 s"},  # slow modes
         {"record": ["roller.1.outer_force"]},
         {"model": "planar", "ramp": {"to": "3600 rpm", "time": "50 ms"}},
     ],
 )
 def test_a_run_that_does_not_begin_with_its_pilot_is_computed_from_rest(fields: dict[str, Any]) -> None:
     base = {"model": "rollers", "method": "verlet", "defect": SLOT | {"race": "inner"}}
-    assert refinement.begins_with_pilot(choice.resolve(case(**base)))
-    assert not refinement.begins_with_pilot(choice.resolve(case(**base | fields)))
+    assert pricing.begins_with_pilot(choice.resolve(case(**base)))
+    assert not pricing.begins_with_pilot(choice.resolve(case(**base | fields)))
 
 
 @pytest.mark.parametrize("change", [3.9e-3, 4.1e-3])
@@ -670,34 +669,36 @@ def test_a_run_as_short_as_its_pilot_is_computed_once_at_each_step() -> None:
     damping = {"contact": {"damping": {"chi": "5 s/m"}}}  # too weak to become periodic
     short = case(defect=SLOT, duration="10 ms", settle="10 ms", record=[], **damping)
     shared = simulate(short)
-    with (
-        mock.patch.object(refinement.ShortRuns, "run_of", return_value=None),
-        mock.patch.object(refinement.ShortRuns, "record", return_value=None),
-    ):
+    with mock.patch.object(refinement, "begins_with_pilot", return_value=False):
         separate = simulate(short)
     np.testing.assert_array_equal(list(shared.features.values()), list(separate.features.values()))
     assert int(shared.info["steps_taken"]) < 0.75 * int(separate.info["steps_taken"])
 
 
-def test_a_pilot_longer_than_the_search_for_a_period_is_computed() -> None:
-    coarse = set_up(choice.resolve(case(defect=SLOT)), 1.0)
-    runs = refinement.ShortRuns(coarse, integrate(coarse, max_passes=4))
-    pilot_case, _ = pilot.pilot(coarse.case)
-    pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
-    assert 4 < pilot_setup.grid.passes < coarse.grid.passes
-    assert runs.run_of(pilot_setup) is None
-    assert runs.record(1.0) is None
-
-
-def test_the_pilot_is_part_of_a_search_that_contains_it() -> None:
+def test_a_pilot_continues_a_search_for_a_period() -> None:
+    """Its signals are those of a pilot computed separately, whether the search is longer or shorter."""
     coarse = set_up(choice.resolve(rollers(record=["roller.2.radial"], **LIGHT)), 1.0)
     pilot_case, passes = pilot.pilot(coarse.case)
     pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
-    searched = integrate(coarse, max_passes=pilot_setup.grid.passes)
-    contained = refinement.ShortRuns(coarse, searched).run_of(pilot_setup)
-    assert contained is not None
-    read, computed = (
-        comparison.pilot_signals(pilot_setup, raw, passes) for raw in (contained.raw, integrate(pilot_setup))
-    )
-    for quantity, value, expected in zip(computed._fields, read, computed, strict=True):
-        np.testing.assert_array_equal(value, expected, quantity)
+    computed = comparison.pilot_signals(pilot_setup, integrate(pilot_setup), passes)
+    for searched_passes in (pilot_setup.grid.passes - 3, pilot_setup.grid.passes + 3):
+        runs = refinement.BegunRuns(coarse.case)
+        run = runs.runs[1.0] = Run.begin(coarse)
+        run.advance(searched_passes)
+        raw = runs.beginning(pilot_setup)
+        assert raw is not None
+        assert run.passes == max(searched_passes, pilot_setup.grid.passes) < coarse.grid.passes
+        signals = comparison.pilot_signals(pilot_setup, raw, passes)
+        for quantity, value, expected in zip(computed._fields, signals, computed, strict=True):
+            np.testing.assert_array_equal(value, expected, quantity)
+
+
+def test_a_run_that_is_periodic_within_its_pilot_is_not_the_pilot() -> None:
+    """The differences of repeated passes, 1e-7, would exceed those by the perturbation of a pilot."""
+    coarse = set_up(choice.resolve(case(defect=SLOT)), 1.0)
+    pilot_case, _ = pilot.pilot(coarse.case)
+    pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
+    runs = refinement.BegunRuns(coarse.case)
+    assert runs.beginning(pilot_setup) is None
+    assert 0 < runs.runs[1.0].passes < pilot_setup.grid.passes
+    assert integrate(coarse, begun=runs.runs[1.0]).repetition == integrate(coarse).repetition
