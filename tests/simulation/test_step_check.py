@@ -464,6 +464,20 @@ def test_a_run_that_does_not_begin_with_its_pilot_is_computed_from_rest(fields: 
     assert not pricing.begins_with_pilot(choice.resolve(case(**base | fields)))
 
 
+def test_the_price_of_a_check_leaves_out_the_beginning_of_the_run() -> None:
+    """A run that records contact forces does not begin with its pilot, which is computed in addition."""
+    fields = {"model": "rollers", "method": "verlet", "defect": SLOT | {"race": "inner"}}
+    continued, separate = (
+        choice.resolve(case(**fields, record=record)) for record in (["ring.velocity"], ["roller.1.outer_force"])
+    )
+    assert pilot.pilot(continued)[1] == pilot.pilot(separate)[1]
+    pilot_share = pricing.check_cost(separate) - pricing.check_cost(continued)
+    assert pricing.check_cost(continued) == pytest.approx(math.sqrt(5.0) * pilot_share)
+    run = simulate(continued).info
+    computed_share = float(run["steps_taken"]) / float(run["steps"]) - 1.0
+    assert 0.0 < computed_share < pricing.check_cost(continued)
+
+
 @pytest.mark.parametrize("change", [3.9e-3, 4.1e-3])
 def test_non_periodic_run_uses_the_coarse_step_if_its_error_bound_holds(change: float) -> None:
     light_damping = {"contact": {"damping": "kraemer"}}  # stability does not bound its step
