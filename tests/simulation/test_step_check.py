@@ -293,6 +293,13 @@ def test_a_finer_run_ends_after_two_passes_if_the_coarse_one_shows_how_fast_it_s
     assert step_check.finer_orbit(coarse, slow)[1].repetition.computed > 2
 
 
+def test_the_search_for_a_period_ends_as_close_as_a_finer_run() -> None:
+    coarse = set_up(choice.resolve(rollers()), 2.0)
+    search = refinement._search(coarse)
+    assert search.period == 1
+    assert search.passes < integrate(coarse).repetition.computed
+
+
 def test_motion_that_converges_at_one_step_is_not_perturbed_at_the_next() -> None:
     test_case = choice.resolve(case(model="ring", defect=SLOT | {"race": "inner"}, duration="0.3 s"))
     pilot_run = pilot.pilot(test_case)
