@@ -134,7 +134,7 @@ class Run:
 
     @property
     def is_periodic(self) -> bool:
-        """Whether the motion is periodic after a whole number of periods, where the run ends."""
+        """Periodicity of the motion after a whole number of periods, where the run ends."""
         return self.period > 0 and self.passes % self.period == 0
 
     def ball_passes(self) -> Iterator[int]:
