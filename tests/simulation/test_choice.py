@@ -208,7 +208,7 @@ def test_cost_of_a_job_includes_the_step_check() -> None:
         for step_check in (True, False)
     )
     assert plain.check_seconds == 0.0
-    assert checks_step.check_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
+    assert checks_step.check_seconds == pytest.approx(sqrt(5) / 16 * plain.cpu_seconds, rel=0.1)
     assert checks_step.cpu_seconds == pytest.approx(plain.cpu_seconds + checks_step.check_seconds)
 
 
