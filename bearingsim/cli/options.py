@@ -65,9 +65,9 @@ def parse_shard(text: str) -> tuple[int, int]:
     return int(k), int(n)
 
 
-def check_choice(option: str, value: str, choices: Sequence[str]) -> None:
-    """Raise BadParameter for a value that is not among the choices."""
-    if value not in choices:
+def check_choice(option: str, value: str | None, choices: Sequence[str]) -> None:
+    """Raise BadParameter for a value that is not among the choices; None is an option that was not given."""
+    if value is not None and value not in choices:
         from bearingsim.text.units import suggestion
 
         expected = f"{', '.join(choices[:-1])} or {choices[-1]}"

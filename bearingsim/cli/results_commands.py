@@ -70,8 +70,7 @@ def plot(
     from bearingsim.plots.plot import FIGURES, FORMATS
     from bearingsim.plots.sheet import ALL
 
-    if kind is not None:
-        check_choice("--kind", kind, tuple(KINDS))
+    check_choice("--kind", kind, tuple(KINDS))
     check_choice("--format", file_format, FORMATS)
     for axis in log or []:
         check_choice("--log", axis, LOG_AXES)
@@ -80,10 +79,10 @@ def plot(
         check_writable(study_results.path / FIGURES, "--out figures")
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
     options = {
+        "y": y, "x": x, "by": by, "panels": panels,
         "where": dict(parse_assignment(text, "--where") for text in where or []),
-        "y": y, "x": x, "by": by, "panels": panels, "from": start, "to": stop, "span": span, "around": around,
-        "range": limits, "band": band, "log": log, "db": db, "unit": unit, "mean": mean, "healthy": healthy,
-        "orders": orders,
+        "from": start, "to": stop, "span": span, "around": around, "range": limits, "band": band, "log": log,
+        "db": db, "unit": unit, "mean": mean, "healthy": healthy, "orders": orders,
     }  # fmt: skip
     with warnings.catch_warnings(record=True) as recorded_warnings:
         warnings.simplefilter("always", plots.PlotWarning)

@@ -115,7 +115,7 @@ def test_damaged_series_is_refused_with_a_remedy(complete_results: Path, tmp_pat
     flip(path, 8 * 3000)
     with pytest.raises(store.DamagedUnit, match=rf"{path}: .* \(run the study again with --verify"):
         results.series(results.jobs[0])
-    with pytest.warns(DamageWarning, match=r"cannot be read .* run the study again"):
+    with pytest.warns(DamageWarning, match=r"cannot be read .* Run the study again"):
         assert set(store.open_results(out).table()["status"]) == {"missing", "failed"}
 
 
@@ -139,7 +139,7 @@ def test_unreadable_failure_is_reported(complete_results: Path, tmp_path: Path, 
     output, warnings = type_("show", out)
     assert "3 done, 1 missing" in output
     assert f"{path} cannot be read ({reason}" in warnings
-    assert "run the study again" in warnings
+    assert "Run the study again" in warnings
     assert len(warnings.splitlines()) == 1
 
 
