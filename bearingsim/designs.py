@@ -5,7 +5,7 @@ kind       construction                                                rows     
 =========  ==========================================================  ==============  ===========================
 lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               different points
 sobol      scrambled Sobol' sequence (Matousek 1998; Joe, Kuo 2008)    n               keeps the points, adds more
-saltelli   two Sobol' samples A, B, and A with one column of B    n (d + 2)       keeps the points, adds more
+saltelli   halves A, B of a Sobol' point, A with one column of B       n (d + 2)       keeps the points, adds more
 morris     trajectories that move one parameter at a time              n (d + 1)       keeps the points, adds more
 =========  ==========================================================  ==============  ===========================
 """

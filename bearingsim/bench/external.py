@@ -19,8 +19,8 @@ from bearingsim.core.jit import jit
 from bearingsim.core.methods.adaptive import LENGTH_SCALE
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
+from bearingsim.simulation.differentiation import MOTIONS, differentiate
 from bearingsim.simulation.features import features
-from bearingsim.simulation.integration import MOTIONS, differentiate
 from bearingsim.simulation.recording import Recording
 from bearingsim.simulation.repetition import Repetition
 from bearingsim.simulation.run_setup import Setup, set_up

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.measured.content import MeasuredError, Request
+from bearingsim.measured.content import UNSPECIFIED, MeasuredError, Request
 
 MAX_CLIPPED = 1e-3
 """Largest share of samples at the extremes, in runs of two and more."""
@@ -14,11 +14,7 @@ LONGEST_REST = 0.02
 
 
 def refuse_unusable(
-    path: Path,
-    channel: str,
-    values: np.ndarray,
-    rate: float,
-    request: Request = Request(),  # noqa: B008
+    path: Path, channel: str, values: np.ndarray, rate: float, request: Request = UNSPECIFIED
 ) -> None:
     """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, or clipped."""
     missing = np.flatnonzero(~np.isfinite(values))

@@ -48,6 +48,10 @@ class Request(NamedTuple):
         return " ".join(f"{self.name(field)} {shlex.quote(value)}" for field, value in values.items())
 
 
+UNSPECIFIED = Request()
+"""Request by options of which none is given."""
+
+
 class StudyRequest(Request):
     """Request by the keys of a signal in a study, which messages name instead of options."""
 
@@ -67,10 +71,7 @@ class MissingError(MeasuredError):
     """
 
     def __init__(
-        self,
-        path: Path,
-        examples: Mapping[str, Mapping[str, str]],
-        request: Request = Request(),  # noqa: B008
+        self, path: Path, examples: Mapping[str, Mapping[str, str]], request: Request = UNSPECIFIED
     ) -> None:
         names = [f"no {name}" for name in examples]
         listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -10,6 +10,7 @@ import numpy as np
 from bearingsim.measured.arrays import content_of
 from bearingsim.measured.content import (
     EXAMPLES,
+    UNSPECIFIED,
     Content,
     MeasuredError,
     MissingError,
@@ -75,10 +76,7 @@ FORMATS: dict[str, Callable[[Path, float], Content]] = {
 
 
 def read(
-    path: Path,
-    request: Request = Request(),  # noqa: B008
-    needs_speed: bool = False,
-    needs_unit: bool = False,
+    path: Path, request: Request = UNSPECIFIED, needs_speed: bool = False, needs_unit: bool = False
 ) -> Recording:
     """Read the channels of a file; values of the request take precedence over those of the file.
 

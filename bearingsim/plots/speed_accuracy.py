@@ -160,11 +160,11 @@ def _name(ax: "Axes", row: Row, x: float) -> None:
     )  # fmt: skip
 
 
-def _dots(ax: "Axes", rows: Sequence[Row], column: str, look: dict[str, Any]) -> None:
-    """Draw runs, joined from the coarsest setting if the look has a line."""
+def _dots(ax: "Axes", rows: Sequence[Row], column: str, style: dict[str, Any]) -> None:
+    """Draw runs, joined from the coarsest setting if the style has a line."""
     if rows:
-        look = {"linestyle": "none"} | look
-        ax.plot([_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows], **look)
+        style = {"linestyle": "none"} | style
+        ax.plot([_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows], **style)
 
 
 def _shown(error: float) -> float:

@@ -31,15 +31,15 @@ class MeasuredTable(NamedTuple):
     numeric: tuple[int, ...] = (3, 4, 5, 6)
 
 
-def measured_tables(results: "Results", most: int = MAX_ROWS) -> list[MeasuredTable]:
-    """Return a table for each measured source of a study, of at most ``most`` rows."""
-    return [_table(results, entry, most) for entry in results.measured]
+def measured_tables(results: "Results", max_rows: int = MAX_ROWS) -> list[MeasuredTable]:
+    """Return a table for each measured source of a study, of at most ``max_rows`` rows."""
+    return [_table(results, entry, max_rows) for entry in results.measured]
 
 
-def _table(results: "Results", entry: "MeasuredSet", most: int) -> MeasuredTable:
+def _table(results: "Results", entry: "MeasuredSet", max_rows: int) -> MeasuredTable:
     units = results.plan["units"]
     rows = []
-    for item in entry.comparisons[:most]:
+    for item in entry.comparisons[:max_rows]:
         measured = entry.scaled(item.feature, item.measured)
         unit, factor = labels.feature_axis(item.feature, max(abs(measured), abs(item.simulated)))
         values = measured * factor, item.simulated * factor, (item.simulated - measured) * factor
@@ -47,7 +47,7 @@ def _table(results: "Results", entry: "MeasuredSet", most: int) -> MeasuredTable
         parameters = labels.swept_text({**item.parameters, **item.others}, units)
         numbers = [significant(value, 4) if math.isfinite(value) else "-" for value in (*values, ratio)]
         rows.append([item.feature, parameters, unit, *numbers, item.job[:8] or BETWEEN])
-    return MeasuredTable(_title(entry), rows, _remarks(entry, most))
+    return MeasuredTable(_title(entry), rows, _remarks(entry, max_rows))
 
 
 def _title(entry: "MeasuredSet") -> str:
@@ -55,9 +55,9 @@ def _title(entry: "MeasuredSet") -> str:
     return f"measured: {entry.label}{scaled}"
 
 
-def _remarks(entry: "MeasuredSet", most: int) -> list[str]:
+def _remarks(entry: "MeasuredSet", max_rows: int) -> list[str]:
     between = any(not item.job for item in entry.comparisons)
-    more = len(entry.comparisons) - most
+    more = len(entry.comparisons) - max_rows
     return [
         *([f"and {more} more rows: `bearingsim show --measured --json` prints all"] if more > 0 else []),
         *([f"{BETWEEN}: interpolated linearly between two cases"] if between else []),

@@ -291,9 +291,11 @@ def _curves_at(
     members: Mapping[int, Mapping[Any, Any]], parameters: Mapping[str, float | str], by: Sequence[str]
 ) -> list[int]:
     """List the curves at the parameters of a measured point; members: a row of each curve, by its number."""
-    given = {path: value for path, value in parameters.items() if path in by}
+    settings = {path: value for path, value in parameters.items() if path in by}
     return [
-        number for number, row in members.items() if all(same(row[path], value) for path, value in given.items())
+        number
+        for number, row in members.items()
+        if all(same(row[path], value) for path, value in settings.items())
     ]
 
 

@@ -27,10 +27,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-INFLUENCE = ("rigid ring", "smooth surfaces", "clearance", "damping", "bracket", "no slip", "no oil drag")
-"""Assumptions by their usual influence on amplitudes, the strongest first (docs/uncertainty.md)."""
-
-
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     """Collect the statements on the results of a plan; frame: from ``store.job_frame``."""
     cases = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
@@ -54,7 +50,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *transient_warnings(cases),
             *missing_values(info),
         ),
-        assumptions=tuple(sorted(_assumption_names(plan, cases), key=INFLUENCE.index)),
+        assumptions=tuple(_assumption_names(plan, cases)),
         details=(
             *selection_notes(plan, frame),
             *periodicity_notes(info),
@@ -85,26 +81,28 @@ def _has(cases: "pd.DataFrame", name: str) -> bool:
 
 
 def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterator[str]:
-    """Yield the names of uncertain quantities that the study does not vary, and of neglected effects."""
+    """Yield the names of uncertain quantities that the study does not vary, and of neglected effects.
+
+    They are ordered by their usual influence on amplitudes, the strongest first (docs/uncertainty.md).
+    """
+    stated = _assumptions(plan)
     varied_quantities = {variation["what"] for variation in plan.get("variations", ())}
+    is_uncertain = not plan.get("nothing_uncertain")
+    if RIGID_RING in stated:
+        yield "rigid ring"
+    if _has_smooth_surfaces(plan, cases):
+        yield "smooth surfaces"
+    if is_uncertain and "clearance" not in {*varied_quantities, *plan["units"]}:
+        yield "clearance"
     has_damping = "info/damping_time_s" in cases and bool(cases["info/damping_time_s"].notna().any())
+    if is_uncertain and has_damping and "damping" not in varied_quantities and not sweeps_damping(plan["units"]):
+        yield "damping"
     has_bracket = "parameters/rig.bracket_stiffness" in cases and bool(
         (cases["parameters/rig.bracket_stiffness"] > 0.0).any()
     )
-    if not plan.get("nothing_uncertain"):
-        if has_damping and "damping" not in varied_quantities and not sweeps_damping(plan["units"]):
-            yield "damping"
-        if "clearance" not in {*varied_quantities, *plan["units"]}:
-            yield "clearance"
-        if has_bracket and "bracket" not in varied_quantities:
-            yield "bracket"
-    yield from (
-        name
-        for sentence, name in ((RIGID_RING, "rigid ring"), (NO_SLIP, "no slip"), (NO_OIL, "no oil drag"))
-        if sentence in _assumptions(plan)
-    )
-    if _has_smooth_surfaces(plan, cases):
-        yield "smooth surfaces"
+    if is_uncertain and has_bracket and "bracket" not in varied_quantities:
+        yield "bracket"
+    yield from (name for sentence, name in ((NO_SLIP, "no slip"), (NO_OIL, "no oil drag")) if sentence in stated)
 
 
 def _has_smooth_surfaces(plan: Mapping[str, Any], frame: "pd.DataFrame") -> bool:

@@ -5,7 +5,7 @@ import pytest
 
 from bearingsim.simulation import choice, limits
 from bearingsim.simulation.channels import FEATURE_CELLS
-from bearingsim.simulation.integration import MOTIONS, STENCIL_REACH, difference_weights, differentiate
+from bearingsim.simulation.differentiation import MOTIONS, STENCIL_REACH, difference_weights, differentiate
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.short_cases import SLOT, case
 

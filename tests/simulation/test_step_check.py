@@ -1,6 +1,5 @@
-"""Step check on an orbit or a pilot, and refinement or refusal of a step that is not accurate enough."""
+"""Step check: changes by a shorter step, their bounds, chaos, and refusal of a step."""
 
-import dataclasses
 import math
 from typing import Any
 from unittest import mock
@@ -9,22 +8,14 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.simulation import choice, comparison, pilot, pricing, refinement, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
-from bearingsim.simulation.choice import STEP_FRACTIONS
-from bearingsim.simulation.integration import Run, integrate
 from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
-from tests.scenes.short_cases import RATE, SLOT, case
-
-LIGHT = {"contact": {"damping": {"chi": "1 s/m"}}}
-
-
-def rollers(**fields: Any) -> Any:
-    return case(model="rollers", defect=SLOT, **fields)
+from tests.scenes.short_cases import SLOT, case
+from tests.scenes.step_checks import LIGHT, patched_orbit_check, pilot_check_returning, rollers
 
 
 @pytest.mark.parametrize("race", ["outer", "inner"])
@@ -235,343 +226,10 @@ def test_record_error_bounds_the_rms_of_raw_values(width: str, load: str, speed:
     assert 1e-4 < error <= run.features["step_error.record"] < 0.01
 
 
-@pytest.mark.parametrize("model", ["ring", "rollers"])
-@pytest.mark.parametrize("clearance", ["0 um", "10 um"])
-def test_orbit_and_pilot_checks_agree(model: str, clearance: str) -> None:
-    """Changes of line, RMS and recorded channels agree within 10 %."""
-    defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
-    test_case = case(model=model, defect=defect, clearance=clearance, settle=0.05, record=["ring.acceleration"])
-    setup = set_up(choice.resolve(test_case))
-    raw = integrate(setup)
-    assert raw.repetition.period == 1
-    on_orbit, on_pilot = step_check.check_step(setup, raw), step_check.check_step(setup)
-    assert on_orbit.line == pytest.approx(on_pilot.line, rel=0.1, abs=1e-5)
-    assert on_orbit.rms == pytest.approx(on_pilot.rms, rel=0.1, abs=1e-5)
-    assert on_orbit.record == pytest.approx(on_pilot.record, rel=0.1, abs=1e-5)
-    assert not on_orbit.chaotic
-
-
-SLOW = {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "duration": "0.6 s", "method": "verlet"}
-
-
-@pytest.mark.parametrize("overrides", [{"antialias": False}, {"record": ["roller.1.outer_force"]}])
-def test_raw_values_of_a_period_are_compared_once_both_runs_are_steady(overrides: dict[str, Any]) -> None:
-    """The run settles in 0.37 s, the finer run started at its end does not: its RMS would differ by 1 %."""
-    setup = set_up(choice.resolve(case(model="rollers", defect=SLOT, **SLOW, **overrides)))
-    raw = integrate(setup)
-    assert raw.repetition.period == 1
-    assert raw.repetition.computed > 50
-    check = step_check.check_on_orbit((setup, raw), step_check.finer_orbit(setup, raw))
-    assert check is not None
-    assert check.rms < 1e-3
-    assert check.record < 2e-3
-
-
-def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> None:
-    test_case = choice.resolve(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
-    setup = set_up(test_case)
-    raw = integrate(setup)
-    finer = step_check.finer_orbit(setup, raw)
-    for end, is_checked in ((0.36, False), (0.38, True)):
-        with mock.patch.object(step_check, "run_time", return_value=end):
-            assert (step_check.check_on_orbit((setup, raw), finer) is not None) == is_checked
-
-
-def test_a_finer_run_ends_after_two_passes_if_the_coarse_one_shows_how_fast_it_settles() -> None:
-    """Its second pass is as close to the orbit as after a further search, to the limit of 1e-5."""
-    coarse = set_up(choice.resolve(rollers()), 2.0)
-    raw = integrate(coarse, closeness=step_check.ORBIT_CLOSENESS)
-    assert 0.0 < raw.repetition.contraction < 1e-3
-    fine, short = step_check.finer_orbit(coarse, raw)
-    assert short.repetition.computed == 2
-    assert short.repetition.contraction == raw.repetition.contraction
-    long = integrate(fine, start=step_check.rewound_state(coarse, raw))
-    assert long.repetition.computed > 2
-    changes = comparison.compare(*(comparison.orbit_signals(fine, run, 0.0) for run in (short, long)))
-    assert max(changes) < 1e-5
-    slow = dataclasses.replace(raw, repetition=raw.repetition._replace(contraction=0.9))
-    assert step_check.finer_orbit(coarse, slow)[1].repetition.computed > 2
-
-
-def test_the_search_for_a_period_ends_as_close_as_a_finer_run() -> None:
-    coarse = set_up(choice.resolve(rollers()), 2.0)
-    search = refinement._search(coarse)
-    assert search.period == 1
-    assert search.passes < integrate(coarse).repetition.computed
-
-
-def test_motion_that_converges_at_one_step_is_not_perturbed_at_the_next() -> None:
-    test_case = choice.resolve(case(model="ring", defect=SLOT | {"race": "inner"}, duration="0.3 s"))
-    pilot_run = pilot.pilot(test_case)
-    first = step_check.check_on_pilot(test_case, 2.0, *pilot_run)
-    assert first.finer.converges
-    fraction, real_pilot = first.finer.setup.step_fraction, step_check.run_pilot
-    for converges in (True, False):
-        with (
-            mock.patch.object(step_check, "run_pilot", side_effect=real_pilot) as pilots,
-            mock.patch.object(step_check, "MIN_DIVERGENCE", 0.0),
-        ):
-            previous = first.finer._replace(converges=converges)
-            second = step_check.check_on_pilot(test_case, fraction, *pilot_run, previous)
-        perturbed = [call for call in pilots.call_args_list if call.kwargs.get("perturbation")]
-        assert len(perturbed) == (not converges)
-        assert second.finer.converges
-
-
-def test_a_run_ends_in_phase_with_its_period() -> None:
-    """A finer run started there then meets the record's instants in the same pass of the period."""
-    setup = set_up(choice.resolve(rollers()))
-    for period, passes in ((1, 5), (2, 6), (3, 6), (4, 8)):
-        periods = [(0, math.nan)] * 4 + [(period, 0.0)]
-        with mock.patch("bearingsim.simulation.integration.Search.add_pass", side_effect=periods):
-            assert integrate(setup).repetition[:3] == (passes, period, 0.0)
-
-
-@pytest.mark.parametrize(("computed", "finer"), [(4, 32), (60, 120), (1342, 600)])
-def test_a_long_finer_run_costs_no_more_than_the_run(computed: int, finer: int) -> None:
-    """The limit of passes allows for steps shorter by sqrt(5)."""
-    raw = integrate(set_up(choice.resolve(rollers())))
-    raw = dataclasses.replace(raw, repetition=raw.repetition._replace(computed=computed))
-    assert step_check.max_finer_passes(raw) == finer
-
-
-@pytest.mark.parametrize("roller", [1, 7])
-def test_each_roller_is_compared_at_the_same_position(roller: int) -> None:
-    """Two runs that end after different numbers of passes have the roller at different positions."""
-    defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
-    record = [f"roller.{roller}.outer_force"]
-    test_case = case(model="rollers", defect=defect, clearance="10 um", record=record, duration=13 / RATE)
-    result = simulate(test_case)
-    fine_fields = {"step": float(result.info["step_s"]) / 5**0.5, "step_check": False}
-    fine_result = simulate(test_case.model_copy(update=fine_fields))
-    coarse_rms, fine_rms = (np.std(run.series[record[0]]) for run in (result, fine_result))
-    assert result.features["step_error.record"] < 0.01
-    assert abs(coarse_rms / fine_rms - 1.0) <= result.features["step_error.record"] + 1e-4
-
-
-def test_pilot_signals_include_wide_band_and_recorded_velocity() -> None:
-    """The low-pass of the record removes most of this velocity; changes of both RMS values limit the step."""
-    test_case = choice.resolve(rollers(sampling="1000 Hz", duration="0.3 s"))
-    short, passes = pilot.pilot(test_case)
-    signals = step_check.run_pilot(set_up(short), passes)
-    recorded_rms = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
-    assert np.std(signals.recorded_velocity) == pytest.approx(recorded_rms, rel=0.05)
-    assert np.std(signals.fine_velocity) > 1.5 * recorded_rms
-
-
-def test_too_long_automatic_step_is_refined_until_accurate() -> None:
-    """Eight steps in a crossing at 12 000 rpm are stable, but the error is 5 %. Refined by factors of 2.24."""
-    test_case = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
-    long_step = choice.limits(test_case).crossing / 8.5
-    check = check_with_step(test_case, long_step, 1.0)
-    assert check.error > STEP_ACCURACY
-    with mock.patch.object(time_grid, "requested_step", return_value=long_step):
-        result = simulate(test_case)
-    assert float(result.info["step_part"]) < 0.5
-    assert max(result.features["step_error.line"], result.features["step_error.rms"]) <= STEP_ACCURACY
-
-
-def check_with_step(test_case: Any, step: float, step_fraction: float) -> StepCheck:
-    """Check a case whose automatic step is replaced by ``step`` (s)."""
-    with mock.patch.object(time_grid, "requested_step", return_value=step):
-        return step_check.check_step(set_up(test_case, step_fraction))
-
-
-def patched_orbit_check(check: StepCheck) -> Any:
-    """Return a patch that replaces the result of a comparison of two orbits."""
-    return mock.patch.object(refinement, "check_on_orbit", return_value=check)
-
-
-def pilot_check_returning(check: StepCheck) -> Any:
-    """Return a comparison of two pilots whose check is replaced; the finer pilot is that of the real one."""
-    real_check = step_check.check_on_pilot
-    return lambda *args: real_check(*args)._replace(check=check)
-
-
-def step_fractions(calls: list[Any]) -> list[float]:
-    """Return the fractions of the automatic step of the runs compared on orbits, in descending order."""
-    return [calls[0].args[0][0].step_fraction, *(call.args[1][0].step_fraction for call in calls)]
-
-
-def test_job_fails_with_a_reason_if_no_step_is_accurate() -> None:
-    inaccurate = StepCheck(line=0.2, rms=0.05, chaotic=False)
-    with patched_orbit_check(inaccurate) as orbit_checks, pytest.raises(SimulationError) as caught:
-        simulate(case(method="verlet"))
-    fractions = step_fractions(orbit_checks.call_args_list)
-    assert fractions[0] == refinement.INITIAL_FACTOR
-    assert fractions[-2] > STEP_FRACTIONS[-1] >= fractions[-1]
-    assert (
-        "verlet is not within 1%: a shorter step changes the amplitude at the defect frequency by 20 %"
-        in caught.value.reason
-    )
-    assert "step_check: false" in caught.value.advice
-
-
-@pytest.mark.parametrize("overrides", [{}, {"defect": SLOT | {"race": "inner"}}], ids=["orbits", "pilots"])
-def test_each_step_is_computed_once_and_the_last_is_the_result(overrides: dict[str, Any]) -> None:
-    """After two inaccurate steps: four orbits, of which the last is the record, or four pilots."""
-    small, large = StepCheck(line=1e-3, rms=4.5e-3), StepCheck(line=0.05, rms=2e-3)
-    checks, fractions = iter([large, large, small]), []
-    real_begin, real_check = Run.begin, step_check.check_on_pilot
-
-    def recorded_begin(setup: Any, *args: Any, **options: Any) -> Run:
-        fractions.append(setup.step_fraction)
-        return real_begin(setup, *args, **options)
-
-    with (
-        mock.patch.object(refinement, "check_on_orbit", side_effect=checks),
-        mock.patch.object(refinement, "check_on_pilot", lambda *a: real_check(*a)._replace(check=next(checks))),
-        mock.patch.object(Run, "begin", recorded_begin),
-    ):
-        record = simulate(case(model="rollers", method="verlet", **overrides))
-    assert fractions[:4] == sorted(set(fractions), reverse=True)
-    assert len(fractions) == 4
-    assert np.allclose(np.divide(fractions[1:], fractions[:-1]), 5**-0.5, rtol=0.2)
-    assert record.info["step_part"] == fractions[-1]
-    assert float(record.info["steps_taken"]) > 1.5 * float(record.info["steps"])
-    assert record.features["step_error.line"] == pytest.approx(2.0 * 0.5 * 4.5e-3 + 5e-4)
-    assert record.features["step_error.rms"] == pytest.approx(2.0 * 4.5e-3 + 5e-4)
-
-
-@pytest.mark.parametrize(
-    "overrides",
-    [
-        {},
-        {"until": "1 %", "duration": "1.5 s", "record": []},
-        {"method": "dormand-prince"},
-        {"defect": SLOT, **LIGHT},
-    ],
-    ids=["full", "until", "adaptive", "searched"],
-)
-def test_a_run_continues_its_pilot(overrides: dict[str, Any]) -> None:
-    """The record is that of a run from rest, and the steps of the pilot are taken once."""
-    test_case = case(**{"model": "rollers", "defect": SLOT | {"race": "inner"}} | overrides)
-    record = simulate(test_case)
-    with mock.patch.object(refinement, "begins_with_pilot", return_value=False):
-        from_rest = simulate(test_case)
-    assert record.features.keys() == from_rest.features.keys()
-    assert np.array_equal([*record.features.values()], [*from_rest.features.values()], equal_nan=True)
-    assert record.info["passes_computed"] == from_rest.info["passes_computed"]
-    saved_steps = float(from_rest.info["steps_taken"]) - float(record.info["steps_taken"])
-    steps_per_pass = float(record.info["steps"]) / float(record.info["passes_computed"])
-    assert saved_steps > 3.0 * steps_per_pass
-
-
-@pytest.mark.parametrize(
-    "fields",
-    [
-        {"defect": SLOT, "rig": {"ring_mass": "100 kg"}, "settle": "0.1 s"},  # slow modes
-        {"record": ["roller.1.outer_force"]},
-        {"model": "planar", "ramp": {"to": "3600 rpm", "time": "50 ms"}},
-    ],
-)
-def test_a_run_that_does_not_begin_with_its_pilot_is_computed_from_rest(fields: dict[str, Any]) -> None:
-    base = {"model": "rollers", "method": "verlet", "defect": SLOT | {"race": "inner"}}
-    assert pricing.begins_with_pilot(choice.resolve(case(**base)))
-    assert not pricing.begins_with_pilot(choice.resolve(case(**base | fields)))
-
-
-def test_the_price_of_a_check_leaves_out_the_beginning_of_the_run() -> None:
-    """A run that records contact forces does not begin with its pilot, which is computed in addition."""
-    fields = {"model": "rollers", "method": "verlet", "defect": SLOT | {"race": "inner"}}
-    continued, separate = (
-        choice.resolve(case(**fields, record=record)) for record in (["ring.velocity"], ["roller.1.outer_force"])
-    )
-    assert pilot.pilot(continued)[1] == pilot.pilot(separate)[1]
-    pilot_share = pricing.check_cost(separate) - pricing.check_cost(continued)
-    assert pricing.check_cost(continued) == pytest.approx(math.sqrt(5.0) * pilot_share)
-    run = simulate(continued).info
-    computed_share = float(run["steps_taken"]) / float(run["steps"]) - 1.0
-    assert 0.0 < computed_share < pricing.check_cost(continued)
-
-
-@pytest.mark.parametrize("change", [3.9e-3, 4.1e-3])
-def test_non_periodic_run_uses_the_coarse_step_if_its_error_bound_holds(change: float) -> None:
-    light_damping = {"contact": {"damping": "kraemer"}}  # stability does not bound its step
-    test_case = Case.model_validate(
-        dict(case(model="rollers", method="verlet", defect=SLOT | {"race": "inner"})) | light_damping
-    )
-    small = StepCheck(line=change, rms=1e-4)
-    with mock.patch.object(refinement, "check_on_pilot", side_effect=pilot_check_returning(small)):
-        record = simulate(test_case)
-    is_coarse = 2.5 * change < 0.01
-    assert (record.info["step_part"] == refinement.INITIAL_FACTOR) == is_coarse
-    factor = 2.5 if is_coarse else 2.0
-    assert record.features["step_error.line"] == pytest.approx(factor * change + 5e-4)
-
-
-@pytest.mark.parametrize("settle", ["auto", "0 s"])
-def test_record_with_a_transient_is_computed_from_rest(settle: str) -> None:
-    """The finer orbit contains no transient."""
-    test_case = case(model="rollers", method="verlet", defect=SLOT, settle=settle)
-    result = refinement.refine_step(choice.resolve(test_case), 1.0)
-    assert (result.raw is None) == (settle == "0 s")
-    record = simulate(test_case)
-    fields = {"step": record.info["step_s"], "step_check": False}
-    unchecked = simulate(test_case.model_copy(update=fields))
-    for name in ("velocity@BPFO", "velocity.rms", "acceleration.kurtosis"):
-        assert record.features[name] == pytest.approx(unchecked.features[name], rel=1e-5), name
-
-
-def test_inaccurate_force_is_reported_without_failing_the_job() -> None:
-    """The step is refined to the shortest one, which is used."""
-    result = StepCheck(line=1e-4, rms=1e-4, force=0.05)
-    with patched_orbit_check(result), mock.patch.object(step_check, "check_step", return_value=result):
-        record = simulate(case(method="verlet"))
-        given_step = simulate(case(method="verlet", step=2e-7))
-    assert float(record.info["step_part"]) <= STEP_FRACTIONS[-1]
-    assert record.features["step_error.force"] == pytest.approx(0.1005)
-    assert given_step.features["step_error.force"] == pytest.approx(0.12501)
-
-
-def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
-    with patched_orbit_check(StepCheck(line=0.2, rms=0.05)):
-        result = simulate(rollers())
-    assert result.info["method"] != choice.choice(rollers()).method
-
-
 def test_change_of_a_negligible_line_is_relative_to_the_rms() -> None:
     """A healthy bearing has a negligible line, whose relative change must not fail the run."""
     result = step_check.check_step(set_up(choice.resolve(case(model="rollers")), 1.0))
     assert result.line < 1e-3
-
-
-def test_pilot_is_short_but_covers_turns_of_defects_through_the_load_zone() -> None:
-    fields = {"duration": "4 s", "settle": "0.1 s"}
-    run_passes = 4.1 * RATE
-    for race, min_passes in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
-        short, passes = pilot.pilot(choice.resolve(case(defect=SLOT | {"race": race}, **fields)))
-        assert passes >= max(pilot.MIN_PASSES, min_passes)
-        assert 3.0 * (passes + pilot.SKIPPED_PASSES) < 0.25 * run_passes
-        assert short.duration * RATE == pytest.approx(passes + 0.5)
-
-
-def test_pilot_of_a_short_record_covers_the_whole_run() -> None:
-    short, passes = pilot.pilot(choice.resolve(case(duration="8 ms", settle="0 s")))
-    assert passes == 1
-    assert short.settle_s + short.duration <= 3.0 / RATE
-    assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
-
-
-def pilot_lengths(**fields: Any) -> tuple[float, int]:
-    """Return the settling time (s) of a pilot of `rollers` and its number of compared ball passes."""
-    short, passes = pilot.pilot(choice.resolve(rollers(duration="0.4 s", **fields)))
-    return short.settle_s, passes
-
-
-def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None:
-    """From rest, two random scenes seemed periodic: they became chaotic after settling."""
-    one_pass = pytest.approx(1.0 / RATE, rel=1e-3)
-    assert pilot_lengths(**LIGHT) == (pytest.approx(30e-3), 5)
-    assert pilot_lengths() == (one_pass, 5)
-    assert pilot_lengths(settle="0 s", **LIGHT) == (one_pass, 4)
-
-
-def test_strict_check_covers_the_whole_run() -> None:
-    """Pilots of random scenes diverged only after two thirds of their records."""
-    for damping in (LIGHT, {}):
-        assert pilot_lengths(step_check="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
-    assert pilot.pilot(choice.resolve(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
 
 
 def test_step_check_may_exceed_the_cpu_limit_of_a_run() -> None:
@@ -583,52 +241,6 @@ def test_step_check_may_exceed_the_cpu_limit_of_a_run() -> None:
     stopped_pilot = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * cpu_time), stopped_pilot, pytest.raises(InterruptedError):
         step_check.check_step(set_up(test_case, 1.0))  # both setups are accepted; the first pilot is started
-
-
-def test_diverging_pilots_without_visible_chaos_are_repeated_longer() -> None:
-    """In six ball passes of this scene the perturbation has not begun to grow. In a similar one the RMS error was
-    3 %, the reported one 0.06 %.
-    """
-    damping = {"law": "kraemer", "beta": 2.2166e-6}
-    stiffness = {"law": "constant", "coefficient": 1.50793 * 8.06e4 * 12.0 ** (8.0 / 9.0), "exponent": 10.0 / 9.0}
-    test_case = choice.resolve(
-        case(
-            model="rollers",
-            load=29.0,
-            clearance=23.4516e-6,
-            speed="4541.38 rpm",
-            contact={"stiffness": stiffness, "damping": damping},
-            defect={"shape": "circular", "length": "12 mm", "width": 0.942375e-3, "depth": 587.092e-6},
-            duration="0.15 s",
-            settle="50 ms",
-        )
-    )
-    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 1.0, *pilot.pilot(test_case))
-    assert is_doubtful
-    assert check.holds
-    assert not check.chaotic
-    assert step_check.check_step(set_up(test_case, 1.0)).chaotic
-
-
-def test_converging_pilots_are_not_repeated_longer() -> None:
-    """In `ring` over an inner slot the step changes velocities by 5 %, and a perturbation decays to 1e-14."""
-    test_case = choice.resolve(case(model="ring", defect=SLOT | {"race": "inner"}, duration="0.3 s"))
-    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 2.0, *pilot.pilot(test_case))
-    assert not check.chaotic
-    assert not is_doubtful
-    assert pilot.pilot(test_case)[1] < pilot.pilot(test_case, step_check.SECOND_PILOT)[1]
-
-
-def test_friction_does_not_count_as_roller_damping() -> None:
-    """In `planar` the cage limits the step, but the damping ratio is that of a roller between the races."""
-    stiff_pockets = {"cage": {"pocket_stiffness": "1e10 N/m"}}
-    for fields in ({}, {"speed": "12000 rpm", "load": "20 N"}):
-        rollers_ratio, planar_ratio, stiff_pocket_ratio = (
-            choice.limits(case(model=model, defect=SLOT, **LIGHT, **fields, **cage)).damping_ratio
-            for model, cage in (("rollers", {}), ("planar", {}), ("planar", stiff_pockets))
-        )
-        assert planar_ratio == stiff_pocket_ratio == pytest.approx(rollers_ratio, rel=1e-3)
-        assert rollers_ratio < 0.05
 
 
 def test_half_the_step_has_a_tenth_of_the_automatic_tolerance() -> None:
@@ -643,15 +255,6 @@ def test_half_the_step_has_a_tenth_of_the_automatic_tolerance() -> None:
 def test_small_line_must_be_accurate_to_1_percent_too() -> None:
     """A line is a few hundredths of the RMS; only changes under 1e-5 of the RMS are neglected."""
     assert QUIET_LINE * STEP_ACCURACY <= 1e-5
-
-
-def test_pilot_of_a_ramp_runs_at_the_highest_speed() -> None:
-    """At the initial low speed it would cover hardly a ball pass."""
-    test_case = choice.resolve(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
-    short, passes = pilot.pilot(test_case)
-    assert short.ramp is None
-    assert time_grid.make_grid(short).rate == time_grid.make_grid(test_case).rate == pytest.approx(10.0 * RATE)
-    assert passes == pytest.approx(pilot.PILOT_FRACTION * 2.03 * 10.0 * RATE, abs=1.0)
 
 
 def test_given_tolerance_is_checked_with_a_tenth_of_it() -> None:
@@ -683,43 +286,3 @@ def test_step_check_detects_the_error_of_a_second_defect() -> None:
     error = abs(result.features["velocity.rms"] / reference.features["velocity.rms"] - 1.0)
     assert error > 0.005
     assert check.rms > 0.25 * error
-
-
-def test_a_run_as_short_as_its_pilot_is_computed_once_at_each_step() -> None:
-    """The features are those of a run whose pilots are computed separately."""
-    damping = {"contact": {"damping": {"chi": "5 s/m"}}}  # too weak to become periodic
-    short = case(defect=SLOT, duration="10 ms", settle="10 ms", record=[], **damping)
-    shared = simulate(short)
-    with mock.patch.object(refinement, "begins_with_pilot", return_value=False):
-        separate = simulate(short)
-    np.testing.assert_array_equal(list(shared.features.values()), list(separate.features.values()))
-    assert int(shared.info["steps_taken"]) < 0.75 * int(separate.info["steps_taken"])
-
-
-def test_a_pilot_continues_a_search_for_a_period() -> None:
-    """Its signals are those of a pilot computed separately, whether the search is longer or shorter."""
-    coarse = set_up(choice.resolve(rollers(record=["roller.2.radial"], **LIGHT)), 1.0)
-    pilot_case, passes = pilot.pilot(coarse.case)
-    pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
-    computed = comparison.pilot_signals(pilot_setup, integrate(pilot_setup), passes)
-    for searched_passes in (pilot_setup.grid.passes - 3, pilot_setup.grid.passes + 3):
-        runs = refinement.BegunRuns(coarse.case)
-        run = runs.runs[1.0] = Run.begin(coarse)
-        run.advance(searched_passes)
-        raw = runs.beginning(pilot_setup)
-        assert raw is not None
-        assert run.passes == max(searched_passes, pilot_setup.grid.passes) < coarse.grid.passes
-        signals = comparison.pilot_signals(pilot_setup, raw, passes)
-        for quantity, value, expected in zip(computed._fields, signals, computed, strict=True):
-            np.testing.assert_array_equal(value, expected, quantity)
-
-
-def test_a_run_that_is_periodic_within_its_pilot_is_not_the_pilot() -> None:
-    """The differences of repeated passes, 1e-7, would exceed those by the perturbation of a pilot."""
-    coarse = set_up(choice.resolve(case(defect=SLOT)), 1.0)
-    pilot_case, _ = pilot.pilot(coarse.case)
-    pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
-    runs = refinement.BegunRuns(coarse.case)
-    assert runs.beginning(pilot_setup) is None
-    assert 0 < runs.runs[1.0].passes < pilot_setup.grid.passes
-    assert integrate(coarse, begun=runs.runs[1.0]).repetition == integrate(coarse).repetition
