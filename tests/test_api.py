@@ -61,13 +61,3 @@ def test_a_study_is_run_and_opened(study, tmp_path):
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = bs.simulat
-
-
-def test_command_skips_final_garbage_collection():
-    """An interrupted run would take half a second more for it."""
-    code = (
-        "import atexit, gc\nfrom bearingsim.cli import main\n"
-        "atexit.register(lambda: print(gc.get_freeze_count() > 1000))\nmain()"
-    )
-    process = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=True)
-    assert process.stdout.endswith("\nTrue\n")

@@ -1,31 +1,34 @@
-"""Thresholds of the garbage collector in commands that read results."""
+"""Thresholds of the garbage collector in commands, and while code is compiled."""
 
 import gc
+import subprocess
+import sys
 
-import pytest
-
-from bearingsim.cli.opening import reads_results
-from bearingsim.errors import UserError
-from bearingsim.garbage import THRESHOLDS, rare_collections
+from bearingsim import garbage
 
 
-def test_thresholds_are_restored() -> None:
+def test_compiling_raises_the_thresholds_and_restores_them() -> None:
     before = gc.get_threshold()
-    with rare_collections():
-        assert gc.get_threshold() == THRESHOLDS
+    with garbage.rare_collections():
+        assert gc.get_threshold() == garbage.COMPILING
     assert gc.get_threshold() == before
 
 
-def test_a_command_that_reads_results_seldom_collects_garbage() -> None:
-    seen = []
+def test_compiling_leaves_the_higher_thresholds_of_a_command() -> None:
     before = gc.get_threshold()
+    gc.set_threshold(*garbage.COMMAND)
+    try:
+        with garbage.rare_collections():
+            assert gc.get_threshold() == garbage.COMMAND
+    finally:
+        gc.set_threshold(*before)
 
-    @reads_results
-    def command() -> None:
-        seen.append(gc.get_threshold())
-        raise ValueError
 
-    with pytest.raises(UserError):
-        command()
-    assert seen == [THRESHOLDS]
-    assert gc.get_threshold() == before
+def test_a_command_seldom_collects_garbage_and_skips_the_final_collection() -> None:
+    """The final one would take half a second more of an interrupted run."""
+    code = (
+        "import atexit, gc\nfrom bearingsim.cli import main\n"
+        "atexit.register(lambda: print(gc.get_threshold(), gc.get_freeze_count() > 1000))\nmain()"
+    )
+    process = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=True)
+    assert process.stdout.endswith(f"\n{garbage.COMMAND} True\n")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bearingsim import __version__, blas_threads
+from bearingsim import __version__, blas_threads, garbage
 from bearingsim.cli import completion, streams
 from bearingsim.cli.group import Commands
 from bearingsim.cli.measured_commands import analyze, compare
@@ -28,7 +28,6 @@ from bearingsim.cli.options import (
     parse_time,
 )
 from bearingsim.cli.results_commands import export, merge, plot, prune, report, sensitivity, show
-from bearingsim.garbage import rare_collections
 from bearingsim.interruption import interrupt
 from bearingsim.text.announcer import announcer
 from bearingsim.text.terminal import say
@@ -56,6 +55,7 @@ def main() -> None:
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is not signal.SIG_IGN:
             signal.signal(getattr(signal, name), interrupt)
+    gc.set_threshold(*garbage.COMMAND)
     try:
         app()
     finally:
@@ -139,17 +139,16 @@ def check(
         return
     if study is None:
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
-    with rare_collections():
-        from bearingsim.cli import plan, plan_table
+    from bearingsim.cli import plan, plan_table
 
-        loaded_study = _load(study, set_, quick)
+    loaded_study = _load(study, set_, quick)
     if pilots and loaded_study.goal is None:
         raise typer.BadParameter("the study has no `accuracy`, so no model is chosen", param_hint="--pilots")
     if loaded_study.goal is not None:
         from bearingsim import runner
 
         loaded_study = runner.with_models(loaded_study, out, jobs, run_trials=pilots)
-    with announcer(seconds=SILENCE_S) as announcements, rare_collections():
+    with announcer(seconds=SILENCE_S) as announcements:
         study_plan = plan.plan_of(loaded_study, jobs, announcements)
     if as_json:
         say(plan_table.as_json(study_plan))

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.errors import UserError
-from bearingsim.garbage import rare_collections
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -21,13 +20,12 @@ DATA_ERRORS = (ArithmeticError, AttributeError, LookupError, MemoryError, Recurs
 
 
 def reads_results(command: Command) -> Command:
-    """Decorate a command that reads results: malformed ones raise a UserError, and garbage is seldom collected."""
+    """Decorate a command that reads results: malformed ones raise a UserError."""
 
     @wraps(command)
     def wrapper(*arguments: Any, **options: Any) -> None:
         try:
-            with rare_collections():
-                command(*arguments, **options)
+            command(*arguments, **options)
         except UserError:
             raise
         except DATA_ERRORS as error:

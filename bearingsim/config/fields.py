@@ -26,7 +26,7 @@ MAX_EXPONENT = 10.0
 class Section(BaseModel):
     """Part of a study: immutable, without unknown keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
     __slots__ = ("_hash",)  # not copied by `model_copy`, nor pickled
 
     def __hash__(self) -> int:

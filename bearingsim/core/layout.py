@@ -325,7 +325,7 @@ def free_rows(owner: str) -> dict[str, list[int]]:
         cell // ROW
         for rows in DECLARED
         if owners & rows.owners
-        for begin, end in rows.spans()
+        for begin, end in rows.spans
         for cell in range(begin, end)
     }
     regions = {"WORK": (WORK, WORK_ROWS), "JACOBIAN_WORK": (JACOBIAN_WORK, JACOBIAN_WORK_ROWS)}

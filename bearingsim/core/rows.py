@@ -16,19 +16,13 @@ ALL_OWNERS = "all"
 
 
 class Rows(NamedTuple):
-    """Declared rows: cells ``start`` to ``start + size`` beyond each base; ``location`` is file and line."""
+    """Declared rows: first cell and end of each, at each base; ``location`` is file and line."""
 
-    starts: tuple[int, ...]
-    size: int
-    bases: tuple[int, ...]
+    spans: tuple[tuple[int, int], ...]
     units: tuple[str, ...]
     owners: frozenset[str]
     lifetime: Lifetime
     location: str
-
-    def spans(self) -> list[tuple[int, int]]:
-        """Return first cell and end of each row, at each base."""
-        return [(base + start, base + start + self.size) for base in self.bases for start in self.starts]
 
 
 DECLARED: list[Rows] = []
@@ -59,7 +53,8 @@ def declare(
     units_of_rows = tuple(units.split(", ")) * count
     starts = tuple(start + n * step for n in range(len(units_of_rows)))
     location = f"{caller.f_code.co_filename}:{caller.f_lineno}"
-    rows = Rows(starts, size, bases, units_of_rows, frozenset(owners.split()), lifetime, location)
+    spans = tuple((base + start, base + start + size) for base in bases for start in starts)
+    rows = Rows(spans, units_of_rows, frozenset(owners.split()), lifetime, location)
     for other in (*DECLARED, rows):
         check_overlap(rows, other)
     DECLARED.append(rows)
@@ -73,9 +68,10 @@ def have_common_owner(a: Rows, b: Rows) -> bool:
 
 def check_overlap(rows: Rows, other: Rows) -> None:
     """Raise ValueError if two declarations of a common owner share a cell, or one declaration has a cell twice."""
-    if have_common_owner(rows, other):
-        pairs = ((a, b) for a in enumerate(rows.spans(), 1) for b in enumerate(other.spans(), 1))
-        for (n, (begin, end)), (m, (begin_other, end_other)) in pairs:
+    if not have_common_owner(rows, other):
+        return
+    for n, (begin, end) in enumerate(rows.spans, 1):
+        for m, (begin_other, end_other) in enumerate(other.spans, 1):
             if begin < end_other and begin_other < end and (rows is not other or n != m):
                 raise ValueError(
                     f"{rows.location}: row {n} (cells {begin} to {end - 1}) overlaps row {m} of {other.location}; "

@@ -38,7 +38,7 @@ def _kind_of_figure(name: str) -> str:
 class Layout(BaseModel):
     """Mapping with the entries of the subclass; other entries, from other versions, are ignored."""
 
-    model_config = ConfigDict(strict=True)
+    model_config = ConfigDict(strict=True, defer_build=True)
 
 
 class View(Layout):

@@ -52,12 +52,12 @@ def test_a_relative_row_is_compared_at_each_of_its_bases(declared_rows: list[Row
 
 def test_offsets_are_plain_integers() -> None:
     assert {type(value) for value in OFFSETS.values()} == {int}
-    assert all(type(start) is int for declared in rows.DECLARED for start in declared.starts)
+    assert all(type(cell) is int for declared in rows.DECLARED for span in declared.spans for cell in span)
 
 
 def test_declared_rows_lie_in_the_buffer() -> None:
     end = len(lay.buffer(Z=4, m_r=1.0, slices=2))
-    spans = [span for declared in rows.DECLARED for span in declared.spans()]
+    spans = [span for declared in rows.DECLARED for span in declared.spans]
     assert min(first for first, _ in spans) == 0
     assert max(last for _, last in spans) <= end
 
