@@ -59,7 +59,7 @@ def raise_limit(*_: object) -> None:
 
 def run_in_process(*words: str) -> CommandResult:
     """Run a command in this process."""
-    from bearingsim.cli import app
+    from bearingsim.cli.app import app
 
     signal.signal(signal.SIGPROF, raise_limit)
     signal.setitimer(signal.ITIMER_PROF, FUSE_CPU)

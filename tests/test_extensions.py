@@ -51,7 +51,7 @@ OWN_STUDIES = {"own": f"{STATIC}{DEFECT}"}
 TYPE = """\
 import json, sys
 from typer.testing import CliRunner
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 said = []
 for words in json.load(sys.stdin):
     done = CliRunner().invoke(app, words)

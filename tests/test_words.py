@@ -10,7 +10,7 @@ from pathlib import Path
 
 import typer
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from bearingsim.config import names
 from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.study.paths import known_paths

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bearingsim import __version__, blas_threads, garbage
+from bearingsim import __version__, blas_threads
 from bearingsim.cli import completion, streams
 from bearingsim.cli.group import Commands
 from bearingsim.cli.measured_commands import analyze, compare
@@ -55,7 +55,6 @@ def main() -> None:
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is not signal.SIG_IGN:
             signal.signal(getattr(signal, name), interrupt)
-    gc.set_threshold(*garbage.COMMAND)
     try:
         app()
     finally:

@@ -11,7 +11,7 @@ from typing import Any
 import typer
 
 from bearingsim import figure_kinds
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from bearingsim.config import names
 from docs.scripts import tables
 from docs.scripts.api import api_page

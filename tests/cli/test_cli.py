@@ -11,7 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from bearingsim import __version__
-from bearingsim.cli import app, screen
+from bearingsim.cli import screen
+from bearingsim.cli.app import app
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.simulation import limits
 from bearingsim.study import SCHEMA_FILE

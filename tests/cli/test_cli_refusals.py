@@ -6,7 +6,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from bearingsim.cli.group import error_text
 from tests.scenes.commands import STUDY, type_
 

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from bearingsim.cli import app, group, streams
+from bearingsim.cli import group, streams
+from bearingsim.cli.app import app
 from bearingsim.runner import stopping
 from tests.scenes.commands import type_
 from tests.scenes.design_results import run_design

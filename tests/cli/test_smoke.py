@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from tests.scenes.commands import type_
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from tests.scenes.commands import STUDY, type_, write_signal
 from tests.scenes.design_results import run_design
 

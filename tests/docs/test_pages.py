@@ -25,7 +25,7 @@ from sybil.parsers.markdown import PythonCodeBlockParser
 from sybil.parsers.markdown.lexers import RawFencedCodeBlockLexer
 from typer.testing import CliRunner
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from bearingsim.study import StudyError, load_study
 from tests.conftest import ROOT
 

@@ -3,7 +3,7 @@
 import numpy as np
 from typer.testing import CliRunner
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 
 STUDY = """\
 study: small

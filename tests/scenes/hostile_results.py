@@ -21,7 +21,7 @@ import pandas.io.formats.csvs  # type: ignore[import-not-found]  # noqa: F401
 import rich.table  # noqa: F401
 from typer.testing import CliRunner
 
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from bearingsim.runner import Engine
 from bearingsim.store import sealed
 from bearingsim.store.columns import TEXT

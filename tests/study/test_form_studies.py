@@ -9,7 +9,7 @@ import yaml
 from typer.testing import CliRunner
 
 from bearingsim import store
-from bearingsim.cli import app
+from bearingsim.cli.app import app
 from bearingsim.runner import run
 from bearingsim.study import StudyError, load_study
 from bearingsim.study.schema import json_schema
