@@ -147,8 +147,8 @@ def roller_coefficients(surface: RollerSurface, seed: int, Z: int) -> np.ndarray
     generator = None if spectrum is None else phases(spectrum, seed, ROLLER_STREAM)
     heights = np.zeros((Z, count), complex)
     for j in range(Z):
-        own = [harmonic for harmonic in surface.harmonics if harmonic.roller in (None, j + 1)]
-        heights[j] = harmonic_coefficients(own, count)
+        roller_harmonics = [harmonic for harmonic in surface.harmonics if harmonic.roller in (None, j + 1)]
+        heights[j] = harmonic_coefficients(roller_harmonics, count)
         if generator is not None:
             heights[j] += spectrum_coefficients(spectrum, generator, count)
     heights[:, 0] += 0.5 * diameter_deviations(surface, seed, Z)

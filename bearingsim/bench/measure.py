@@ -16,7 +16,7 @@ from bearingsim.simulation.settling import resolve_settling
 
 FULL_RUN = {"periodic": False, "step_check": False}  # without period search and step check
 SHORT_TIME = 0.3
-"""Time (s) below which a run is timed twice; the smaller time counts (not external solvers, reference runs)."""
+"""Time (s) below which a run is timed twice; the smaller time is kept (not external solvers, reference runs)."""
 QUANTITIES = ("line", "rms", "force")
 """Compared quantities: the defect line (m/s), the RMS of the velocity (m/s), the largest outer force (N)."""
 COLUMNS = (

@@ -164,7 +164,7 @@ def _method_texts(section: Section) -> Iterator[str]:
                 yield f"{text}, is near the front: no run as accurate is over {NOTABLE} times cheaper."
             else:
                 cheaper = method_text(comparison.cheapest)
-                yield f"{text}, is off the front: {cheaper} is as close for {_cost(comparison.cheapest)}."
+                yield f"{text}, is off the front: {cheaper} is as accurate for {_cost(comparison.cheapest)}."
 
 
 def _peer_texts(section: Section) -> Iterator[str]:
@@ -230,6 +230,6 @@ def _provenance_lines(provenance: dict[str, Any]) -> Iterator[str]:
     packages = ", ".join(f"{name} {provenance[name]}" for name in ("python", "numpy", "numba", "scipy"))
     yield f"{packages[0].upper()}{packages[1:]}."
     yield f"{provenance['runs']} runs, {provenance['jobs']} at a time. CPU times are of the thread."
-    yield "Other work on the machine makes them longer: compare within a scene."
+    yield "Other processes on the machine increase them: compare within a scene."
     for name, reason in provenance["left_out"].items():
-        yield f"Left out: {name} ({reason})."
+        yield f"Skipped: {name} ({reason})."

@@ -171,8 +171,7 @@ Scheduler = Annotated[
 MaxCpu = Annotated[
     str | None,
     typer.Option(
-        metavar="TIME",
-        help="limit of CPU time per job, such as `10 min`; jobs estimated longer, if periodic, are skipped",
+        metavar="TIME", help="limit of CPU time per job, such as `10 min`; jobs with a higher estimate are skipped"
     ),
 ]
 

@@ -293,14 +293,14 @@ def _factor(recording: "Recording", name: str, channel: str, unit: str, scale: b
     from bearingsim.measured.files import OF_FULL_SCALE
     from bearingsim.measured.si import FACTORS, factor_to
 
-    own = recording.units[name].value
-    factor = factor_to(unit, own)
-    if own == OF_FULL_SCALE and not scale:
+    file_unit = recording.units[name].value
+    factor = factor_to(unit, file_unit)
+    if file_unit == OF_FULL_SCALE and not scale:
         advice = "give their unit and its value at full scale, as in `--unit g --full-scale 50`"
         raise MeasuredError(recording.path, f"has integer samples, which have no unit: {advice}")
     if factor is None and not scale:
         choices = ", ".join(FACTORS.get(unit, {unit: 1.0}))
-        statement = f"has `{name}` in `{own}`" if own else f"states no unit of `{name}`"
+        statement = f"has `{name}` in `{file_unit}`" if file_unit else f"states no unit of `{name}`"
         raise MeasuredError(
             recording.path, f"{statement}; {channel} is in {unit}: give `--unit`, one of {choices}"
         )

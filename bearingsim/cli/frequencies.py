@@ -8,8 +8,8 @@ from bearingsim.text.terminal import say
 DESCRIPTIONS = {
     "BPFO": "{}s over a point of the outer race",
     "BPFI": "{}s over a point of the inner race",
-    "FTF": "turns of the cage",
-    "BSF": "turns of a {} about its axis; a defect strikes at 2 BSF",
+    "FTF": "rotation of the cage",
+    "BSF": "rotation of a {} about its axis; a defect strikes at 2 BSF",
 }
 
 
@@ -92,7 +92,7 @@ def show(name: str, speed: str, values: dict[str, Any], outer_speed: str | None 
     angle = f", contact angle {values['contact_angle_deg']:.4g} deg" if values["contact_angle_deg"] else ""
     ring = "shaft" if values["inner_hz"] else "outer ring"
     say(f"{values['bearing'] or name} at {speed}{outer}{angle} ({ring} {values['shaft_hz']:.4g} Hz)")
-    heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
+    heads = ["", "event", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
     cage_reversed = values["cage_hz"] * (values["inner_hz"] or values["outer_hz"]) < 0.0
     rows = [
         [

@@ -63,7 +63,7 @@ def show_studies() -> None:
         title = path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")
         rows.append((name, title, str(counts[name]) if outlines[name] else "-"))
     print_table(("name", "study", "cases"), rows, text_columns=2)
-    say("\nA case is one simulation. `bearingsim check` counts those of healthy bearings and other damping, too,")
+    say("\nA case is one simulation. `bearingsim check` also counts healthy baselines and variations of damping,")
     say("and estimates the CPU time of a copied study.")
     say("To copy a study: bearingsim new --from NAME (the beginning of a name is enough)")
 

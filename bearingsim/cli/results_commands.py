@@ -203,7 +203,7 @@ def export(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite existing files")] = False,
 ) -> None:
-    """Write features to csv or parquet, or the time series of chosen jobs to csv or mat."""
+    """Write features to csv or parquet, or the time series of selected jobs to csv or mat."""
     from bearingsim.cli import exporting
 
     study_results = find_results(results)

@@ -252,7 +252,7 @@ def _step_check_mode(raw: Any) -> bool | str:
     return "strict"
 
 
-OPTIONAL = FileFormat(lambda raw: None if raw == "none" else raw, lambda own: or_words(own, "none"))
+OPTIONAL = FileFormat(lambda raw: None if raw == "none" else raw, lambda schema: or_words(schema, "none"))
 """Annotation of an optional section: the word `none` becomes None, so that a sweep can omit the section."""
 
 

@@ -235,7 +235,7 @@ def _features() -> dict[str, Feature]:
         "step_error.force": Feature("", "bound of the relative step error of the largest outer force"),
         "step_error.record": Feature("", "bound of the step's relative error of the RMS of any recorded channel"),
         "chaotic": Feature("", "1 if the motion is chaotic, else 0"),
-        "rms_scatter": Feature("", "relative scatter of the RMS of such a record due to chaos"),
+        "rms_scatter": Feature("", "relative scatter of the RMS of a chaotic record"),
         "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),
         "standard_error.rms": Feature("", "relative standard error of the velocity's RMS, of a chaotic motion"),
         **{

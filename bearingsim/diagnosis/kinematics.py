@@ -18,7 +18,7 @@ RACES = ("outer", "inner", "roller")
 class Lines(NamedTuple):
     """Frequencies (Hz) of the shaft and the cage, and of the fundamental line of a defect of each element.
 
-    roller: 2 BSF, because a defect of a rolling element touches a race twice per turn.
+    roller: 2 BSF, because a defect of a rolling element touches a race twice per revolution.
     """
 
     shaft: float

@@ -15,7 +15,7 @@ TOLERANCES = 0.005, 0.04
 SLOPE_ROWS = 4
 """Last lengths of the table that give the slope beyond it: one octave alone is within the scatter of the table."""
 CLEAR_DB = 3.0
-"""dB; height of each harmonic over the threshold from which a result counts as clear."""
+"""dB; height of each harmonic over the threshold from which a result is clear."""
 
 
 def threshold(turns: float, tolerance: float) -> float:

@@ -170,15 +170,17 @@ def _listed(channels: dict[str, np.ndarray]) -> str:
 def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     """Return the sampling rate (Hz), from the request, the file's own statement, or its times."""
     if content.time is not None and not (request.rate is not None and _is_coarse(content.time.value)):
-        own = _rate_of_times(path, content.time, request)
-        return Stated(request.rate, request.name("rate")) if request.rate is not None else own
+        rate_of_times = _rate_of_times(path, content.time, request)
+        return Stated(request.rate, request.name("rate")) if request.rate is not None else rate_of_times
     if request.rate is not None:
         return Stated(request.rate, request.name("rate"))
     if content.rate is None:
         raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]}, request)
     rate = f"`{request.name('rate')}`"
     if content.other_rate is not None:
-        values = " and ".join(f"{own.value:g} Hz ({own.source})" for own in (content.rate, content.other_rate))
+        values = " and ".join(
+            f"{stated.value:g} Hz ({stated.source})" for stated in (content.rate, content.other_rate)
+        )
         raise MeasuredError(path, f"states two sampling rates, {values}: give the right one by {rate}")
     if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
         raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by {rate}")
@@ -243,13 +245,13 @@ def _scale(content: Content, request: Request) -> tuple[float, str | None]:
     return full_scale / content.integer_range, None if request.full_scale is not None else OF_FULL_SCALE
 
 
-def _unit(own: str | None, request: Request, scale_unit: str | None) -> Stated[str]:
+def _unit(file_unit: str | None, request: Request, scale_unit: str | None) -> Stated[str]:
     """Return the unit of a channel, and its source."""
     if scale_unit is not None:
         fields = f"`{request.name('unit')}` and `{request.name('full_scale')}`"
         return Stated(scale_unit, f"integer samples; set their unit by {fields}")
     if request.unit is not None:
         return Stated(request.unit, request.name("unit"))
-    if own:
-        return Stated(own, "the file")
+    if file_unit:
+        return Stated(file_unit, "the file")
     return Stated("", f"not stated; set it by `{request.name('unit')}`")

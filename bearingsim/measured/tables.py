@@ -195,7 +195,7 @@ def _is_numeric(line: str, separator: str | None, decimal: str, thousands: str |
 def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
     """Return the content of columns: one named `time`, or a first one without a name that is evenly spaced.
 
-    Columns without numbers are left out, and one without a name that counts the rows.
+    Columns without numbers are omitted, and so is an unnamed column of row numbers.
     """
     channels, units, time = {}, {}, None
     speeds = {"": stated.speed} if stated.speed else {}
@@ -230,7 +230,7 @@ def _name_and_unit(header: str) -> tuple[str, str]:
 
 
 def _counts(column: np.ndarray) -> bool:
-    """Check if a column counts its rows."""
+    """Check if a column contains row numbers."""
     return len(column) > 1 and bool(np.all(np.diff(column) == 1.0))
 
 

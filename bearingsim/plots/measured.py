@@ -211,9 +211,9 @@ def comparison_figure(
         peak = quarter + int(np.argmax(np.abs(series[quarter : len(series) - count + quarter + 1])))
         part = series[peak - quarter : peak - quarter + count]
         passes = (np.arange(len(part)) - quarter) / signal.fs * signal.lines.of_race(race)
-        own = float(np.abs(part).max())
+        largest = float(np.abs(part).max())
         if factor is None:
-            part, name = part / own, f"{name}, 1 = {own:.3g} {pretty(unit)} over time"
+            part, name = part / largest, f"{name}, 1 = {largest:.3g} {pretty(unit)} over time"
         time.plot(passes, part, color=colour, lw=width, label=name)
         centres, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
         whole.semilogy(1e-3 * centres, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")

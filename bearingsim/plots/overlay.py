@@ -86,7 +86,7 @@ def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]
     parameters, x = point["parameters"], drawing.figure.x
     others = {path: value for path, value in parameters.items() if path != x and path in part}
     if x not in parameters or not all(
-        any(same(own, value) for own in part[path]) for path, value in others.items()
+        any(same(stored, value) for stored in part[path]) for path, value in others.items()
     ):
         return None
     return _position(x, parameters[x], drawing.rows, drawing.units)

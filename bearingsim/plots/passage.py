@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 ACROSS, ALONG = 401, 241  # grid points of a depth map along rolling and along the roller
 FINER = 4  # factor on the number of points, in a section
-ALIKE = 0.98  # relative to the largest depth; a deeper middle section counts as the deepest
+ALIKE = 0.98  # relative to the largest depth; from here on the middle section is taken as the deepest
 MARGIN = 0.3  # margin shown on either side, over the defect's width
 
 Reals = NDArray[np.float64]

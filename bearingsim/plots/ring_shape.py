@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 PARTS = (0.0, 0.25, 0.5, 0.75)
 """Instants shown, as fractions of a ball pass from the passage of a roller over the first defect of the outer race
 (or over the load line)."""
-LEFT_OVER = 1e-6  # largest residual force of an equilibrium, over the load
+MAX_RESIDUAL = 1e-6  # largest residual force of an equilibrium, over the load
 
 Reals = NDArray[np.float64]
 
@@ -179,9 +179,9 @@ def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[In
     load = float(np.hypot(case.load, case.load_across))
     for part in parts:
         t = _begin(model) + part * ball_pass
-        left = assemble.find_equilibrium(model, t, y, from_scratch=True)
-        if not left <= LEFT_OVER * load:
-            raise PlotError(f"no static equilibrium: {left:g} N left of {load:g} N")
+        residual = assemble.find_equilibrium(model, t, y, from_scratch=True)
+        if not residual <= MAX_RESIDUAL * load:
+            raise PlotError(f"no static equilibrium: residual force {residual:g} N at a load of {load:g} N")
         yield _read(model, t, y, part)
 
 

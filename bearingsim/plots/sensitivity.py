@@ -50,12 +50,12 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
     axes = canvas.subplots(1, len(answers), sharey=bars, squeeze=False)[0]
     ranks = _ranks(indices) if isinstance(indices, Indices) else []
-    for ax, (own, answer) in zip(axes, answers, strict=True):
+    for ax, (blocks, answer) in zip(axes, answers, strict=True):
         if isinstance(answer, Indices):
             _bars(ax, answer, ranks, names)
-            ax.set_title(textwrap.fill(labels.feature_text(own.feature), LABEL_LETTERS), loc="left")
+            ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_LETTERS), loc="left")
         else:
-            _points(ax, own, answer, names)
+            _points(ax, blocks, answer, names)
     handles, texts = axes[0].get_legend_handles_labels()
     options: dict[str, Any] = (
         {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}

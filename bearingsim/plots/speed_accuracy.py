@@ -79,9 +79,9 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
 
 def _colours(rows: Sequence[Row]) -> dict[str, str]:
     """Assign a colour to each variant: one per model, the same in all scenes, paler for each further variant."""
-    own, shades, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
+    base_colours, shades, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
     for variant, model in {row["variant"]: row["model"] for row in rows}.items():
-        shades[variant] = _paler(own[model], 1.0 - (1.0 - PALER) ** seen.count(model))
+        shades[variant] = _paler(base_colours[model], 1.0 - (1.0 - PALER) ** seen.count(model))
         seen.append(model)
     return shades
 
@@ -103,7 +103,7 @@ def _verdicts(rows: Sequence[Row]) -> str:
         elif cheapest.point is not None:
             choice = f"{cheapest.point['variant']} ({method_text(cheapest.point)})"
         else:
-            choice = f"undecided ({cheapest.unknown})" if cheapest.unknown else "none that was run"
+            choice = f"undecided ({cheapest.unknown})" if cheapest.unknown else "none of the runs"
         lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {choice}")
     return "\n".join(lines)
 
@@ -130,16 +130,18 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
             fontsize=SMALL_POINTS, color="0.35", ha="center", va="bottom",
         )  # fmt: skip
     for variant, colour in colours.items():
-        own = [row for row in good if row["variant"] == variant]
+        variant_rows = [row for row in good if row["variant"] == variant]
         for method, style in styles.items():
-            runs = [row for row in own if row["role"] == POINT and row["method"] == method]
+            runs = [row for row in variant_rows if row["role"] == POINT and row["method"] == method]
             _dots(ax, runs, column, DOT | {"color": colour, "linewidth": 0.9, "linestyle": style, "zorder": 3})
-        for method in dict.fromkeys(row["method"] for row in own if row["role"] == PEER):
-            runs = [row for row in own if row["role"] == PEER and row["method"] == method]
+        for method in dict.fromkeys(row["method"] for row in variant_rows if row["role"] == PEER):
+            runs = [row for row in variant_rows if row["role"] == PEER and row["method"] == method]
             _dots(ax, runs, column, HOLLOW | {"color": colour, "zorder": 2})
             if kind == NUMERICAL:
                 _name(ax, runs[0], _shown(runs[0][column]))
-        _dots(ax, [row for row in own if row["role"] == JOB], column, STAR | {"color": colour, "zorder": 5})
+        _dots(
+            ax, [row for row in variant_rows if row["role"] == JOB], column, STAR | {"color": colour, "zorder": 5}
+        )
     errors = [
         _shown(row[f"{same_method}.{name}"])
         for row in rows

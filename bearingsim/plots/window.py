@@ -96,8 +96,8 @@ def impact_time(results: "Results", name: str, job: Job, channel: str) -> tuple[
 def passage_of(results: "Results", name: str, job: Job, channel: str) -> Passage | None:
     """Find the first complete passage over a race defect, of the channel's roller or else of any roller."""
     case = recorded.case_of(results, name, job.parameters)
-    own = roller_of(channel)
-    numbers = [own[0]] if own else range(1, case.bearing.rollers + 1)
-    race = own[1].partition("_")[0] if own else ""
+    roller = roller_of(channel)
+    numbers = [roller[0]] if roller else range(1, case.bearing.rollers + 1)
+    race = roller[1].partition("_")[0] if roller else ""
     passages = [first_passage(job, case, number, race) for number in numbers]
     return min((passage for passage in passages if passage is not None), key=lambda p: p.time, default=None)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 MAX_VALUES = 6
-"""Largest number of values of a swept parameter that are listed; of more, the range and the number."""
+"""Largest number of values of a swept parameter that are listed; for more, their range and number."""
 DIMENSIONS = {
     "bearing.roller_diameter": "D_w",
     "bearing.roller_length": "L",

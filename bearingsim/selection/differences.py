@@ -50,12 +50,12 @@ def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
     return Value(float(abs(amplitudes[0])), parts.real, share)
 
 
-def error(own: Value, other: Value) -> float:
+def error(value: Value, reference: Value) -> float:
     """Bound the difference (SI) of two values at 97.5 %; infinite with too few parts to estimate its scatter."""
     from scipy.special import stdtrit
 
-    if len(own.parts) < 2 or len(own.parts) != len(other.parts):
+    if len(value.parts) < 2 or len(value.parts) != len(reference.parts):
         return float("inf")  # scatter unknown
-    difference, parts = abs(own.value - other.value), own.parts - other.parts
+    difference, parts = abs(value.value - reference.value), value.parts - reference.parts
     t = float(stdtrit(len(parts) - 1.0, CONFIDENCE))
-    return difference + t * float(np.sqrt(own.share) * np.std(parts, ddof=1))
+    return difference + t * float(np.sqrt(value.share) * np.std(parts, ddof=1))

@@ -70,7 +70,7 @@ def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
     Limits: with N turns in the record, the tone's negative frequency causes an error of 1/(8 pi N^3), 5e-6 at 20
     turns. Another line d bins away leaks |sinc(d)/(1 - d^2)| of its amplitude: 0 at d = 2, at most 2.7 % between 2
     and 3, under 1 % from 2.9 on, 1/(pi d^3) far away. The sum over samples approximates an integral, which
-    requires at least 8 samples per turn and a nearly constant speed over a few samples.
+    requires at least 8 samples per revolution and a nearly constant speed over a few samples.
     """
     turns = abs(angle[-1] - angle[0]) / (2.0 * pi)
     if not turns >= 2.0:  # true for NaN, too

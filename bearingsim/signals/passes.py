@@ -20,7 +20,7 @@ def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.nda
     Interpolation by a windowed sinc over 32 samples: the error is below 3e-5 of the amplitude for content below
     0.31 of the sample rate, 1e-4 below 0.4, and zero for a constant. Between samples the angle is interpolated
     linearly, so an angular acceleration must be less than 1e-4 of speed times sample rate. There is no filter, so
-    content above M/2 per turn aliases.
+    content above M/2 per revolution aliases.
     """
     if not np.all(np.diff(angle) > 0.0):
         raise ValueError("the angle does not increase throughout the record")

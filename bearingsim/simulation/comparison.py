@@ -20,7 +20,7 @@ from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.run_setup import Setup
 
 WIDE_BAND_SHARE = 0.5
-"""Part of the change of the wide-band RMS that counts for that of the record, which may be small by chance."""
+"""Fraction of the change of the wide-band RMS that replaces a smaller change of the record's, small by chance."""
 FORCE = list(EXTREMES).index("outer_force.max")
 
 
@@ -133,7 +133,7 @@ def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
     """
     case, grid, model = setup.case, setup.grid, setup.model
     M, period = grid.fine_per_pass, raw.repetition.period
-    turns = ceil((raw.repetition.computed + ceil(len(raw.taps) / M)) / raw.Z)  # whole turns of the cage
+    turns = ceil((raw.repetition.computed + ceil(len(raw.taps) / M)) / raw.Z)  # whole revolutions of the cage
     start = turns * raw.Z * M
     fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M

@@ -1,7 +1,8 @@
 """Ball passes after which a record with `until` is inspected, and may end.
 
 With a free cage or a rotating defect, tens of successive passes are correlated. A record is inspected after nearly
-whole turns of every defect, but not before 64 passes, five turns of the cage and six units (docs/repetition.md).
+whole revolutions of every defect, but not before 64 passes, five revolutions of the cage and six units
+(docs/repetition.md).
 """
 
 from collections.abc import Iterator
@@ -15,12 +16,13 @@ MIN_PASSES, MIN_CAGE_TURNS, MIN_UNITS = 64, 5, 6
 MIN_UNIT = 2
 """Smallest unit, in ball passes."""
 UNIT_TOLERANCE = 0.01
-"""Largest distance of a unit from whole turns, relative to the unit; passes differ by more for other reasons."""
+"""Largest distance of a unit from whole revolutions, relative to the unit; passes differ more otherwise."""
 INSPECTION_RATIO = 1.25
 """Smallest ratio of the numbers of ball passes at successive inspections."""
 RECORD_TOLERANCE = 0.2
-"""Largest distance from whole turns, relative to the record, as a fraction of `until`. The relative error of an
-RMS is at most half the distance times the ratio of the largest mean square within a turn to that of the turn."""
+"""Largest distance from whole revolutions, relative to the record, as a fraction of `until`. The relative error of
+an RMS is at most half the distance times the ratio of the largest mean square within a revolution to that of the
+revolution."""
 
 
 def turn_lengths(case: Case) -> list[float]:
@@ -32,7 +34,7 @@ def turn_lengths(case: Case) -> list[float]:
 
 
 def unit(case: Case) -> int:
-    """Return the smallest number of ball passes that is nearly a whole number of turns of every defect."""
+    """Return the smallest number of ball passes that is nearly a whole number of revolutions of every defect."""
     lengths = turn_lengths(case)
     max_passes = ceil(case.duration * case.bearing.ball_pass_frequency(case.speed))
     return next(
@@ -41,7 +43,7 @@ def unit(case: Case) -> int:
 
 
 def _distance(passes: int, lengths: list[float]) -> float:
-    """Return the largest distance of a number of ball passes from whole turns, in ball passes."""
+    """Return the largest distance of a number of ball passes from whole revolutions, in ball passes."""
     return max((abs(passes - round(passes / turn) * turn) for turn in lengths), default=0.0)
 
 

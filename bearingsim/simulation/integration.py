@@ -44,7 +44,7 @@ from bearingsim.simulation.settling import SlowModes, slowest_decay
 
 SECONDS_PER_CALL = 0.1  # s, approximate CPU time between two readings of the clock
 FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # first and largest number of steps (or recorded instants) between readings
-STEADY_TOLERANCE = 0.01  # fraction of the closeness of periodic passes below which a change counts as zero
+STEADY_TOLERANCE = 0.01  # fraction of the closeness of periodic passes below which a change is ignored
 
 
 @dataclass

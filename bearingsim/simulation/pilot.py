@@ -11,7 +11,7 @@ LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller below which the transien
 MAX_SETTLING = 0.05  # s, longest settling of a pilot
 MIN_PASSES, MIN_DURATION = 4, 5e-3  # smallest number of compared ball passes, and their duration (s)
 PILOT_FRACTION = 1 / 16  # part of a run in a pilot; with its finer run, a fifth of the run's CPU time
-TURNS = 2.0  # turns of a defect through the load zone, since its passages differ
+TURNS = 2.0  # revolutions of a defect through the load zone, since its passages differ
 DURATION_MARGIN = 1.5  # ratio of the advised duration to that of a pilot over ``TURNS``
 LENGTH_RATIO = 2.0  # length ratio of the advised pilot to one that was too short
 ROUNDING = 1e-9  # in ball passes
@@ -63,13 +63,13 @@ def longer_duration(case: Case) -> float:
 
 
 def turns_of_defects(case: Case) -> float:
-    """Return the time (s) of ``TURNS`` turns of the slowest defect or form through the load zone; 0 if none
+    """Return the time (s) of ``TURNS`` revolutions of the slowest defect or form through the load zone; 0 if none
     turns."""
     return TURNS * longest_turn(case)
 
 
 def longest_turn(case: Case) -> float:
-    """Return the time (s) of one turn of the slowest defect or form through the load zone; 0 if none turns."""
+    """Return the time (s) of a revolution of the slowest defect or form through the load zone; 0 if none turns."""
     return max((float(DEFECT_TURN[element](case)) for element in elements_with_deviations(case)), default=0.0)
 
 
@@ -84,4 +84,4 @@ DEFECT_TURN = {
     "inner": lambda case: 2.0 * pi / full_speed_case(case).speed,
     "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(full_speed_case(case).speed),
 }
-"""Time (s) of one turn of a defect through the load zone, by race."""
+"""Time (s) of one revolution of a defect through the load zone, by race."""

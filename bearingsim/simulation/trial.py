@@ -1,8 +1,9 @@
 """Trial: the first ball passes of a run, on which models are compared in the requested features.
 
 The amplitude of a line is a windowed mean, as is the square of an RMS. Both are computed over the whole trial and
-over every pair of successive turns of the slowest defect (Hann's window over two turns removes the period of a
-turn). Between pairs the difference of two models scatters if the motion is chaotic, and hardly at all otherwise.
+over every pair of successive revolutions of the slowest defect (Hann's window over two revolutions removes the
+period of a revolution). Between pairs the difference of two models scatters if the motion is chaotic, and hardly
+at all otherwise.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -27,11 +28,11 @@ from bearingsim.simulation.settling import cage_turn
 from bearingsim.simulation.spectral_lines import SampleAngles
 
 MIN_PASSES, TURNS = 16, 4
-"""Smallest numbers of ball passes, and of turns of every defect through the load zone, that are compared."""
+"""Smallest numbers of ball passes, and of revolutions of every defect through the load zone, that are compared."""
 MAX_FRACTION = 0.5
 """Largest part of a record that is compared. A longer trial would cost as much as the run that it may save."""
 CAGE_TURNS = 5
-"""Smallest number of turns of a free cage that are compared. Tens of successive passes are correlated: the
+"""Smallest number of revolutions of a free cage that are compared. Tens of successive passes are correlated: the
 standard error of a line is 0.9 % over 16 passes and 0.3 % over 64 (100 N, 3000 rpm)."""
 INSPECTION_TURNS = 2
 """Turns of the cage after which a trial may end because it is far from the reference."""
@@ -48,8 +49,8 @@ MIN_OVERLAP_EIGENVALUE = 0.1
 class Trial:
     """Features over the first passes of a run after settling.
 
-    passes: number of ball passes; turns: whole turns of the slowest defect in them (ball passes if none turns);
-    repeats: whether the motion is periodic; lines: by name, (1 + W,) complex amplitudes (SI) of each requested
+    passes: number of ball passes; turns: whole revolutions of the slowest defect in them (ball passes if none
+    turns); repeats: if the motion is periodic; lines: by name, (1 + W,) complex amplitudes (SI) of each requested
     line over the whole trial and over W pairs of turns, NaN if the whole trial does not resolve the line; powers:
     likewise, mean squares (SI) of each requested RMS; forces: (passes,) largest outer contact forces (N); method:
     name of the method, empty if the model has none; step: its step (s), or its tolerance if adaptive.
@@ -110,7 +111,7 @@ def most_passes(case: Case) -> int:
 
 
 def shows_friction(case: Case) -> bool:
-    """Check if the record of a case contains enough turns of a free cage to show the effect of friction."""
+    """Check if the record of a case contains enough revolutions of a free cage to show the effect of friction."""
     return case.duration >= CAGE_TURNS * cage_turn(case)
 
 
@@ -122,7 +123,7 @@ def lengthen_for_trial(case: Case) -> Case:
 
 
 def defect_turn(case: Case) -> float:
-    """Return the time (s) for one turn of the slowest defect through the load zone; 0 if none turns."""
+    """Return the time (s) for one revolution of the slowest defect through the load zone; 0 if none turns."""
     return longest_turn(case)
 
 
@@ -204,7 +205,7 @@ def with_trial_step(case: Case, trial: Trial) -> Case:
 
 
 def turn_spans(passes: int, turn: float, per_pass: int) -> list[slice]:
-    """Return slices of a trial's fine samples: all whole turns, then each pair of successive turns.
+    """Return slices of a trial's fine samples: all whole revolutions, then each pair of successive revolutions.
 
     turn: in ball passes. With fewer than three turns, only the whole trial is returned.
     """
@@ -221,7 +222,7 @@ def part_count(turns: int) -> int:
 
 
 def whole_turns(passes: int, turn: float) -> int:
-    """Return the number of whole turns, each of ``turn`` passes, in ``passes`` passes."""
+    """Return the number of whole revolutions, each of ``turn`` passes, in ``passes`` passes."""
     return floor(passes / turn + ROUNDING)
 
 

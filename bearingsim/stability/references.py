@@ -92,8 +92,8 @@ def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit:
     """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, with at most ``limit`` s of CPU
     time.
 
-    tolerances: as for own methods, with one rtol for positions and velocities. The success reported by a solver
-    does not exclude that it stepped over a defect.
+    tolerances: as for the methods of this package, with one rtol for positions and velocities. A solver may report
+    success although it stepped over a defect.
     """
     right_side = StateRate(model, y, limit)
     length_scales = right_side.y[LENGTH_SCALE + right_side.coordinates]

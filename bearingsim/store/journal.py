@@ -92,7 +92,7 @@ def read_failures(root: Path) -> dict[str, Failure]:
     """Read the stored failures by job id; warn of unreadable files."""
     failures, damaged = load_failures(root)
     for path, reason in damaged.items():
-        text = f"{path} cannot be read ({reason}); its job counts as missing. Run the study again."
+        text = f"{path} cannot be read ({reason}); its job is treated as missing. Run the study again."
         warnings.warn(text, DamageWarning, stacklevel=2)
     return failures
 

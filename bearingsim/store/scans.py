@@ -74,7 +74,7 @@ def check_scans(root: Path) -> list[Path]:
     scans = SCANS.find(root)
     for path in scans:
         if not _is_intact(path, path.stem):
-            raise ScanError(f"`{path}` has been changed", "remove it, and run the study there again")
+            raise ScanError(f"`{path}` has been changed", "remove the file, and run the study again")
     return scans
 
 

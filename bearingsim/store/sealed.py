@@ -49,7 +49,7 @@ def mark_damaged(path: Path) -> None:
 
 
 def new_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
-    """Create an HDF5 file in memory, and write it on exit, so that the HDF5 library never meets a full disk."""
+    """Create an HDF5 file in memory and write it on exit, so that a full disk cannot interrupt HDF5 itself."""
     return hdf5_in_memory(partial(write_bytes, path))
 
 
@@ -96,7 +96,7 @@ def open_unverified(path: Path) -> Hdf5:
 def open_sealed(stream: BinaryIO) -> Hdf5:
     """Open the file in a stream after checking its digest; the stream is closed with the file.
 
-    One read may use at most ``COST`` times the file size of memory. Raises one of UNREADABLE.
+    One read may use at most ``MEMORY_RATIO`` times the file size of memory. Raises one of UNREADABLE.
     """
     try:
         size, digest, seal = _read_through(stream)

@@ -121,8 +121,8 @@ FORM_SAMPLES = 3
 def _with_form(case: Case, height: float, number: int) -> Case:
     """Return the case with random waviness of both races; its rollers remain those of its own seed."""
     race = RaceSurface(spectrum=Spectrum(amplitude=height / HEIGHT_RATIO, seed=number))
-    own = case.surfaces or Surfaces()
-    return case.model_copy(update={"surfaces": own.model_copy(update={"outer": race, "inner": race})})
+    surfaces = case.surfaces or Surfaces()
+    return case.model_copy(update={"surfaces": surfaces.model_copy(update={"outer": race, "inner": race})})
 
 
 def _with_shaft(case: Case, stiffness: float, number: int) -> Case:

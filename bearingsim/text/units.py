@@ -129,7 +129,7 @@ EXPECTED: dict[Dimension, str] = {
     "torsional damping": "a torsional damping such as `0.1 N m s/rad`",
     "number": "a plain number such as `1.5`",
     "coefficient in N, mm and s": "a plain number, in N, mm and s, such as `1e4`",
-    "share": "a share such as `1 %`",
+    "share": "a percentage such as `1 %`",
     "tolerance": "a tolerance such as `0.01 %`",
 }
 

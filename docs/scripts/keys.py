@@ -70,7 +70,7 @@ def keys_page() -> str:
     tables = [_section_table(part) for part in _parts(Part("", Case))]
     return page(
         "Study keys",
-        "Quantities are written with a unit, such as `0.8 mm`. A key that is not *required* may be left out;"
+        "Quantities are written with a unit, such as `0.8 mm`. A key that is not *required* may be omitted;"
         " `sweep` may set any key. *Models* are those that compute the effect of a key, where not all do."
         " `bearingsim new` writes a commented study to start from; `bearingsim check --schema` prints the schema"
         " for editors.",
@@ -150,7 +150,7 @@ def _value(part: Part, name: str) -> str:
     texts = [text for inner in schema.get("anyOf", [schema]) if (text := _format(inner))]
     quantity = next((mark for mark in field.marks if isinstance(mark, Quantity)), None)
     if quantity and quantity != type(quantity)(quantity.dimension):  # it has bounds
-        texts.append(quantity.bound_text())
+        texts.append(quantity.bound_text().removeprefix("that is "))
     sections = ", ".join(inner.link for inner in _below(part, name))
     if sections:
         texts.append(f"{'list of mappings' if schema.get('type') == 'array' else 'mapping'}: {sections}")
@@ -176,7 +176,7 @@ def _format(schema: dict[str, Any]) -> str:
             words = "; ".join(filter(None, map(_format, items.get("anyOf", [items]))))
             return f"a list of {words}" if words else ""
         case {"type": list()}:
-            return "a text"
+            return "text"
     return ""
 
 

@@ -183,7 +183,7 @@ def test_report_gives_recommendations_with_reasons():
         "**Peers:** the cheapest within 1 % (numerical) of line and RMS is scipy-lsoda at a tolerance of 0.001"
         in text
     )
-    assert "Left out: numbalsoda (not here)." in text
+    assert "Skipped: numbalsoda (not here)." in text
     assert provenance.processor() in text
     assert "![Error against CPU time: a scene](speed-accuracy-s.png)" in text
 

@@ -74,7 +74,7 @@ def test_single_or_counter_rotating_ring():
     assert result["FTF"] == pytest.approx(30.0 - 12.115, abs=1e-3)
     stdout, _ = type_("freq", "nu205", "--outer-speed", "-3000 rpm")
     assert stdout.startswith("NU205 at 1800 rpm, its outer ring at -3000 rpm (shaft 30 Hz)")
-    assert "turns of the cage, against the shaft" in stdout
+    assert "rotation of the cage, against the shaft" in stdout
 
 
 @pytest.mark.parametrize(

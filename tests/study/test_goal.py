@@ -81,7 +81,7 @@ def test_cases_have_the_reference_model(write: Write) -> None:
         ("{within: 2 %, of: [velocity@BPFO.phase]}", "velocity@BPFO.phase", None),
         ("{within: 2 %, of: seconds}", "seconds", "accuracy.of: accuracy is not defined for `seconds` (lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`)"),
         ("{within: 2 %, of: []}", "[]", None),
-        ("0.5", "0.5", "accuracy: expected a share such as `1 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
+        ("0.5", "0.5", "accuracy: expected a percentage such as `1 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
     ],
 )  # fmt: skip
 def test_invalid_accuracy_is_reported_at_its_position(

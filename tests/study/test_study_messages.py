@@ -150,7 +150,7 @@ def test_override_that_is_no_string_is_refused(write: Write, value: object, echo
         ("width: 19 mm", "19 mm", "defect.width: a defect of 19 mm is wider than the roller spacing (18.6079 mm)"),
         ("offset: 8 mm", "8 mm", "defect.offset: a defect 8 mm off the middle lies beyond the roller's end (6 mm) and has no effect"),
         ("grown: 60 %", "60 %", "defect.grown: only a spall has `grown` (remove `grown`, or use `shape: spall`)"),
-        ("shape: spall, grown: 0.6", "0.6", "defect.grown: expected a share such as `1 %`, got `0.6` (the unit is missing)"),
+        ("shape: spall, grown: 0.6", "0.6", "defect.grown: expected a percentage such as `1 %`, got `0.6` (the unit is missing)"),
         ("edge: {radus: 20 um}", "radus", "defect.edge: unknown key `radus` (did you mean `radius`?)"),
         ("edge: {ramp: 20 mm}", "20 mm", "defect.edge.ramp: a ramp of 20 mm is longer than the defect is wide (0.8 mm) (make it shorter)"),
         ("edge: {radius: 20 um, ramp: 1 um}", "{radius", "defect.edge: expected either `radius` or `ramp` (as in `edge: {radius: 20 um}`)"),

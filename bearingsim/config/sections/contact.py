@@ -251,7 +251,7 @@ else:
     Stiffness = Annotated[
         Annotated[Literal[WORD_LAWS], Tag(WORD_TAG)] | STIFFNESS.union(),
         Discriminator(_stiffness_tag),
-        FileFormat(_stiffness, lambda own: or_words(own, *WORD_LAWS, *STIFFNESS.words)),
+        FileFormat(_stiffness, lambda schema: or_words(schema, *WORD_LAWS, *STIFFNESS.words)),
     ]
 
 

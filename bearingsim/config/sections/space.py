@@ -57,7 +57,7 @@ class Profile(Section):
 
 WORD_SHAPES = ("straight", "logarithmic")
 """Shapes without parameters."""
-RollerProfile = Annotated[Profile, FileFormat(_as_mapping, lambda own: or_words(own, *WORD_SHAPES))]
+RollerProfile = Annotated[Profile, FileFormat(_as_mapping, lambda schema: or_words(schema, *WORD_SHAPES))]
 
 
 class Flanges(Section):

@@ -23,7 +23,7 @@ from bearingsim.config.fields import (
 )
 
 MAX_ORDER = 1000
-"""Largest order (waves per turn): at a race of 40 mm a wavelength of 0.25 mm; shorter ones are roughness."""
+"""Largest order (waves per revolution): at a race of 40 mm a wavelength of 0.25 mm; shorter is roughness."""
 MAX_HARMONICS = 200
 """Limit of the given harmonics of a surface."""
 MAX_SEED = 999_999_999
@@ -32,13 +32,13 @@ MAX_SEED = 999_999_999
 class Harmonic(Section):
     """Waviness of one order: height `amplitude` cos(`order` x angle - `phase`), positive where there is material.
 
-    The angle counts in the sense of rotation: on the outer race from the load line, on the inner race from it at
+    The angle grows in the sense of rotation: on the outer race from the load line, on the inner race from it at
     t = 0, rotating with the ring; on a roller from its outermost point at t = 0, so that rolling brings increasing
     angles to the outer race.
     """
 
     order: Annotated[int, integer(1, MAX_ORDER)]
-    """Waves per turn."""
+    """Waves per revolution."""
     amplitude: Length
     """Amplitude of the height, half of peak to valley."""
     phase: Angle = 0.0
@@ -134,8 +134,8 @@ def _file_as_mapping(raw: Any) -> Any:
     return None if raw == "none" else {"file": raw} if isinstance(raw, str) else raw
 
 
-def _roundness_schema(own: Schema) -> Schema:
-    return {"anyOf": [{"type": "string"}, own]}
+def _roundness_schema(schema: Schema) -> Schema:
+    return {"anyOf": [{"type": "string"}, schema]}
 
 
 def _check_list(raw: Any) -> Any:
@@ -209,9 +209,9 @@ def _list_as_mapping(raw: Any) -> Any:
     return {"deviations": raw} if isinstance(raw, list | tuple) else None if raw == "none" else raw
 
 
-def _diameter_schema(own: Schema) -> Schema:
+def _diameter_schema(schema: Schema) -> Schema:
     deviations = {"type": "array", "items": quantity_schema("length")}
-    return or_words({"anyOf": [deviations, own]}, "none")
+    return or_words({"anyOf": [deviations, schema]}, "none")
 
 
 class RollerSurface(_Surface):

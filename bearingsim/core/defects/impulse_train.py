@@ -78,9 +78,9 @@ def defect_passages(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the instants (n,) in (start, end], s, of rollers over the defect's middle, and its angles (n,) rad.
 
-    A defect of the outer race is passed Z times per turn of the cage, always at its own angle; a defect of the
-    inner race Z times per turn of the ring relative to the cage, at the current angle of the ring; a defect of a
-    roller once per race and turn of the roller, at the current angle of the roller.
+    A defect of the outer race is passed Z times per revolution of the cage, always at its own angle; a defect of
+    the inner race Z times per revolution of the ring relative to the cage, at the current angle of the ring; a
+    defect of a roller once per race and revolution of the roller, at the current angle of the roller.
     """
     pass_angle = 2.0 * np.pi / bearing.Z
     if pair.carrier >= 0:

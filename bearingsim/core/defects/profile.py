@@ -89,7 +89,7 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 
 
 def deeper_profile(left: Profile, right: Profile) -> Profile:
-    """Return the deeper of two profiles where both have a piece, otherwise the one that has."""
+    """Return the deeper of two profiles where both have a piece, elsewhere the only piece."""
     if len(left.pieces) == 0 or len(right.pieces) == 0:
         return right if len(left.pieces) == 0 else left
     ends = _distinct_ends(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
@@ -119,7 +119,7 @@ def _piece_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 def _values_at(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Return depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; a depth of -inf for the race.
 
-    A raised rim thus counts where there is no other piece.
+    A raised rim is therefore kept where there is no other piece.
     """
     start, _, p, m, c = profile.pieces[k].T
     x = t - start

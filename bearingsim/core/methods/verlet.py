@@ -6,10 +6,10 @@ Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley c
 q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C = 1 (docs/steps.md). With heavy damping this is half
 the limit of symplectic Euler.
 
-Touch-down: the damping force of a contact that closes rises almost at once, as delta^(1/9) under Kraemer's law on
-Palmgren's stiffness. Verlet counts the force at the end of a step for half of that step, wherever in it the
+Touch-down: the damping force of a closing contact rises almost as a jump, as delta^(1/9) under Kraemer's law on
+Palmgren's stiffness. Verlet applies the force at the end of a step over half of that step, wherever in it the
 contact closed, so its impulse has an error of first order. A step in which a contact closes is therefore divided
-in two, such that it closes at ``TOUCH_DOWN`` of one part, of which Verlet counts as much as the force truly acts.
+in two, such that the contact closes at ``TOUCH_DOWN`` of one part, where the impulse of Verlet is exact.
 This leaves a seventh of the error (tests/core/methods/test_touch_down.py); the rest is due to the steps after it,
 over which a force like delta^(1/9) is not smooth.
 """
@@ -24,7 +24,7 @@ from bearingsim.core.models.interface import state_width
 from bearingsim.core.parameters import lanes
 
 TOUCH_DOWN = 4 / 9
-"""Part of a step h at which the impulse of a force like delta^(1/9) is right: over the remaining time t it is
+"""Part of a step h at which the impulse of a force like delta^(1/9) is exact: over the remaining time t it is
 9/10 F t, and that of Verlet is F h/2. (1/2 for a force that jumps.)"""
 MAX_PARTS = 8  # of a step with several touch-downs
 
@@ -113,7 +113,8 @@ def spread_acceleration(h, y, n):
     """Replace the acceleration at the end of a divided step of ``h`` (s), to be recorded, so that the sum of
     recorded accelerations is the change of velocity.
 
-    It is the true one plus what the trapezoidal rule over the whole step lacks. ``resume`` restores the true one.
+    It is the acceleration plus the error of the trapezoidal rule over the whole step. ``resume`` restores the
+    acceleration.
     """
     for k in range(n):
         end = y[lay.ACCELERATION + k]

@@ -100,7 +100,7 @@ def equilibria(model, times, y):
 def refuse_unbalanced(residual, load):
     """Raise ``NoEquilibrium`` if the residual force is over ``MAX_RESIDUAL`` of the load (N)."""
     if not residual <= MAX_RESIDUAL * load:
-        raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
+        raise NoEquilibrium(f"no static equilibrium: residual force {residual:g} N at a load of {load:g} N")
 
 
 def times_of_pass(model, samples):
