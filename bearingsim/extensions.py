@@ -7,9 +7,12 @@ fails to load is listed in ``BROKEN``. Results can then still be read, but every
 
 import os
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "bearingsim.extensions"
 """Group of the entry points."""
@@ -29,8 +32,10 @@ def skipped() -> set[str]:
 
 
 @cache
-def installed() -> tuple[EntryPoint, ...]:
+def installed() -> "tuple[EntryPoint, ...]":
     """Return the entry points of all extensions except the skipped ones, sorted by name."""
+    from importlib.metadata import entry_points  # a tenth of `--help`, which needs none
+
     entries = (entry for entry in entry_points(group=GROUP) if entry.name not in skipped())
     return tuple(sorted(entries, key=lambda entry: entry.name))
 

@@ -111,7 +111,7 @@ def test_no_job_is_computed_without_a_broken_extension(write, monkeypatch) -> No
 
 def test_skipped_extensions_are_not_installed(monkeypatch) -> None:
     entries = [EntryPoint(name, name, extensions.GROUP) for name in ("b", "a", "c")]
-    monkeypatch.setattr(extensions, "entry_points", lambda group: entries)
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: entries)
     monkeypatch.setenv(extensions.SKIP, " b , d,")
     assert [entry.name for entry in extensions.installed.__wrapped__()] == ["a", "c"]
 
