@@ -36,7 +36,7 @@ CPU_SECONDS = "seconds"
 MODEL_REASON, STEP_REASON = "which chooses it", "which needs the error bound of an automatic step"
 EXCLUDED_KEYS = {"model": MODEL_REASON, "method": MODEL_REASON, "step": STEP_REASON, "tolerance": STEP_REASON}
 """Keys that exclude `accuracy`, with the reason."""
-SINGLE_VALUE_KEYS = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which varies it itself")
+SINGLE_VALUE_KEYS = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which varies them in trials")
 """Keys that may have only one value with `accuracy`, with the reason."""
 
 
@@ -163,7 +163,7 @@ def check_goal(
     for path, reason in SINGLE_VALUE_KEYS.items():
         if path in swept:
             message = f"`{path}` cannot be swept with `accuracy`, {reason}"
-            problems.append(problem(_mark_of(swept[path]), message, "give it one value"))
+            problems.append(problem(_mark_of(swept[path]), message, "give a single value"))
     if not all(case.step_check for case in cases):
         message = "`accuracy` needs `step_check`, which bounds the error of the step"
         entry_mark = next(map(_mark_of, _entries(root, "step_check", swept)), mark)
