@@ -244,7 +244,7 @@ def test_study_without_the_extension_runs(broken: Path) -> None:
     outputs = type_commands(broken, *WITHOUT, *COMPUTING)
     for words in WITHOUT:
         code, stdout, stderr = outputs[words]
-        assert (code, stderr) == (0, f"{REASON} (left out)\n" if words != ("--help",) else ""), words
+        assert (code, stderr) == (0, f"{REASON} (skipped)\n" if words != ("--help",) else ""), words
         assert stdout, words
     for words in COMPUTING:
         advice = "fix it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"

@@ -68,7 +68,7 @@ def test_job_exceeding_memory_is_refused_before_the_run(monkeypatch: pytest.Monk
     case = long_case(duration="300 s", sampling="50 kHz")
     needed = time_grid.estimate(case).most_memory
     monkeypatch.setattr(memory, "limit", lambda: 0.5 * needed)
-    with pytest.raises(Refused, match=r"may need .* GB of memory, and there are .* GB") as error_info:
+    with pytest.raises(Refused, match=r"may need .* GB of memory, and .* GB are available") as error_info:
         time_grid.estimate(case)
     assert "duration" in error_info.value.advice
     with pytest.raises(SimulationError, match="GB of memory"):

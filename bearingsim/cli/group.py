@@ -71,7 +71,7 @@ def _reporting_broken_extensions() -> Iterator[None]:
 
 def _report_broken_extensions() -> None:
     for text in extensions.BROKEN.values():
-        say(f"{text} (left out)", err=True)
+        say(f"{text} (skipped)", err=True)
 
 
 @contextmanager

@@ -49,7 +49,7 @@ def find_results(folder: Path | None) -> "Results":
         try:
             return open_results(results_folder)
         except (ResultsError, LinkInFolder) as error:
-            say(f"{error} (left out)", err=True)
+            say(f"{error} (skipped)", err=True)
     raise UserError("no results in ./results; name a folder, or run a study first")
 
 

@@ -94,7 +94,7 @@ if HAS_INTERNALS:
             return self._register_for_callers(result) if is_callee else result
 
         def _register_for_callers(self, result: Any) -> Any:
-            """Register code for its callers under its entry point, here any builtin that differs from all others."""
+            """Register code for its callers under its entry point, here a builtin unlike all others."""
             entry = object().__reduce_ex__
             self.state.targetctx.insert_user_function(entry, result.fndesc, [result.library])
             return result._replace(entry_point=entry)

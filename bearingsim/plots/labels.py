@@ -33,7 +33,7 @@ NAMES = {  # paths that do not name their quantity
     "rig.load": "load path",
     "rig.ring.bends": "ring bending",
 }
-KINDS = ("law", "by", "shape", "on")  # keys of a mapping whose value names the kind of what it describes
+KINDS = ("law", "by", "shape", "on")  # keys of a mapping whose value is the type of the object
 SWITCHES = {"true": "on", "false": "off"}
 NONE = "none"
 """Value of a key that is omitted."""
@@ -61,7 +61,7 @@ class PlotError(UserError):
 
 
 class PlotWarning(UserWarning):
-    """Figure that was left out."""
+    """Figure that was skipped."""
 
 
 def pretty(unit: str) -> str:

@@ -145,6 +145,6 @@ def _read(file: Mapping[str, Any], factor: float) -> Signal | None:
         series, fs = read_series(SignalFile(**file))
     except (UserError, OSError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
-        warnings.warn(f"measured signal left out: {file['path']}: {reason}", PlotWarning, stacklevel=2)
+        warnings.warn(f"measured signal skipped: {file['path']}: {reason}", PlotWarning, stacklevel=2)
         return None
     return Signal(np.arange(len(series)) / fs, factor * series)

@@ -48,7 +48,7 @@ def plot(
     ids of the jobs of a figure of signals, or `all`; by default those selected by ``where``, or some. options:
     keys of a figure, which replace those of the study: lists y, by, panels and log; x; where (paths and values);
     and those of ``figure_kinds.View`` as texts, such as range="0 Hz..2 kHz".
-    Raises PlotError, OptionError, ResultsError; warns (PlotWarning) of a figure left out.
+    Raises PlotError, OptionError, ResultsError; warns (PlotWarning) of a figure that is skipped.
     """
     from bearingsim.plots.style import drawing
 
@@ -87,7 +87,7 @@ def drawn(
     if not sheets:
         raise problems[0][1]
     for number, problem in problems:
-        warnings.warn(f"figure {number} left out: {problem}", PlotWarning, stacklevel=2)
+        warnings.warn(f"figure {number} skipped: {problem}", PlotWarning, stacklevel=2)
     return sheets
 
 
@@ -100,8 +100,8 @@ def draw(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> list[S
     sheets = function(results, figure, ids)
     if list(jobs) != [ALL]:
         return sheets
-    named, every = file_words(figure, ids), file_words(figure, [ALL])
-    return [sheet._replace(words=every) if sheet.words == named else sheet for sheet in sheets]
+    named, all_words = file_words(figure, ids), file_words(figure, [ALL])
+    return [sheet._replace(words=all_words) if sheet.words == named else sheet for sheet in sheets]
 
 
 def _check_done(results: "Results") -> None:
@@ -109,7 +109,7 @@ def _check_done(results: "Results") -> None:
     if (results.table()["status"] == "done").any():
         return
     failures = list(results.failures().values())
-    failed = f": {len(failures)} failed, one for this: {failures[0].reason}" if failures else ""
+    failed = f": {len(failures)} failed, the first with: {failures[0].reason}" if failures else ""
     raise PlotError(f"no job is done, so there is nothing to draw{failed}")
 
 
@@ -171,9 +171,9 @@ def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> lis
     if named and figure.where:
         raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
     rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
-    every = bool(jobs or figure.by or figure.kind == "waterfall")
+    uses_all = bool(jobs or figure.by or figure.kind == "waterfall")
     with_signal = [job for job in select.done_jobs(rows) if any(signal_points(results, job))][: select.SOME]
-    chosen = named or (select.done_jobs(rows) if every else with_signal or select.some_jobs(rows))
+    chosen = named or (select.done_jobs(rows) if uses_all else with_signal or select.some_jobs(rows))
     if not chosen:
         raise PlotError("none of these jobs is done")
     return chosen

@@ -117,7 +117,7 @@ def draw_rings(results: "Results", _: "Figure", jobs: Sequence[str]) -> list[She
     if not sheets:
         raise problems[0][1]
     for job, problem in problems:
-        warnings.warn(f"job {job} left out: {problem}", labels.PlotWarning, stacklevel=2)
+        warnings.warn(f"job {job} skipped: {problem}", labels.PlotWarning, stacklevel=2)
     return sheets
 
 

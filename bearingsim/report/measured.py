@@ -84,9 +84,9 @@ def _unmatched(entry: "MeasuredSet") -> list[str]:
     features = [compared.get(_key(point["place"], point["parameters"]), set()) for point in entry.points]
     pairs = list(zip(entry.points, features, strict=True))
     lacking = list(
-        dict.fromkeys(name for point, some in pairs if some for name in point["features"] if name not in some)
+        dict.fromkeys(name for point, names in pairs if names for name in point["features"] if name not in names)
     )
-    places = list(dict.fromkeys(point["place"] for point, some in pairs if not some))
+    places = list(dict.fromkeys(point["place"] for point, names in pairs if not names))
     return [
         *([f"without a simulated value: {listed(lacking)}"] if lacking else []),
         *([f"no finished case is at {listed(places)}, or on both sides in one parameter"] if places else []),

@@ -114,7 +114,7 @@ def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:
         yield (
             f"{count} worker{'s' * (count > 1)} instead of {workers}:"
             f" a job may need {peak / 1e9:.2g} GB of memory,"
-            f" and there are {memory.limit() / 1e9:.2g} GB"
+            f" and {memory.limit() / 1e9:.2g} GB are available"
         )
 
 

@@ -97,7 +97,7 @@ def interpolate_peak(values: np.ndarray, peak: int) -> float:
 
 
 def prominence(values: np.ndarray, peak: int) -> float:
-    """Compute the prominence of a maximum; the ends of the series count as higher."""
+    """Compute the prominence of a maximum; the ends of the series are treated as higher."""
     higher = np.flatnonzero(values > values[peak])
     left = higher[higher < peak].max(initial=0)
     right = higher[higher > peak].min(initial=len(values))

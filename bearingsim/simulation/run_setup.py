@@ -149,7 +149,7 @@ def advice(setup: Setup, outcome: int) -> str:
     """Return advice on a step, tolerance, model or duration with which the run may succeed."""
     adaptive = assemble.is_adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
-        return "use a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
+        return "use a shorter `duration`" + ("" if adaptive else ", or set `step`")
     if needs_roller_mass(setup, outcome):
         return f"use `model: {simplest_model('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:

@@ -163,7 +163,7 @@ def _tighter_advice(setup: Setup) -> str:
     """Return advice on a tighter tolerance or a shorter step."""
     if assemble.is_adaptive(setup.case):
         return f"use a tighter `tolerance` than {setup.method.rtol:.2g}"
-    return "give a `step` of your own" if setup.case.step == "auto" else "use a shorter `step`"
+    return "set `step`" if setup.case.step == "auto" else "use a shorter `step`"
 
 
 def refuse_short_record(setup: Setup, check: StepCheck) -> None:

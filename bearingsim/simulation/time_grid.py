@@ -130,8 +130,7 @@ def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> G
         name, hours = case.method or f"`{case.model}`", seconds / 3600.0
         raise Refused(
             f"{name} would take about {hours:.2g} h of CPU time, over {limit / 3600.0:.2g} h",
-            "use a shorter `duration`, lower `contact.damping`"
-            + (other if adaptive else ", or give a `step` of your own"),
+            "use a shorter `duration`, lower `contact.damping`" + (other if adaptive else ", or set `step`"),
         )
     filter_reach = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
     passes = ceil((case.settle_s + case.duration + filter_reach) * rate)
@@ -197,6 +196,6 @@ def _refuse_too_large(most_memory: float) -> None:
     needed, available = PROGRAM_BYTES + most_memory, memory.limit()
     if needed > available:
         raise Refused(
-            f"a job may need {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",
+            f"a job may need {needed / 1e9:.2g} GB of memory, and {available / 1e9:.2g} GB are available",
             "use a shorter `duration`, a lower `sampling`, or a shorter `record`",
         )

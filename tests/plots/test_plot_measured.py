@@ -83,7 +83,7 @@ def test_a_lost_file_is_a_warning(results, tmp_path):
     file = results.path.parent / "run.npz"
     file.rename(tmp_path / "run.npz")
     try:
-        with pytest.warns(UserWarning, match="measured signal left out.*No such file"):
+        with pytest.warns(UserWarning, match="measured signal skipped.*No such file"):
             drawn(results, "spectrum")
     finally:
         (tmp_path / "run.npz").rename(file)

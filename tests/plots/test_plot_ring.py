@@ -193,7 +193,7 @@ def test_the_sensor_is_marked_at_its_angle(on, least, most):
 def test_ring_figure_per_job(results):
     """One of a rigid ring, and one whose model knows no rollers: left out, with a warning."""
     opened = results(STUDY.replace("[static, ring]", "[static, impulse]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]"))
-    with pytest.warns(PlotWarning, match="left out: the model `impulse` has no loaded rollers"):
+    with pytest.warns(PlotWarning, match="skipped: the model `impulse` has no loaded rollers"):
         sheets = drawn(opened, kind="ring", jobs=["all"])
     rests = done_jobs(case_rows(opened).query("model == 'static'"))
     assert [name for name, _ in sheets] == [f"ring-{job[:8]}" for job in rests]

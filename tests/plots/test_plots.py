@@ -98,7 +98,7 @@ def test_failed_and_missing_jobs_are_marked_at_their_x(results):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
-    ("status", "reason"), [("failed", ": 16 failed, one for this: the ring left"), ("missing", "$")]
+    ("status", "reason"), [("failed", ": 16 failed, the first with: the ring left"), ("missing", "$")]
 )
 def test_figure_without_finished_job_gives_the_reason(results, kind, status, reason):
     opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy cases
@@ -176,7 +176,7 @@ def test_options_change_figure_of_study(results):
 def test_undrawable_figure_is_skipped_with_warning(results):
     text = STUDY + FIGURES + "  - {y: velocity@BPFO, x: load, where: {model: rollers}}\n"
     opened = results(text)
-    with pytest.warns(PlotWarning, match="figure 2 left out: no case has model rollers"):
+    with pytest.warns(PlotWarning, match="figure 2 skipped: no case has model rollers"):
         assert len(drawn(opened)) == 1
     with pytest.raises(PlotError, match="no case has load 1 N"):
         drawn(opened, where={"load": "1 N"})

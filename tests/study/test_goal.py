@@ -144,7 +144,7 @@ def test_overridden_model_and_method_are_refused_with_accuracy(write: Write, key
 
 
 STEPPED = "`{}` cannot be combined with `accuracy`, which needs the error bound of an automatic step (remove `{}` or `accuracy`)"
-SWEPT = "`{}` cannot be swept with `accuracy`, which varies it itself (give it one value)"
+SWEPT = "`{}` cannot be swept with `accuracy`, which varies them in trials (give a single value)"
 BENDS = "rig: {ring: {bends: true}}\n"
 
 
