@@ -36,7 +36,7 @@ WALL_CLEARANCE_RATIO = 0.5
 def unreached_floors(plan: Plan) -> Iterator[str]:
     """Yield a remark if rollers rest on the rims of all defects, so that depth has no influence."""
     envelope_jobs = _envelope_jobs(plan)
-    depths = [_least_depth(priced) for priced in envelope_jobs]
+    depths = [_smallest_depth(priced) for priced in envelope_jobs]
     same_result = all(
         defect.shape in ("rectangular", "triangular") and priced.roller_drop < WALL_CLEARANCE_RATIO * defect.depth
         for priced in envelope_jobs
@@ -57,7 +57,7 @@ def reached_floors(plan: Plan) -> Iterator[str]:
     reaching = [priced for priced in envelope_jobs if _reaches_floor(priced)]
     if reaching:
         others = [priced for priced in envelope_jobs if not _reaches_floor(priced)]
-        depth_range, element = span(1e6 * _least_depth(priced) for priced in reaching), _element(reaching)
+        depth_range, element = span(1e6 * _smallest_depth(priced) for priced in reaching), _element(reaching)
         scope = f" {_distinction(reaching, others, plan)}" if others else ""
         scope_text = " there" if others else ""
         yield f"by geometry, {element}s reach the floor at {depth_range} um{scope}: the depth matters{scope_text}"
@@ -72,12 +72,12 @@ def _element(jobs: list[PricedJob]) -> str:
     return str(jobs[0].job.case.bearing.element)
 
 
-def _least_depth(priced: PricedJob) -> float:
+def _smallest_depth(priced: PricedJob) -> float:
     return min(defect.depth for defect in priced.job.case.defects)
 
 
 def _reaches_floor(priced: PricedJob) -> bool:
-    return priced.roller_drop >= HANGING_RATIO * _least_depth(priced)
+    return priced.roller_drop >= HANGING_RATIO * _smallest_depth(priced)
 
 
 def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> str:
@@ -101,7 +101,7 @@ def model_choices(plan: Plan) -> list[str]:
         return []
     if selection is None:
         models = ", ".join(f"`{name}`" for name in dict.fromkeys(priced.job.case.model for priced in plan.cases))
-        return [f"model not chosen yet (`check --pilots` does it); estimate for the reference, {models}"]
+        return [f"model not chosen yet (`check --pilots` chooses it); estimate for the reference, {models}"]
     reasons_by_model: dict[str, list[str]] = {}
     for chosen in selection.jobs.values():
         reasons_by_model.setdefault(chosen.model, []).append(chosen.why)

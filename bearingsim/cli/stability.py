@@ -33,11 +33,11 @@ def show(
     from bearingsim.stability.scene import DEFECTS
 
     grid = matrix.QUICK if quick else matrix.FULL
-    default_methods = matrix.QUICK_METHODS if quick else matrix.methods_known()
-    all_methods = matrix.methods_known()
+    default_methods = matrix.QUICK_METHODS if quick else matrix.method_names()
+    all_methods = matrix.method_names()
     grid = grid._replace(defects=tuple(select("--pit", defects, tuple(DEFECTS), grid.defects)))
     model_names = select(
-        "--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.DEFAULT_MODELS
+        "--model", models, matrix.model_names(), matrix.QUICK_MODELS if quick else matrix.DEFAULT_MODELS
     )
     method_names = select(
         "--method", methods, all_methods, [name for name in default_methods if name in all_methods]

@@ -87,7 +87,7 @@ def step_limits(case: Case) -> Limits:
     try:
         limits, rates = _common_limits(assemble.bearing_of(full_speed_case(case)))
     except NoEquilibrium as error:
-        raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+        raise Refused(str(error), "use a load that the rollers can carry") from error
     at_rest = step_limit(case.method, rates.K_rest, rates.C_rest)
     at_impact = step_limit(case.method, rates.K_max, rates.C_max)
     return replace(limits, at_rest=at_rest, at_impact=min(at_rest, at_impact))
@@ -135,8 +135,8 @@ def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limi
     speed = closing_speed(model)
     impacts = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
     impacts += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    lighter = max(1.0, model.bearing.m_r / model.bearing.m_o)  # if the ring is the lighter body: over its mass
-    _, K_impact, C_impact = (lighter * max(values) for values in zip(*impacts, strict=True))
+    mass_ratio = max(1.0, model.bearing.m_r / model.bearing.m_o)  # over the mass of the lighter body
+    _, K_impact, C_impact = (mass_ratio * max(values) for values in zip(*impacts, strict=True))
     if case.rig.ring is not None:  # the flexible race deflects as well
         mobility_factor = 1.0 + model.bearing.m_r * model.bending.mobility
         K_impact, C_impact = mobility_factor * K_impact, mobility_factor * C_impact

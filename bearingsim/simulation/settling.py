@@ -125,7 +125,7 @@ def modes(case: Case) -> tuple[complex, ...]:
     try:
         return _modes(rest_case(assemble.bearing_of(waveless_case(full_speed_case(case)))))
     except NoEquilibrium as error:
-        raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+        raise Refused(str(error), "use a load that the rollers can carry") from error
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)

@@ -78,7 +78,7 @@ DEFAULT_MODELS = tuple(model.name for model in MODELS.values() if "damping" in m
 QUICK_MODELS = (DEFAULT_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
-"""Methods and tolerances of the solutions, computed in turn until two agree."""
+"""Methods and tolerances of the solutions, computed one after another until two agree."""
 FALLBACK = ("backward-euler", 1e-2)
 """Additional solution if only one of the others succeeds."""
 
@@ -102,12 +102,12 @@ class PreparedScene(NamedTuple):
     C: float
 
 
-def methods_known() -> tuple[str, ...]:
+def method_names() -> tuple[str, ...]:
     """List the names of all methods that can be mapped."""
     return (*METHODS, *SCIPY)
 
 
-def models_known() -> tuple[str, ...]:
+def model_names() -> tuple[str, ...]:
     """List the names of all models with equations of motion."""
     return tuple(name for name in MODELS if assemble.kind_of_model(name).parameters in degrees_of_freedom.types)
 
@@ -173,7 +173,7 @@ def reference(scene: PreparedScene, reference_limit: float) -> Reference | None:
         agreement = agreeing_solutions(solutions)
         if agreement is not None and (not agreement.chaotic or (method, tolerance) == FALLBACK):
             return agreement
-        if method in methods_known():
+        if method in method_names():
             solutions[f"{method} {tolerance:.0e}"] = reference_solution(scene, method, tolerance, reference_limit)
     return agreeing_solutions(solutions)
 
@@ -188,7 +188,7 @@ def reference_solution(scene: PreparedScene, method: str, tolerance: float, refe
 def reference_methods(methods: Sequence[str]) -> tuple[str, ...]:
     """List the reference methods that are not mapped themselves."""
     names = dict.fromkeys(name for name, _ in (*REFERENCES, FALLBACK))
-    return tuple(name for name in names if name not in methods and name in methods_known())
+    return tuple(name for name in names if name not in methods and name in method_names())
 
 
 def warm(model: str, method: str, grid: Grid) -> None:

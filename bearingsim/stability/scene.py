@@ -16,7 +16,7 @@ from bearingsim.config import Case
 from bearingsim.core.defects.pairs import HALF_WIDTH, passing_speed
 from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PALMGREN_N_MM
 
-DURATION = 2.2e-3  # s, duration
+DURATION = 2.2e-3  # s
 SAMPLE_INTERVAL = 1e-6  # s between compared samples
 CROSSING_TIMES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times of the roller at the middle of each defect
 LOAD = 150.0  # N

@@ -179,7 +179,12 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
 def _check_unchanged(fields: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
     """Check the digest and sizes of a validated defect against its file."""
     if fields["digest"] != digest:
-        refuse("changed", f"`{fields['file']}` has changed since", "create the case again", at="file")
+        refuse(
+            "changed",
+            f"`{fields['file']}` has changed since the case was created",
+            "create the case again",
+            at="file",
+        )
     for name, size in zip(SIZES, sizes, strict=True):
         if not isclose(fields[name], size, rel_tol=SIZE_TOLERANCE):
             refuse("foreign", f"a scan's {name} comes from its file", f"remove `{name}`", at=name)

@@ -124,7 +124,12 @@ class Roundness(Section):
         except ScanError as error:
             refuse("orders", error.message, error.hint, at="orders")
         if self.digest is not None and self.digest != profile.digest:
-            refuse("changed", f"`{self.file}` has changed since", "create the case again", at="file")
+            refuse(
+                "changed",
+                f"`{self.file}` has changed since the case was created",
+                "create the case again",
+                at="file",
+            )
         object.__setattr__(self, "digest", profile.digest)
         return self
 
