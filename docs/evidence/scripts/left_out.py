@@ -4,7 +4,7 @@
 
 The scenes of benchmarks/promise.py whose reference is `planar`. Each is computed three times by it: as the
 reference is (nothing rubs, the cage turns at its kinematic speed), with a free cage and dry friction, and with a
-free cage, lubricated traction and the drag of oil. What they differ by is told beside their standard error.
+free cage, lubricated traction and the drag of oil. Differences are printed with their standard error.
 """
 
 import argparse

@@ -176,7 +176,7 @@ SCENES: dict[str, dict] = {
 
 
 def draw(rows: list[dict[str, Any]], path: str) -> None:
-    """Order at a touch-down beside error against CPU time."""
+    """Order at a touch-down, and error against CPU time."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -31,8 +31,8 @@ NAMES = {
 }
 FIXED, ADAPTIVE = ("verlet", "rk4", "nystrom"), ("dormand-prince", "dop853")
 MASS, STEEL, PUSH, SPEED = 0.010654, 1.57e9, 2.0, 10e-3
-OMEGA = 1.5e5  # 1/s: about that of the contact in motion; what a place counts beside a speed
-CLOSE = 1e-9  # s: from so near a contact comes straight to its touch-down
+OMEGA = 1.5e5  # 1/s: about that of the contact in motion; the scale of position against velocity
+CLOSE = 1e-9  # s: a contact this near is advanced directly to its touch-down
 
 
 @jit
