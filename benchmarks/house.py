@@ -108,7 +108,7 @@ def report(root: Path) -> Iterator[str]:
     yield f"\nfunctions over {LONG} lines: {len(long_functions)}\n" + "".join(
         f"  {line}\n" for line in long_functions
     )
-    yield f"circles of imports: {len(cycles)}\n" + "".join(f"  {', '.join(cycle)}\n" for cycle in cycles)
+    yield f"import cycles: {len(cycles)}\n" + "".join(f"  {', '.join(cycle)}\n" for cycle in cycles)
 
 
 if __name__ == "__main__":

@@ -174,7 +174,7 @@ def _peer_texts(section: Section) -> Iterator[str]:
     accurate = [row for row in peers if _line_and_rms_error(row) <= ACCURACIES[-1]]
     if peers and not accurate:
         methods = _quote(sorted({row["method"] for row in peers}))
-        yield f"**Peers:** none of {methods} is within 1 % (numerical) of line and RMS."
+        yield f"**Other packages:** none of {methods} is within 1 % (numerical) of line and RMS."
     if accurate:
         best = min(accurate, key=lambda row: row["cpu_per_s"])
         own_rows = [r for r in rows if r["variant"] == best["variant"] and r["role"] in (POINT, AUTOMATIC)]
@@ -183,10 +183,8 @@ def _peer_texts(section: Section) -> Iterator[str]:
             key=lambda row: row["cpu_per_s"],
             default=None,
         )
-        text = (
-            f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {method_text(best)}, {_cost(best)}"
-        )
-        yield f"{text}; of the methods of bearingsim " + (
+        text = f"the cheapest within 1 % (numerical) of line and RMS is {method_text(best)}, {_cost(best)}"
+        yield f"**Other packages:** {text}; of the methods of bearingsim " + (
             f"{method_text(cheapest_own)}, {_cost(cheapest_own)}." if cheapest_own else "none."
         )
 
