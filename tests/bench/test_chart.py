@@ -180,8 +180,8 @@ def test_report_gives_recommendations_with_reasons():
     assert "**Within 5 %:** `rollers`, 0.1 s as a job. It is off by 3 % (line)" in text
     assert "The next cheaper fails: `rollers` costs 0.1 s and is off by 3 % (line)" in text
     assert (
-        "**Other packages:** the cheapest within 1 % (numerical) of line and RMS is scipy-lsoda at a tolerance of 0.001"
-        in text
+        "**Other packages:** the cheapest within 1 % (numerical) of line and RMS is "
+        "scipy-lsoda at a tolerance of 0.001" in text
     )
     assert "Skipped: numbalsoda (not here)." in text
     assert provenance.processor() in text
