@@ -13,7 +13,7 @@ from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
 from bearingsim.report.columns import Column, column_of, default_features, error_columns, main_features
 from bearingsim.report.statements import assumption_texts, failures_of
-from bearingsim.runner.findings import periodicity_notes
+from bearingsim.runner.findings import chaos_notes, periodicity_notes
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -73,7 +73,8 @@ def show_jobs(
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
-    for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.result_remarks(info)):
+    notes = (*chaos_notes(results.frame.loc[table["job"]]), *choice_notes, *periodicity_notes(info))
+    for text in (*notes, *assumptions, *damping.result_remarks(info)):
         _print_wrapped(text)
     if len(printed_columns) < len(all_columns):
         printed_heads = {_stack_heading(head) for head, _ in printed_columns}

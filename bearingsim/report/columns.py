@@ -65,12 +65,22 @@ def column_of(results: "Results", rows: "pd.DataFrame", name: str) -> Column:
     units = results.plan["units"]
     if name in units:
         return name, ["" if _is_nan(v) else labels.value_text(name, v, units) for v in rows[name]]
+    if name == "status":
+        return name, status_texts(rows)
     if rows[name].dtype.kind != "f":
         return name, [str(value) for value in rows[name]]
     largest = rows[name].abs().max()
     unit, factor = labels.feature_axis(name, float(largest)) if name != "seconds" else ("s", 1.0)
     cells = [significant(value * factor, 4) for value in rows[name]]
     return f"{name} ({unit})" if unit else name, cells
+
+
+def status_texts(rows: "pd.DataFrame") -> list[str]:
+    """Return the status of each job of a table; of a chaotic one `done, chaotic`."""
+    is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
+    return [
+        status + ", chaotic" * bool(chaotic) for status, chaotic in zip(rows["status"], is_chaotic, strict=True)
+    ]
 
 
 def _is_nan(value: object) -> bool:

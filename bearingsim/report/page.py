@@ -10,7 +10,7 @@ from bearingsim.catalogue import MEANINGS
 from bearingsim.plots import labels
 from bearingsim.plots.points import relative_bounds
 from bearingsim.report.charts import Chart
-from bearingsim.report.columns import Column, column_of, main_features
+from bearingsim.report.columns import Column, column_of, main_features, status_texts
 from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
 from bearingsim.report.influence import Influence
@@ -160,11 +160,7 @@ def _table(results: "Results", table: "pd.DataFrame") -> Table:
     if bounds is not None:
         columns.append(("error bound (%)", [significant(100.0 * bound, 2) for bound in bounds]))
         numeric.append(True)
-    is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
-    states = [
-        state + ", chaotic" * bool(chaotic) for state, chaotic in zip(rows["status"], is_chaotic, strict=True)
-    ]
-    return Table([*columns, ("status", states)], [*numeric, False], len(table))
+    return Table([*columns, ("status", status_texts(rows))], [*numeric, False], len(table))
 
 
 def _in_words(results: "Results", column: Column, name: str, rows: "pd.DataFrame") -> Column:

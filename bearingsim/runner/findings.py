@@ -41,6 +41,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
         withdrawn=tuple(withdrawals(plan, frame)),
         accuracy=(
             *(accuracy_notes(plan, frame) if plan.get("accuracy") else _largest_step_errors(cases)),
+            *chaos_notes(cases),
             *variation_effects(plan, frame, drawn_features),
         ),
         warnings=(
@@ -61,12 +62,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
 
 
 def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
-    """Yield the largest step errors of the jobs whose time step was checked, without chaotic ones.
-
-    No step reproduces the line of a chaotic motion; its standard error is reported instead.
-    """
-    if "features/chaotic" in cases:
-        cases = cases[cases["features/chaotic"] != 1.0]
+    """Yield the largest step errors of all jobs whose time step was checked."""
     names = {"line": "velocity line", "rms": "velocity RMS", "force": "largest force"}
     errors = {
         text: cases[f"features/step_error.{name}"].max() for name, text in names.items() if _has(cases, name)
@@ -74,6 +70,30 @@ def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
     if errors:
         error_texts = ", ".join(f"{text} {percent(error)}" for text, error in errors.items())
         yield f"largest step errors: {error_texts}"
+
+
+def chaos_notes(cases: "pd.DataFrame") -> Iterator[str]:
+    """Yield the number of chaotic jobs, and the largest step error and scatter of their RMS.
+
+    No step reproduces the line of a chaotic motion, so the step check compares only its RMS (docs/step-check.md).
+    """
+    if "features/chaotic" not in cases:
+        return
+    chaotic = cases[cases["features/chaotic"] == 1.0]
+    errors = [
+        f"{text} {_largest_text(values)} (`{name}`)"
+        for text, name in (("step error", "step_error.rms"), ("scatter", "rms_scatter"))
+        if len(values := chaotic.get(f"features/{name}", chaotic["features/chaotic"].iloc[:0]).dropna())
+    ]
+    if len(chaotic):
+        count = f"{len(chaotic)} of {len(cases)} jobs are chaotic"
+        yield f"{count}, so only their RMS is checked: {', '.join(errors)}" if errors else count
+
+
+def _largest_text(values: "pd.Series[float]") -> str:
+    """Format the largest of relative errors, `up to 3 %`, or the number of unknown (infinite) ones."""
+    unknown = int((values == inf).sum())
+    return f"unknown in {unknown}" if unknown else f"up to {percent(values.max())}"
 
 
 def _has(cases: "pd.DataFrame", name: str) -> bool:
@@ -177,12 +197,16 @@ OTHER_STEP_ERRORS = {
 
 
 def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield step errors above ``STEP_ACCURACY`` of the largest force and of the RMS of other channels."""
+    """Yield step errors above ``STEP_ACCURACY`` of the largest force and of the RMS of other channels.
+
+    The largest force of a chaotic motion is left out, because no step reproduces it.
+    """
     for name, quantity in OTHER_STEP_ERRORS.items():
         if f"features/{name}" not in frame:
             continue
         values = frame[f"features/{name}"]
-        exceeding = values[(frame["features/chaotic"] == 0.0) & (values > STEP_ACCURACY)]
+        is_checked = (frame["features/chaotic"] == 0.0) | (name != "step_error.force")
+        exceeding = values[is_checked & (values > STEP_ACCURACY)]
         if len(exceeding):
             jobs = f"{len(exceeding)} job{'s' * (len(exceeding) > 1)}"
             yield f"{jobs}: {quantity} has a step error of up to {percent(exceeding.max())} (`{name}`)"

@@ -12,6 +12,8 @@ import pandas as pd
 import pytest
 from scipy.io import loadmat
 
+from bearingsim.cli import tables
+from bearingsim.store import open_results
 from tests.scenes.commands import type_
 
 
@@ -80,6 +82,18 @@ def test_show_prints_a_row_per_job(done):
     remarks = lines[lines.index("8 jobs: 8 done") + 1 :]  # a job may need a pass more than the record has
     assert re.match(r"[78] of 8 responses are periodic: 1 to ", remarks[0])
     assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;")
+
+
+def test_show_marks_chaotic_jobs_and_counts_them(done, capsys):
+    results = open_results(done)
+    job = results.table()["job"][0]
+    results._table.loc[results._table["job"] == job, "chaotic"] = 1.0
+    results.frame.loc[job, ["features/chaotic", "features/step_error.rms"]] = 1.0, 0.29
+    tables.show_jobs(results, ["load"], False, False)
+    tables.show_jobs(results, ["status"], False, False)
+    stdout = capsys.readouterr().out
+    assert re.findall(".*chaotic$", stdout, re.MULTILINE) == [f"{job[:8]}   done, chaotic"]
+    assert "1 of 8 jobs are chaotic, so only their RMS is checked: step error up to 29 %" in stdout
 
 
 def test_show_columns(done):

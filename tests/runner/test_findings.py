@@ -59,12 +59,18 @@ def test_longer_duration_is_advised_only_where_the_error_is_estimated(
     assert text == f"1 of 1 jobs chaotic: standard error of velocity@BPFO {statement}"
 
 
-def test_step_errors_of_chaotic_jobs_are_left_out() -> None:
-    """No step reproduces the line of a chaotic motion, so its step error is no error of the method."""
-    columns = {"chaotic": [1.0, 0.0], "step_error.line": [6.7, 0.002], "step_error.rms": [3.3, 0.001]}
+def test_step_errors_of_chaotic_jobs_are_named_with_the_rest() -> None:
+    """Only the RMS of a chaotic motion is checked, and its step error may be the largest of the study."""
+    columns = {"chaotic": [1.0, 0.0], "step_error.line": [0.14, 0.002], "step_error.rms": [0.29, 0.001]}
+    columns |= {"rms_scatter": [0.37, 0.0]}
     frame = pd.DataFrame(columns, index=[JOB, "1" * 16]).add_prefix("features/").assign(status="done")
     jobs = [{"job": job, "healthy": "", "twin": False, "variation": False, "swept": {}} for job in frame.index]
     plan = {"jobs": jobs, "figures": [{"y": ["velocity@BPFO"], "x": "load"}], "units": {}, "accuracy": None}
-    assert "largest step errors: velocity line 0.2 %, velocity RMS 0.1 %" in findings(plan, frame).statements
-    frame["features/chaotic"] = 1.0
-    assert not any("largest step errors" in text for text in findings(plan, frame).statements)
+    chaos = "1 of 2 jobs are chaotic, so only their RMS is checked: step error up to 29 % (`step_error.rms`), scatter"
+    statements = findings(plan, frame).statements
+    assert "largest step errors: velocity line 14 %, velocity RMS 29 %" in statements
+    assert f"{chaos} up to 37 % (`rms_scatter`)" in statements
+    frame.loc[JOB, "features/rms_scatter"] = float("inf")  # pilot too short
+    assert f"{chaos} unknown in 1 (`rms_scatter`)" in findings(plan, frame).statements
+    frame["features/chaotic"] = 0.0
+    assert not any("chaotic" in text for text in findings(plan, frame).statements)

@@ -79,8 +79,10 @@ def test_chaotic_jobs_are_reported_with_a_remedy(line: list[float], rms: list[fl
     ("errors", "parts"),
     [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
 )
-def test_step_error_of_a_record_is_reported_for_non_chaotic_jobs(errors: list[float], parts: list[str]) -> None:
-    columns = {"features/step_error.record": [*errors, 0.5], "features/chaotic": [0.0, 0.0, 1.0]}
+def test_step_error_of_a_record_is_reported(errors: list[float], parts: list[str]) -> None:
+    """It is an RMS, so that it is reported for a chaotic motion, too; a largest force is not."""
+    columns = {"features/step_error.record": errors, "features/chaotic": [0.0, 1.0]}
+    columns |= {"features/step_error.force": [math.nan, 0.5]}
     warnings = list(step_warnings(pd.DataFrame(columns)))
     assert len(warnings) == bool(parts)
     assert all(part in warnings[0] for part in parts)
