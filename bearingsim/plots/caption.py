@@ -45,6 +45,15 @@ CAPTION_FIELDS = (  # parameters of the caption in order, each with the word bef
     ("method", "method"),
     ("duration", "record"),
 )
+RING_FIELDS = (  # parameters of a flexible ring in order, each with its text around the value
+    ("rig.ring.bends", "flexible ring"),
+    ("rig.ring.harmonics", "{} harmonics"),
+    ("rig.load.by", "load path {}"),
+    ("rig.load.stiffness", "housing stiffness {}"),
+    ("rig.load.fit", "fit {}"),
+    ("rig.sensor.on", "sensor on {}"),
+    ("rig.sensor.angle", "sensor at {}"),
+)
 DEFAULTS = {
     "excitation": "envelope",
     "load_across": 0.0,
@@ -52,6 +61,7 @@ DEFAULTS = {
     "misalignment.inner": 0.0,
     "misalignment.outer": 0.0,
     "bearing.roller_profile.shape": "straight",
+    "rig.load.fit": 0.0,
 }  # defaults left out of the caption
 SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
 DEFECT = ("shape", *SIZES)
@@ -60,6 +70,7 @@ SMALL_UNITS = {
     "contact.damping.beta": "us",
     "misalignment.inner": "mrad",
     "misalignment.outer": "mrad",
+    "rig.load.fit": "um",
 }
 """Units of quantities that are small compared with the usual unit."""
 MAX_WORDS = 4  # distinct words of a parameter written out in a range
@@ -150,9 +161,27 @@ def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
 
 def _machine(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
     for path, word in CAPTION_FIELDS:
+        if path == "method":
+            yield from ring_values(parameters, drawn, units)
         value = _single(parameters, path)
         if value is not None and value != DEFAULTS.get(path) and path not in drawn:
             yield f"{word} {labels.value_text(path, value, units)}".strip()
+
+
+def ring_values(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
+    """Describe a flexible ring, its load path and the sensor: `flexible ring`, `housing stiffness 1e10 N/m²`.
+
+    parameters: of the jobs; drawn: swept paths to leave out, or sections of them; units: by path. Nothing is
+    yielded for a rigid ring.
+    """
+    if "rig.ring.bends" not in parameters:
+        return
+    flexible = parameters[parameters["rig.ring.bends"] == "true"]
+    sections = tuple(f"{path}." for path in drawn)
+    for path, template in RING_FIELDS:
+        value = _single(flexible, path)
+        if value is not None and value != DEFAULTS.get(path) and not f"{path}.".startswith(sections):
+            yield template.format(labels.value_text(path, value, units))
 
 
 def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearingsim.catalogue import MEANINGS
 from bearingsim.plots import labels
+from bearingsim.plots.caption import SMALL_UNITS, ring_values
 from bearingsim.plots.points import relative_bounds
 from bearingsim.report.charts import Chart
 from bearingsim.report.columns import Column, column_of, main_features, status_texts
@@ -189,6 +190,9 @@ def _computed(results: "Results") -> Iterator[Fact]:
             for name in dict.fromkeys(parameters.get(column, ()))
             if name in MEANINGS
         )
+    ring = list(ring_values(parameters, set(), SMALL_UNITS | dict(results.plan["units"])))
+    if ring:
+        yield "Outer ring", ", ".join(ring)
     if "method" in info and len(info):
         yield "Methods", _tally(info["method"])
     if "step_s" in info and info["step_s"].notna().any():

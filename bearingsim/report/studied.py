@@ -55,7 +55,7 @@ def studied(results: "Results") -> Iterator[Fact]:
         yield "Varied", "; ".join(texts)
     if tried:
         ranges = [labels.printed(PARAMETER_KINDS[name].range_text(values)) for name, values in tried.items()]
-        laws = machine_values(results, rows, {path for path, _ in CAPTION_FIELDS} - DAMPING)
+        laws = machine_values(results, rows, {"rig", *(path for path, _ in CAPTION_FIELDS)} - DAMPING)
         nominal = {"damping": ", ".join(laws).removeprefix("damping ")}
         nominal["clearance"] = _span("clearance", parameters, SMALL_UNITS | dict(units))
         nominal_texts = [f", nominal: {nominal[name]}" if nominal.get(name) else "" for name in tried]

@@ -7,6 +7,8 @@ from matplotlib.colors import to_rgb
 
 from bearingsim.plots import labels, style
 from bearingsim.plots.plot import drawn
+from bearingsim.report.page import page_of
+from bearingsim.report.studied import studied
 from tests.scenes.figure_results import FIGURES, STUDY, only, results
 
 __all__ = ["results"]
@@ -27,6 +29,20 @@ def test_caption_gives_fixed_but_not_drawn_parameters(results):
     assert "1800 rpm" in caption
     assert "length 3" not in caption
     assert "model" not in caption
+
+
+def test_caption_names_a_flexible_ring_with_its_support_and_the_sensor(results):
+    """Bending of the ring and the place of the sensor change amplitudes several-fold."""
+    rig = "rig: {ring: {bends: true}, load: {by: housing, stiffness: 1e10 N/m/m, fit: -10 um}, %s}\n"
+    text = STUDY.replace("[static, ring]", "[static, rollers]") + FIGURES
+    opened = results(text + rig % "sensor: {on: housing, angle: 30 deg}")
+    _, canvas = only(drawn(opened))
+    caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    ring = "flexible ring, 8 harmonics, load path housing, housing stiffness 1e10 N/m², fit -10 µm"
+    assert f"{ring}, sensor on housing, sensor at 30°" in caption
+    facts = dict(studied(opened))
+    assert ring in facts["Fixed"]
+    assert dict(page_of(opened).computed)["Outer ring"].startswith(ring)
 
 
 def test_caption_omits_drawn_parameters_if_one_job_is_finished(results):
