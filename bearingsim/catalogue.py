@@ -191,7 +191,7 @@ MEANINGS = {
     "ring": "model: the outer ring moves on massless rollers; the cage turns at its kinematic speed",
     "rollers": "model: rollers move radially, the outer ring in the plane; the cage turns at its kinematic speed, "
     "without slip",
-    "planar": "model: rollers, cage and outer ring move in the plane, with friction and slip",
+    "planar": "model: rollers, cage and outer ring move in the plane, with slip if there is friction",
     "spatial": "model: as planar, with rollers in slices that tilt and skew",
     "palmgren": "contact stiffness: force of a steel line contact, k δ^(10/9) (Palmgren)",
     "iso16281": "contact stiffness: force of a steel line contact by slices, k δ^(10/9) (ISO 16281)",

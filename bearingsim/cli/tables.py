@@ -36,7 +36,7 @@ def show_jobs(
 
     columns: replace the usual ones, at any width. every: all usual columns, at any width in a pipe.
     """
-    from bearingsim.runner.promises import withdrawals
+    from bearingsim.runner.promises import empty_error_notes, withdrawals
 
     table = results.table()
     rows = table[table["status"] == "failed"] if failed else table
@@ -67,7 +67,7 @@ def show_jobs(
     if len(printed_rows) < len(rows):
         _print_wrapped(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
     _print_wrapped(_status_counts(table) + _variation_text(results))
-    for text in withdrawals(results.plan, results.frame):
+    for text in (*withdrawals(results.plan, results.frame), *empty_error_notes(results.plan)):
         _print_wrapped(text)
     _print_measured(results)
     info = results.info().reindex(table["job"])

@@ -190,6 +190,8 @@ def _computed(results: "Results") -> Iterator[Fact]:
             for name in dict.fromkeys(parameters.get(column, ()))
             if name in MEANINGS
         )
+    if "friction.law" in parameters and parameters["friction.law"].notna().any():
+        yield "Friction", _tally(parameters["friction.law"].dropna())
     ring = list(ring_values(parameters, set(), SMALL_UNITS | dict(results.plan["units"])))
     if ring:
         yield "Outer ring", ", ".join(ring)

@@ -18,6 +18,7 @@ from bearingsim.study.uncertainty import (
     NO_SLIP,
     RIGID_RING,
     SMOOTH_SURFACES,
+    WITHOUT_FRICTION,
     damping_remark,
     sweeps_damping,
 )
@@ -123,6 +124,8 @@ def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterato
     if is_uncertain and has_bracket and "bracket" not in varied_quantities:
         yield "bracket"
     yield from (name for sentence, name in ((NO_SLIP, "no slip"), (NO_OIL, "no oil drag")) if sentence in stated)
+    if any(text.endswith(WITHOUT_FRICTION) for text in stated):
+        yield from ("no slip (effect: `error.friction`)", "no oil drag")
 
 
 def _has_smooth_surfaces(plan: Mapping[str, Any], frame: "pd.DataFrame") -> bool:

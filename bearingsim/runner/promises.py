@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.store.spread import errors
-from bearingsim.study.uncertainty import PARAMETER_KINDS
+from bearingsim.study.uncertainty import PARAMETER_KINDS, RIGID_RING
 from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
@@ -67,11 +67,20 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
         count = f"{within} of the other {len(done)} cases"
         yield f"{count} are within {_percent(accuracy)} according to their trials{others}"
     elif done:
-        yield f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
+        count = f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
+        yield f"{count}; relative to the largest value of the curve"
     yield from _remedies(bounds, exceeding, accuracy)
     if len(total_errors) < len(done):
         unknown = len(done) - len(total_errors)
         yield f"{unknown} chaotic cases: standard error of a line unknown, and thus the accuracy"
+    if done:
+        yield from empty_error_notes(plan)
+
+
+def empty_error_notes(plan: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the reason why the column `error` of a study with `accuracy` is empty, and its remedy."""
+    if plan.get("accuracy") and RIGID_RING in plan.get("assumptions", ()):
+        yield "`error` is empty because the ring may bend: if it is rigid, add `rig: {ring: {bends: false}}`"
 
 
 def _percent(accuracy: Mapping[str, Any]) -> str:

@@ -21,6 +21,8 @@ from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
     RIGID_RING,
+    TRIED_FRICTION,
+    WITHOUT_FRICTION,
     UncertainParameter,
     assumes_rigid_ring,
     sample_cases,
@@ -202,13 +204,13 @@ class Study:
         """Return the assumption on friction and oil of a study with `accuracy`, in words."""
         if self.goal is None or any(case.drag is not None for case in self.cases()):
             return ()
-        friction_tested = self.selection is not None and any(
-            chosen.friction for chosen in self.selection.jobs.values()
-        )
-        has_friction = friction_tested or any(
-            specifies_slip(case) or has_default_friction(case) for case in self.cases()
-        )
-        return (NO_OIL,) if has_friction else (NO_SLIP,)
+        if self.selection is None and any(map(has_default_friction, self.cases())):
+            return (f"{TRIED_FRICTION} (docs/accuracy.md)",)
+        choices = [] if self.selection is None else list(self.selection.jobs.values())
+        frictionless = sum(bool(choice.friction) for choice in choices)
+        if frictionless:
+            return (f"{frictionless} of {len(choices)} cases computed {WITHOUT_FRICTION}",)
+        return (NO_OIL,) if any(map(specifies_slip, self.cases())) else (NO_SLIP,)
 
     def variations(self) -> list[Variation]:
         """List the variations of all cases by `uncertainty`, or without it, of the damping in a few cases.

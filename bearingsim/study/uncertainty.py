@@ -364,6 +364,11 @@ def variations(case: Case, parameters: Sequence[UncertainParameter]) -> list[tup
 RIGID_RING = "rigid ring assumed; bending can change amplitudes several-fold (docs/ring.md)"
 NO_SLIP = "pure rolling assumed; slip and oil drag change amplitudes by some percent (docs/accuracy.md)"
 NO_OIL = "dry friction assumed; oil drag changes amplitudes by some percent, RMS by more (docs/accuracy.md)"
+WITHOUT_FRICTION = (
+    "without friction; `error.friction` is the effect of dry friction, not of oil drag (docs/accuracy.md)"
+)
+TRIED_FRICTION = "dry friction is tried, and computed if its effect is too large; oil drag is neglected"
+"""Assumptions of a study with `accuracy` that does not specify friction, after and before its trials."""
 SMOOTH_SURFACES = (
     "smooth surfaces assumed; waviness can change amplitudes at light load several-fold (docs/form.md)"
 )

@@ -45,6 +45,16 @@ def test_caption_names_a_flexible_ring_with_its_support_and_the_sensor(results):
     assert dict(page_of(opened).computed)["Outer ring"].startswith(ring)
 
 
+def test_caption_and_report_agree_on_friction(results):
+    """The model `planar` computes friction only if there is any."""
+    opened = results(STUDY.replace("[static, ring]", "[planar]") + "friction: none\n" + FIGURES)
+    _, canvas = only(drawn(opened))
+    assert "friction none" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    computed = dict(page_of(opened).computed)
+    assert computed["Friction"] == "none (8 runs)"
+    assert computed["planar"].endswith("with slip if there is friction")
+
+
 def test_caption_omits_drawn_parameters_if_one_job_is_finished(results):
     _, canvas = only(drawn(results(lost=dict.fromkeys(range(1, 12), "missing"))))
     assert not {"length", "load", "model"} & set(canvas.get_supxlabel().replace("\u00a0", " ").split())

@@ -66,7 +66,9 @@ def test_step_errors_of_chaotic_jobs_are_named_with_the_rest() -> None:
     frame = pd.DataFrame(columns, index=[JOB, "1" * 16]).add_prefix("features/").assign(status="done")
     jobs = [{"job": job, "healthy": "", "twin": False, "variation": False, "swept": {}} for job in frame.index]
     plan = {"jobs": jobs, "figures": [{"y": ["velocity@BPFO"], "x": "load"}], "units": {}, "accuracy": None}
-    chaos = "1 of 2 jobs are chaotic, so only their RMS is checked: step error up to 29 % (`step_error.rms`), scatter"
+    chaos = (
+        "1 of 2 jobs are chaotic, so only their RMS is checked: step error up to 29 % (`step_error.rms`), scatter"
+    )
     statements = findings(plan, frame).statements
     assert "largest step errors: velocity line 14 %, velocity RMS 29 %" in statements
     assert f"{chaos} up to 37 % (`rms_scatter`)" in statements

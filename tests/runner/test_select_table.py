@@ -6,7 +6,9 @@ from typing import Any
 import pytest
 
 from bearingsim import store
+from bearingsim.runner.findings import findings
 from bearingsim.study import load_study
+from bearingsim.study.uncertainty import WITHOUT_FRICTION
 from tests.scenes import trials
 from tests.scenes.choices import RIGID, compute
 from tests.scenes.commands import type_
@@ -39,7 +41,11 @@ def test_table_contains_the_error_of_friction(write: Write, tmp_path: Path) -> N
     assert cases["error.friction"].to_numpy() == pytest.approx([0.002 / 3.0, 0.002, 0.002], rel=1e-6)
     assert cases["error"].to_numpy() == pytest.approx((cases["error.model"] + cases["error.friction"]).to_numpy())
     plan = store.read_plan(tmp_path / "out")
-    assert "dry friction assumed" in " ".join(plan["assumptions"])
+    assert f"3 of 3 cases computed {WITHOUT_FRICTION}" in plan["assumptions"]
+    assert findings(plan, store.job_frame(tmp_path / "out")).assumptions[-2:] == (
+        "no slip (effect: `error.friction`)",
+        "no oil drag",
+    )
     assert len(plan["accuracy"]["audits"]) == 3
 
 
@@ -50,7 +56,12 @@ def test_no_total_error_for_a_ring_assumed_to_be_rigid(write: Write, tmp_path: P
     assert table["error.model"].notna().sum() == 3
     output = str(summary)
     assert "models for 5 %: `rollers` in 3 of 3 cases" in output
-    assert "3 of 3 cases are within 5 % of the reference model" in output
+    assert (
+        "3 of 3 cases are within 5 % of the reference model; relative to the largest value of the curve" in output
+    )
+    hint = "`error` is empty because the ring may bend: if it is rigid, add `rig: {ring: {bends: false}}`"
+    assert hint in output
+    assert hint in type_("show", tmp_path / "out")[0].splitlines()
     assert (
         "audit: 3 of 3 jobs recomputed with their reference are within the accuracy; largest difference 0.99 %"
         in output

@@ -105,13 +105,16 @@ def test_unknown_error_of_nodes_leaves_no_total_error() -> None:
     assert bounds["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
 
 
+RELATIVE = "relative to the largest value of the curve"
+
+
 def test_more_nodes_are_recommended_where_they_suffice() -> None:
     goal = plan([LINE], {LINE: 0.01})
     for job, nodes in {"a": 0.03, "b": 0.045, "c": 0.5}.items():
         goal["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
     goal["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without more nodes
     assert list(accuracy_notes(goal, frame({LINE: [1.0, 2.0, 2.0]}))) == [
-        "1 of 3 cases are within 5 % of the reference model, the others within 56 %",
+        f"1 of 3 cases are within 5 % of the reference model, the others within 56 %; {RELATIVE}",
         "  1 more would be within it with more `contact.length_nodes` (slices, harmonics)",
     ]
 
@@ -124,7 +127,7 @@ def test_chaotic_line_with_unknown_scatter_has_no_total_error() -> None:
     assert bounds["error"].isna().tolist() == [True, False, False]
     assert bounds["error.model"].tolist() == [0.03] * 3
     notes = list(accuracy_notes(goal, frame(columns)))
-    assert "2 of 3 cases are within 5 % of the reference model" in notes
+    assert f"2 of 3 cases are within 5 % of the reference model; {RELATIVE}" in notes
     assert "1 chaotic cases: standard error of a line unknown, and thus the accuracy" in notes
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.study import Problem, StudyError, load_study
 from bearingsim.study.goal import Goal
-from bearingsim.study.uncertainty import NO_OIL, NO_SLIP
+from bearingsim.study.uncertainty import NO_OIL, NO_SLIP, TRIED_FRICTION
 from tests.scenes.study_text import BASE, Write
 
 FIGURE = "figures: [{y: [velocity@BPFO, seconds, velocity.rms], x: load}, {y: velocity@BPFO, x: load}]\n"
@@ -249,7 +249,7 @@ def test_case_beyond_every_model_has_no_reference(write: Write) -> None:
 @pytest.mark.parametrize(
     ("fields", "assumed"),
     [
-        ("accuracy: {within: 2 %, of: [velocity.rms]}\n", (NO_OIL,)),
+        ("accuracy: {within: 2 %, of: [velocity.rms]}\n", (f"{TRIED_FRICTION} (docs/accuracy.md)",)),
         ("accuracy: {within: 2 %, of: [velocity.rms]}\nfriction: none\n", (NO_SLIP,)),
         ("accuracy: {within: 2 %, of: [velocity.rms]}\ncage: {pocket_clearance: 0.1 mm}\n", (NO_OIL,)),
         ("accuracy: {within: 2 %, of: [velocity.rms]}\ndrag: {oil_fraction: 0.1}\n", ()),
