@@ -1,11 +1,10 @@
-"""Choice of a case's method and automatic step, and of further attempts if a run fails.
+"""Choice of a case's method and automatic step, and of attempts at a run.
 
 The method is the cheapest whose error of the defect's line is within 1 %, from its step limit and cost per step. A
-response that may be periodic is integrated by velocity Verlet. If it is not periodic after some ball passes, and
-another method needs less CPU time for the whole run than Verlet for the rest, the other method is used.
+response that may be periodic is integrated by velocity Verlet. The price of an attempt increases if its step is
+refused, or if no ball pass repeats another. The next attempt is always the cheapest.
 """
 
-from collections.abc import Iterator
 from functools import lru_cache
 from math import inf
 from typing import NamedTuple
@@ -25,30 +24,62 @@ STEP_FRACTIONS = (1.0, 0.5, 0.25, 0.125)
 ADAPTIVE_MARGIN, IMPLICIT_MARGIN = 1.2, 2.0
 """Safety factors on the estimated cost of explicit adaptive methods, with steps limited by stability, and of
 implicit methods, with steps limited by accuracy."""
+MIN_SAVING = 0.2
+"""CPU time (s) that another attempt must save over a shorter step, because of its own setup and pilots: chosen on
+400 random scenes, tested on 200 others (docs/evidence/speed.md)."""
 
 
 class Choice(NamedTuple):
     """Method of a case, the reason in words, and prices (CPU s) of suitable methods.
 
-    prices: sorted by price times ``margin``; patience: ball passes after which the next method computes a response
-    that is not periodic, 0 for never.
+    prices: sorted by price times ``margin``.
     """
 
     method: str | None
     reason: str
     prices: dict[str, float]
-    patience: int = 0
 
 
 class Attempt(NamedTuple):
     """Case with a named method, and the fraction of the automatic step (or tolerance) to use.
 
-    patience: as in ``Choice``.
+    price: estimated CPU time (s), times ``margin``; limit: price above which the next attempt is made first, if
+    this one turns out to be more expensive; regular: whether another method has shown that the motion is not
+    chaotic.
     """
 
     case: Case
     step_fraction: float
-    patience: int = 0
+    price: float = 0.0
+    limit: float = inf
+    regular: bool = False
+
+    @property
+    def patience(self) -> int:
+        """Ball passes after which a run without a period is too costly; 0 for never."""
+        case = self.case
+        if not (case.periodic and case.until is None and may_repeat(case)):
+            return 0
+        patience, estimate = int(price("patience")), _cost(case)
+        remaining_cost = estimate.non_periodic - patience * estimate.one_pass
+        return patience if self.limit < margin(str(case.method)) * remaining_cost / self.step_fraction else 0
+
+    def repriced(self, step_fraction: float, periodic: bool) -> "Attempt":
+        """Return the attempt at a step, with its price. periodic: whether the response may still be periodic."""
+        computed_in_full = not periodic and self.case.until is None
+        cost_at_step = _cost(self.case.model_copy(update={"periodic": True}))
+        seconds = cost_at_step.non_periodic if computed_in_full else cost_at_step.total
+        return self._replace(
+            step_fraction=step_fraction, price=margin(str(self.case.method)) * seconds / step_fraction
+        )
+
+    def shorter(self) -> "Attempt | None":
+        """Return the attempt with a shorter step and its price; None if there is no shorter one."""
+        fractions = STEP_FRACTIONS if has_automatic_step(self.case) else (1.0,)
+        shorter = next((fraction for fraction in fractions if fraction < self.step_fraction), None)
+        if shorter is None:
+            return None
+        return self._replace(step_fraction=shorter, price=self.price * self.step_fraction / shorter)
 
 
 def resolve(case: Case) -> Case:
@@ -67,21 +98,17 @@ def with_method(case: Case, method: str | None) -> Case:
     return case.model_copy(update={"method": method})
 
 
-def attempts(case: Case) -> Iterator[Attempt]:
-    """Yield the attempts in order: shorter automatic steps, then (with `auto`) other methods.
-
-    If the first method has a limited patience, it is tried again at the end without limit. Raises ``Refused`` if
-    the step check is strict and the run would not settle.
+def attempts(case: Case) -> list[Attempt]:
+    """List an attempt by each method for a case. Raises ``Refused`` if the step check is strict and the run would
+    not settle.
     """
-    preferred, patience = resolve(case), choice(case).patience
+    preferred = resolve(case)
     refuse_unsettled(preferred)
-    step_fractions = STEP_FRACTIONS if has_automatic_step(case) else (1.0,)
-    for step_fraction in step_fractions:
-        yield Attempt(preferred, step_fraction, patience)
-    for name in candidate_methods(case)[1:]:
-        yield from (Attempt(with_method(preferred, name), step_fraction) for step_fraction in step_fractions)
-    if patience > 0:
-        yield from (Attempt(preferred, step_fraction) for step_fraction in step_fractions)
+    prices = choice(case).prices
+    return [
+        Attempt(with_method(preferred, name), 1.0, margin(str(name)) * prices.get(str(name), 0.0))
+        for name in candidate_methods(case)
+    ]
 
 
 def has_automatic_step(case: Case) -> bool:
@@ -130,20 +157,14 @@ def choice(case: Case) -> Choice:
         )
     if not may_repeat(with_method(periodic, EXPLICIT)):
         return Choice(EXPLICIT, "no other method needs much less CPU time", prices)
-    return Choice(EXPLICIT, "the response may be periodic", prices, _patience(case, costs))
+    return Choice(EXPLICIT, "the response may be periodic", prices)
 
 
 def margin(name: str) -> float:
     """Return the safety factor on a method's estimated cost."""
+    if name not in METHODS:
+        return 1.0
     return IMPLICIT_MARGIN if METHODS[name].implicit else ADAPTIVE_MARGIN if METHODS[name].adaptive else 1.0
-
-
-def _patience(case: Case, costs: dict[str, Cost]) -> int:
-    """Return the ball passes after which another method replaces Verlet if there is no period yet; 0: never."""
-    others = [margin(name) * estimate.total for name, estimate in costs.items() if name != EXPLICIT]
-    patience = int(price("patience"))
-    remaining_cost = costs[EXPLICIT].non_periodic - patience * costs[EXPLICIT].one_pass
-    return patience if case.periodic and case.until is None and min(others, default=inf) < remaining_cost else 0
 
 
 def can_step(case: Case, name: str) -> bool:

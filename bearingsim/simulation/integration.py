@@ -34,9 +34,9 @@ from bearingsim.simulation.repetition import (
 )
 from bearingsim.simulation.run_setup import (
     MethodFailure,
-    NotPeriodic,
     Setup,
     SimulationError,
+    TooCostly,
     nested_types,
     run_failure,
 )
@@ -183,7 +183,7 @@ def integrate(
     Ends after all passes, at an inspection, or once the motion is periodic within ``closeness``, after a whole
     number of periods (so that a run started from its end is in phase). perturbation: initial perturbation of the
     ring, relative to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static
-    equilibrium; patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never;
+    equilibrium; patience: ball passes after which a non-periodic motion raises ``TooCostly``, 0 for never;
     max_passes: largest number of ball passes; inspector: inspections that may end the run; begun: the same run,
     of which some passes are computed. It is continued if no end of the run lies within them.
     """
@@ -199,8 +199,9 @@ def integrate(
         if passes == max_passes:
             break
         if run.period == 0 and passes == patience:
-            seconds = passes / setup.grid.rate
-            raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", seconds)
+            raise TooCostly(
+                f"no ball pass of {passes} repeats another", setup.step_fraction, periodic=False, regular=False
+            )
     return run.record()
 
 

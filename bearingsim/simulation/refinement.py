@@ -20,7 +20,7 @@ from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import begins_with_pilot, price
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import searches_for_period
-from bearingsim.simulation.run_setup import NotPeriodic, Setup, StepRefused, set_up
+from bearingsim.simulation.run_setup import Setup, StepRefused, TooCostly, set_up
 from bearingsim.simulation.settling import decay_time, extrapolation_passes
 from bearingsim.simulation.step_check import (
     COARSE_BOUNDS,
@@ -34,6 +34,7 @@ from bearingsim.simulation.step_check import (
     check_on_pilot,
     finer_orbit,
     refusal,
+    step_ratio,
 )
 from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.simulation.time_grid import MAX_CPU, SAFETY, requested_step
@@ -88,33 +89,34 @@ class BegunRuns:
         return self.runs.get(step_fraction)
 
 
-def refine_step(case: Case, step_fraction: float, patience: int = 0) -> Refinement:
-    """Refine the automatic step of a case with a named method until it is accepted.
+def refine_step(attempt: choice.Attempt) -> Refinement:
+    """Refine the automatic step of an attempt until it is accepted.
 
-    step_fraction: factor on the automatic step; patience: raises ``NotPeriodic`` if nonzero and no period is
-    found. Raises ``StepRefused`` if no step is accepted, and like ``integrate``.
+    Raises ``TooCostly`` if the price of a shorter step, or of a response that is not periodic, is above the limit
+    of the attempt; ``StepRefused`` if no step is accepted; and like ``integrate``.
     """
-    coarse = set_up(case, _start(case, step_fraction))
+    coarse = set_up(attempt.case, _start(attempt))
     begun = BegunRuns(coarse.case)
     if searches_for_period(coarse.case):
         searched = _search(coarse)
-        if (periodic := _refine_on_orbit(coarse, searched.record())) is not None:
+        if (periodic := _refine_on_orbit(attempt, coarse, searched.record())) is not None:
             return periodic
-        if patience > 0:
-            raise NotPeriodic("no ball pass repeats another", "name a `method`")
+        if attempt.patience > 0:
+            raise TooCostly("no ball pass repeats another", attempt.step_fraction, periodic=False, regular=False)
         if begins_with_pilot(coarse.case) and coarse.case.periodic and searched.period == 0:
             begun.runs[coarse.step_fraction] = searched
-    return _refine_on_pilots(coarse, begun, is_stable=coarse.step_fraction == INITIAL_FACTOR * step_fraction)
+    return _refine_on_pilots(attempt, coarse, begun)
 
 
-def refine_periodic(case: Case, step_fraction: float) -> Refinement | None:
-    """Refine the step of a case like ``refine_step``; None if the motion is not periodic within a few passes."""
-    coarse = set_up(case, _start(case, step_fraction))
-    return _refine_on_orbit(coarse, _search(coarse).record())
+def refine_periodic(attempt: choice.Attempt) -> Refinement | None:
+    """Refine the step of an attempt like ``refine_step``; None if it is not periodic within a few passes."""
+    coarse = set_up(attempt.case, _start(attempt))
+    return _refine_on_orbit(attempt, coarse, _search(coarse).record())
 
 
-def _start(case: Case, step_fraction: float) -> float:
+def _start(attempt: choice.Attempt) -> float:
     """Return the multiple of the automatic step at which a refinement starts, limited to a stable step."""
+    case, step_fraction = attempt.case, attempt.step_fraction
     if assemble.is_adaptive(case):
         return INITIAL_FACTOR * step_fraction
     return step_fraction * min(INITIAL_FACTOR, SAFETY * choice.limits(case).at_impact / requested_step(case))
@@ -133,7 +135,7 @@ def _search(coarse: Setup) -> Run:
     return run
 
 
-def _refine_on_orbit(coarse: Setup, raw: RawRecord) -> Refinement | None:
+def _refine_on_orbit(attempt: choice.Attempt, coarse: Setup, raw: RawRecord) -> Refinement | None:
     """Refine the step of a motion that is periodic within a search, ``raw``; None if it is not.
 
     The finer run is the result, unless the case is computed in full or the record contains a transient, because it
@@ -150,17 +152,18 @@ def _refine_on_orbit(coarse: Setup, raw: RawRecord) -> Refinement | None:
         if _is_last(finer, check):
             accepted = replace(finer, case=case)
             return Refinement(accepted, finer_raw if case.periodic and is_steady else None, check)
+        _refuse_costly(attempt, coarse, finer, periodic=True, regular=True)
         setup, raw = finer, finer_raw
     return None
 
 
-def _refine_on_pilots(coarse: Setup, begun: BegunRuns, is_stable: bool) -> Refinement:
-    """Refine the step of a non-periodic motion on pilots.
+def _refine_on_pilots(attempt: choice.Attempt, coarse: Setup, begun: BegunRuns) -> Refinement:
+    """Refine the step of a non-periodic motion on pilots. begun: runs computed so far.
 
-    begun: runs computed so far; is_stable: whether the first step is not limited by stability. An adaptive method
-    always uses the finer tolerance, because its error may not change with the tolerance: a force 1.4 % off changed
-    by 0.06 %.
+    An adaptive method always uses the finer tolerance, because its error may not change with the tolerance: a
+    force 1.4 % off changed by 0.06 %. The first step is not used if it is limited by stability.
     """
+    is_stable = attempt.step_fraction < 1.0 or coarse.step_fraction == INITIAL_FACTOR
     case, step_fraction, factor = Inspections(coarse).earliest.case, coarse.step_fraction, 1.0
     previous: FinerPilot | None = None
 
@@ -169,7 +172,9 @@ def _refine_on_pilots(coarse: Setup, begun: BegunRuns, is_stable: bool) -> Refin
 
     while True:
         pilot_run = pilot(case, factor)
-        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous, begun.beginning)
+        check, is_doubtful, finer = check_on_pilot(
+            case, step_fraction, *pilot_run, previous, begun.beginning, attempt.regular
+        )
         if is_doubtful and factor < SECOND_PILOT and pilot(case, SECOND_PILOT) != pilot_run:
             factor, previous = SECOND_PILOT, None
             continue
@@ -180,7 +185,16 @@ def _refine_on_pilots(coarse: Setup, begun: BegunRuns, is_stable: bool) -> Refin
         check = replace(check, bounds=FINER_BOUNDS)
         if _is_last(finer.setup, check):
             return refinement(finer.setup.step_fraction, check)
+        _refuse_costly(attempt, coarse, finer.setup, periodic=False, regular=not check.chaotic)
         step_fraction, previous = finer.setup.step_fraction, finer
+
+
+def _refuse_costly(attempt: choice.Attempt, coarse: Setup, refused: Setup, periodic: bool, regular: bool) -> None:
+    """Raise ``TooCostly`` if the next shorter step, after one that is refused, costs more than the limit."""
+    shorter = refused.step_fraction * step_ratio(refused.grid.decimation)
+    if attempt.repriced(shorter, periodic).price > attempt.limit:
+        step_fraction = attempt.step_fraction * refused.step_fraction / coarse.step_fraction
+        raise TooCostly(f"{refused.case.method} needs a shorter step", step_fraction, periodic, regular)
 
 
 def _is_last(finer: Setup, check: StepCheck) -> bool:

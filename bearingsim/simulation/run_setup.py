@@ -43,8 +43,16 @@ class TooSlow(MethodFailure):
     """Failure due to excessive CPU time, which a shorter step would increase."""
 
 
-class NotPeriodic(MethodFailure):
-    """End of a run that is not periodic and that another method computes faster."""
+class TooCostly(MethodFailure):
+    """End of an attempt whose price is above that of the next one.
+
+    step_fraction: fraction of the automatic step at which it would be continued; periodic: whether the response
+    may still be periodic; regular: whether it is known not to be chaotic.
+    """
+
+    def __init__(self, reason: str, step_fraction: float, periodic: bool, regular: bool) -> None:
+        super().__init__(reason, "name a `method`")
+        self.step_fraction, self.periodic, self.regular = step_fraction, periodic, regular
 
 
 class TooChaotic(SimulationError):

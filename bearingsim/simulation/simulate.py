@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import floor, nan, sqrt
+from math import floor, inf, nan, sqrt
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -23,10 +23,10 @@ from bearingsim.simulation.refinement import refine_periodic, refine_step
 from bearingsim.simulation.repetition import may_be_periodic, may_repeat, searches_for_period
 from bearingsim.simulation.run_setup import (
     MethodFailure,
-    NotPeriodic,
     Setup,
     SimulationError,
     StepRefused,
+    TooCostly,
     TooSlow,
     set_up,
 )
@@ -127,30 +127,33 @@ def try_out(
 
 
 def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
-    """Run the attempts at a case in order; return the first result that passes its checks."""
+    """Make the attempts at a case, always the cheapest next; return the first result that passes its checks."""
     extensions.refuse_broken()
     failures: dict[str, SimulationError] = {}
-    excluded: set[tuple[str | None, int]] = set()  # (method, patience) for which shorter steps do not help
-    for attempt in _attempts(case):
-        key = attempt.case.method, attempt.patience
-        if key in excluded:
-            continue
+    queue = _attempts(case)
+    while queue:
+        queue.sort(key=lambda attempt: attempt.price)
+        attempt = queue.pop(0)
+        further: choice.Attempt | None = None
         try:
-            return compute(attempt)
-        except NotPeriodic:
-            excluded.add(key)
+            return compute(attempt._replace(limit=queue[0].price + choice.MIN_SAVING if queue else inf))
+        except TooCostly as error:
+            further = attempt.repriced(error.step_fraction, error.periodic)
+            queue = [other._replace(regular=other.regular or error.regular) for other in queue]
         except MethodFailure as error:
             failures[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
-            if isinstance(error, TooSlow | StepRefused):
-                excluded |= {key, (attempt.case.method, 0)}
+            if not isinstance(error, TooSlow | StepRefused):
+                further = attempt.shorter()
         except Refused as error:  # too many steps; an earlier failure of longer steps is more informative
             failures.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
+        if further is not None:
+            queue.append(further)
     raise _combined_error(list(failures.values()))
 
 
 def _attempts(case: Case) -> list[choice.Attempt]:
     try:
-        return list(choice.attempts(case))
+        return choice.attempts(case)
     except Refused as error:
         raise SimulationError(error.reason, error.advice) from error
 
@@ -169,10 +172,10 @@ def _combined_error(errors: list[SimulationError]) -> SimulationError:
 
 def _simulate(attempt: choice.Attempt, start: Usage) -> Record:
     """Compute a case by one attempt."""
-    case, step_fraction, patience = attempt
+    case = attempt.case
     if not (case.checks_step and choice.has_automatic_step(case)):
-        return _record(*_unrefined(case, step_fraction, patience), start)
-    setup, refined_raw, check, begun = refine_step(case, step_fraction, patience)
+        return _record(*_unrefined(attempt), start)
+    setup, refined_raw, check, begun = refine_step(attempt)
     inspections = Inspections(setup)
     raw = integrate(setup, inspector=inspections, begun=begun) if refined_raw is None else refined_raw
     if case.step_check == "strict":
@@ -180,15 +183,16 @@ def _simulate(attempt: choice.Attempt, start: Usage) -> Record:
     return _record(inspections, raw, check, start)
 
 
-def _unrefined(case: Case, step_fraction: float, patience: int) -> tuple[Inspections, RawRecord, StepCheck]:
+def _unrefined(attempt: choice.Attempt) -> tuple[Inspections, RawRecord, StepCheck]:
     """Compute a case at its own step, or at an unchecked automatic step."""
-    setup = set_up(case, step_fraction)
+    case = attempt.case
+    setup = set_up(case, attempt.step_fraction)
     inspections = Inspections(setup)
     if not searches_for_period(setup.case):
         check = step_check.verify_step(inspections.earliest)
         return inspections, integrate(setup, inspector=inspections), check
     until_periodic = replace(setup, case=setup.case.model_copy(update={"periodic": True}))
-    raw = integrate(until_periodic, patience=patience, inspector=inspections)
+    raw = integrate(until_periodic, patience=attempt.patience, inspector=inspections)
     check = step_check.verify_step(until_periodic if raw.repetition.period > 0 else inspections.earliest, raw)
     if not case.periodic and raw.repetition.period > 0:
         del raw  # frees its memory before the full run
@@ -205,12 +209,12 @@ def _try_out(
     reference_values: ReferenceValues | None,
 ) -> tuple[Trial, Record | None]:
     """Compute the first passes of a case by one attempt, and its record if the passes complete it."""
-    case, step_fraction, _ = attempt
+    case = attempt.case
     needs_record = case.step_check not in ("strict", False)
-    setup, refined_raw, check, begun = set_up(case, step_fraction), None, None, None
+    setup, refined_raw, check, begun = set_up(case, attempt.step_fraction), None, None, None
     may_end = reference_values is not None and bool(Inspections(setup).passes)
     if needs_record and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
-        refinement = refine_step(case, step_fraction) if may_end else refine_periodic(case, step_fraction)
+        refinement = refine_step(attempt) if may_end else refine_periodic(attempt)
         if refinement is not None:
             setup, refined_raw, check, begun = refinement
     inspections = Inspections(setup)

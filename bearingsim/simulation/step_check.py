@@ -256,11 +256,12 @@ def check_on_pilot(
     passes: int,
     previous: FinerPilot | None = None,
     beginning: Callable[[Setup], RawRecord | None] = lambda pilot_setup: None,
+    regular: bool = False,
 ) -> PilotCheck:
     """Check the step of a case by a pilot of ``passes``.
 
     previous: its coarse pilot, if already computed; beginning: returns the record of a pilot from the run that it
-    begins, None if there is no such run.
+    begins, None if there is no such run; regular: whether the motion is known not to be chaotic.
     """
     allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
     pilot_case = pilot_case.model_copy(update={"periodic": False, "step_check": False})
@@ -272,7 +273,7 @@ def check_on_pilot(
     )
     coarse_run = previous.signals if previous is not None else run_pilot(coarse, passes, raw=beginning(coarse))
     fine_run = run_pilot(fine, passes, raw=beginning(fine))
-    finer = FinerPilot(fine, fine_run, previous is not None and previous.converges)
+    finer = FinerPilot(fine, fine_run, regular or (previous is not None and previous.converges))
     check = StepCheck(*compare(coarse_run, fine_run))
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
     step_changes = (

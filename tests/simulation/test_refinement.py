@@ -198,7 +198,7 @@ def test_non_periodic_run_uses_the_coarse_step_if_its_error_bound_holds(change: 
 def test_record_with_a_transient_is_computed_from_rest(settle: str) -> None:
     """The finer orbit contains no transient."""
     test_case = case(model="rollers", method="verlet", defect=SLOT, settle=settle)
-    result = refinement.refine_step(choice.resolve(test_case), 1.0)
+    result = refinement.refine_step(choice.Attempt(choice.resolve(test_case), 1.0))
     assert (result.raw is None) == (settle == "0 s")
     record = simulate(test_case)
     fields = {"step": record.info["step_s"], "step_check": False}

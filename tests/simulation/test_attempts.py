@@ -1,0 +1,143 @@
+"""Attempts at a case: the cheapest is always next, also after the price of one has increased."""
+
+from math import inf
+from typing import Any
+from unittest import mock
+
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.simulation import choice, refinement, step_check
+from bearingsim.simulation.pilot import pilot
+from bearingsim.simulation.run_setup import MethodFailure, StepRefused, TooCostly
+from bearingsim.simulation.simulate import SimulationError, _first_sound_attempt
+from tests.scenes.short_cases import SLOT, case
+
+INNER: dict[str, Any] = {"model": "rollers", "defect": SLOT | {"race": "inner"}, "duration": "0.3 s", "record": []}
+
+
+def made_attempts(test_case: Case, failure: Any) -> list[choice.Attempt]:
+    """Return the attempts at a case; ``failure`` returns the exception of each, or None if it succeeds."""
+    made: list[choice.Attempt] = []
+
+    def compute(attempt: choice.Attempt) -> None:
+        made.append(attempt)
+        if (error := failure(attempt)) is not None:
+            raise error
+
+    _first_sound_attempt(test_case, compute)
+    return made
+
+
+def test_the_cheapest_attempt_is_next_whatever_its_method() -> None:
+    """Each attempt is refused until it is the fifth; its price then doubles."""
+    count = iter(range(100))
+
+    def refuse(attempt: choice.Attempt) -> Exception | None:
+        if next(count) == 4:
+            return None
+        return TooCostly("refused", attempt.step_fraction / 2, periodic=False, regular=False)
+
+    made = made_attempts(case(**INNER), refuse)
+    prices = [attempt.price for attempt in made]
+    assert len(made) == 5
+    assert len({attempt.case.method for attempt in made}) > 1
+    assert len(made) > len({attempt.case.method for attempt in made})
+    assert prices == sorted(prices)
+
+
+def test_the_limit_is_the_price_of_the_next_attempt() -> None:
+    [made] = made_attempts(case(**INNER), lambda attempt: None)
+    prices = sorted(attempt.price for attempt in choice.attempts(case(**INNER)))
+    assert made.price == prices[0] > 0.0
+    assert made.limit == prices[1] + choice.MIN_SAVING
+
+
+def test_the_only_method_has_no_limit() -> None:
+    [made] = made_attempts(case(**INNER | {"method": "verlet"}), lambda attempt: None)
+    assert made.limit == inf
+
+
+def test_a_step_that_fails_is_shortened_at_its_price() -> None:
+    made = made_attempts(
+        case(**INNER | {"method": "verlet"}),
+        lambda attempt: None if attempt.step_fraction < 0.2 else MethodFailure("diverged", "shorten it"),
+    )
+    assert [attempt.step_fraction for attempt in made] == list(choice.STEP_FRACTIONS)
+    priced = choice.attempts(case(**INNER))[0]
+    shorter = priced.shorter()
+    assert shorter is not None
+    assert shorter.price == 2.0 * priced.price
+
+
+def test_a_given_step_is_not_shortened() -> None:
+    with pytest.raises(SimulationError, match="diverged"):
+        made_attempts(
+            case(**INNER | {"method": "verlet", "step": "1 us"}),
+            lambda attempt: MethodFailure("diverged", "shorten it"),
+        )
+    assert choice.attempts(case(**INNER | {"method": "verlet", "step": "1 us"}))[0].shorter() is None
+
+
+def test_a_method_whose_steps_are_refused_is_not_tried_again() -> None:
+    def refuse_verlet(attempt: choice.Attempt) -> Exception | None:
+        return StepRefused("refused", "") if attempt.case.method == "verlet" else None
+
+    made = made_attempts(case(**INNER), refuse_verlet)
+    assert [attempt.case.method for attempt in made].count("verlet") <= 1
+
+
+def test_other_methods_know_that_a_motion_is_not_chaotic() -> None:
+    def refuse_once(attempt: choice.Attempt) -> Exception | None:
+        return None if attempt.regular else TooCostly("refused", 1e-3, periodic=False, regular=True)
+
+    first, second = made_attempts(case(**INNER), refuse_once)
+    assert not first.regular
+    assert second.regular
+    assert second.case.method != first.case.method
+
+
+def refused_attempt() -> tuple[choice.Attempt, TooCostly]:
+    """Return an attempt by Verlet whose first two steps are refused, and the error under a low limit."""
+    attempt = choice.Attempt(choice.resolve(case(**INNER | {"method": "verlet"})), 1.0, limit=1e-6)
+    with (
+        mock.patch.object(choice.Attempt, "patience", 0),
+        mock.patch.object(refinement, "_is_last", side_effect=lambda finer, check: finer.step_fraction < 0.5),
+        mock.patch.object(step_check.StepCheck, "holds", False),
+        pytest.raises(TooCostly) as error,
+    ):
+        refinement.refine_step(attempt)
+    return attempt, error.value
+
+
+def test_a_shorter_step_above_the_limit_ends_the_attempt() -> None:
+    attempt, error = refused_attempt()
+    assert error.step_fraction == pytest.approx(1.0 / 5.0**0.5, rel=0.05)
+    assert not error.periodic
+    assert error.regular
+    further = attempt.repriced(error.step_fraction, error.periodic)
+    assert further.price > attempt.repriced(1.0, error.periodic).price
+
+
+def test_a_continued_attempt_takes_the_step_of_an_uninterrupted_one() -> None:
+    attempt, error = refused_attempt()
+    with (
+        mock.patch.object(refinement, "_is_last", side_effect=lambda finer, check: finer.step_fraction < 0.5),
+        mock.patch.object(step_check.StepCheck, "holds", False),
+    ):
+        whole = refinement.refine_step(attempt._replace(limit=inf))
+        continued = refinement.refine_step(attempt._replace(limit=inf, step_fraction=error.step_fraction))
+    assert continued.setup.grid.step == pytest.approx(whole.setup.grid.step, rel=0.02)
+
+
+@pytest.mark.parametrize("regular", [False, True])
+def test_a_regular_motion_needs_no_perturbed_pilot(regular: bool) -> None:
+    """Two pilots are computed instead of three, although they diverge."""
+    test_case = choice.resolve(case(**INNER | {"method": "dormand-prince"}))
+    with (
+        mock.patch.object(step_check, "MIN_DIVERGENCE", 0.0),
+        mock.patch.object(step_check, "run_pilot", side_effect=step_check.run_pilot) as runs,
+    ):
+        result = step_check.check_on_pilot(test_case, 2.0, *pilot(test_case), regular=regular)
+    assert runs.call_count == (2 if regular else 3)
+    assert not (regular and result.check.chaotic)
