@@ -124,11 +124,15 @@ class RollerPath(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """Passage of a roller: the defect, the time (s) over its middle, and the speed (m/s) along rolling."""
+    """Passage of a roller: the defect, the time (s) over its middle, and the speed (m/s) along rolling.
+
+    angle: position (rad) of the roller at that time, from the load line.
+    """
 
     defect: Defect
     time: float
     speed: float
+    angle: float
 
     @property
     def window(self) -> tuple[float, float]:
@@ -146,16 +150,22 @@ def first_passage(job: Job, case: "Case", number: int, race: str) -> Passage | N
 
     Returns None if there is no complete passage in the record. Raises PlotError under a ramp.
     """
+    return next(iter(passages(job, case, number, race)), None)
+
+
+def passages(job: Job, case: "Case", number: int, race: str) -> list[Passage]:
+    """Return the complete passages of a roller over the first defect that it passes; else as above."""
     defects = [defect for defect in defects_of(case) if defect.race != "roller"]
     ordered = sorted(defects, key=lambda defect: defect.race != race)
-    passages = (_passage(job, case, number, defect) for defect in ordered)
-    return next((passage for passage in passages if passage is not None), None)
+    of_defects = (list(_passages(job, case, number, defect)) for defect in ordered)
+    return next(filter(None, of_defects), [])
 
 
-def _passage(job: Job, case: "Case", number: int, defect: Defect) -> Passage | None:
-    """Find the first passage over one defect whose window lies in the record."""
+def _passages(job: Job, case: "Case", number: int, defect: Defect) -> Iterator[Passage]:
+    """Yield the passages over one defect whose windows lie in the record."""
     time = job.series.time
-    ahead = roller_angle(job, number) - defect.angle
+    angle = roller_angle(job, number)
+    ahead = angle - defect.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
     if defect.race == "inner":
         settle = float(job.info.get("settle_s", case.settle))  # stored per job by the first version
@@ -163,11 +173,11 @@ def _passage(job: Job, case: "Case", number: int, defect: Defect) -> Passage | N
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)
-    for turn in range(int(np.ceil(turns[0])), int(np.floor(turns[-1])) + 1):
-        passage = Passage(defect, float(np.interp(turn, turns, time)), speed)
+    middle_times = np.interp(np.arange(np.ceil(turns[0]), np.floor(turns[-1]) + 1.0), turns, time)
+    for middle, roller in zip(middle_times, np.interp(middle_times, time, angle), strict=True):
+        passage = Passage(defect, float(middle), speed, float(roller))
         if passage.window[0] >= time[0] and passage.window[1] <= time[-1]:
-            return passage
-    return None
+            yield passage
 
 
 def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
@@ -184,7 +194,7 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     if not names or defect.race == "roller" or not (is_fixed or f"{ring}.displacement.x" in series):
         return None
     number, _ = roller_of(names[0]) or (1, "")
-    passage = _passage(job, case, number, defect)
+    passage = next(_passages(job, case, number, defect), None)
     if passage is None:
         return None
     angle = roller_angle(job, number)

@@ -26,11 +26,13 @@ SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 def draw_series(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw channels over time, a row per job, with the healthy baseline."""
     content, records, channels = series_of(results, figure, jobs)
+    crossing = _common_crossing(results, figure, records, channels)
+    if crossing is not None:
+        content.caption.append("grey: the contact is over the defect")
     panels = grid(content, figure.title)
-    crossings = list(_crossings(results, figure, records, channels)) if figure.view.around else []
-    if len(set(crossings)) == 1:
+    if crossing is not None:
         for ax in (ax for row in panels.axes for ax in row):
-            ax.axvspan(*crossings[0], color=CROSSING, lw=0.0, zorder=0.5)
+            ax.axvspan(*crossing, color=CROSSING, lw=0.0, zorder=0.5)
     return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 
@@ -70,6 +72,17 @@ def _time_unit(figure: "Figure", records: Mapping[str, Job], channels: Sequence[
     return ("s", 1.0) if (view.span or longest) >= SHOWN_IN_SECONDS else ("ms", 1e-3)
 
 
+def _common_crossing(
+    results: "Results", figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]
+) -> tuple[float, float] | None:
+    """Return the ends of the time in which the contact is over the defect, in the unit of the axis.
+
+    None if they differ between curves, or are unknown.
+    """
+    crossings = set(_crossings(results, figure, records, channels)) if figure.view.around else set()
+    return crossings.pop() if len(crossings) == 1 else None
+
+
 def _crossings(
     results: "Results", figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]
 ) -> Iterator[tuple[float, float]]:
@@ -97,6 +110,5 @@ def _texts(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]
     return [
         *([f"band {band[0] / 1e3:.4g} to {band[1] / 1e3:.4g} kHz"] if band else []),
         *([LOW_PASS] if filtered else []),
-        *(["grey: the contact is over the defect"] if figure.view.around else []),
         *(["mean subtracted"] if figure.view.zero_mean else []),
     ]

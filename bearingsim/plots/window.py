@@ -7,7 +7,7 @@ import numpy as np
 from bearingsim.config.names import roller_of
 from bearingsim.plots import lines, recorded
 from bearingsim.plots.labels import PlotError
-from bearingsim.plots.passage import Passage, first_passage
+from bearingsim.plots.passage import Passage, passages
 from bearingsim.plots.recorded import Job, Signal
 
 if TYPE_CHECKING:
@@ -45,8 +45,8 @@ def window_of(
     """
     time = job.series.time
     if view.around:
-        origin, crossing = impact_time(results, name, job, channel)
         span = view.span or passes * pass_period(job)
+        origin, crossing = impact_time(results, name, job, channel, span)
         window = Window(origin - LEAD * span, origin + (1.0 - LEAD) * span, origin, crossing)
     else:
         start = view.start or 0.0
@@ -73,12 +73,14 @@ def pass_period(job: Job) -> float:
     return 1.0 / lines.frequency(lines.FAMILIES["outer"].fundamental, job.parameters)
 
 
-def impact_time(results: "Results", name: str, job: Job, channel: str) -> tuple[float, tuple[float, float] | None]:
-    """Return the time (s) at which a roller passes the middle of a race defect, the first within the record.
+def impact_time(
+    results: "Results", name: str, job: Job, channel: str, span: float
+) -> tuple[float, tuple[float, float] | None]:
+    """Return the time (s) at which a roller passes the middle of a race defect, and of entering and leaving it.
 
-    Also returns the times at which it enters and leaves the defect. For the channel of a roller, its own first
-    passage. For a defect of a roller, whose angle is not recorded, the time at which the channel deviates most
-    from its mean. Raises PlotError for a healthy bearing, or if no roller passes.
+    The passage is that of ``passage_of``; span: duration (s) shown. For a defect of a roller, whose angle is not
+    recorded, the time at which the channel deviates most from its mean. Raises PlotError for a healthy bearing, or
+    if no roller passes.
     """
     races = lines.races(job.parameters)
     if not races:
@@ -86,18 +88,32 @@ def impact_time(results: "Results", name: str, job: Job, channel: str) -> tuple[
     if races == ["roller"]:
         signal = next(recorded.signals_of(job, channel))
         return float(signal.time[np.argmax(np.abs(signal.values - signal.values.mean()))]), None
-    passage = passage_of(results, name, job, channel)
+    passage = passage_of(results, name, job, channel, span)
     if passage is None:
         raise PlotError(f"no roller passes the defect of job {name} completely within its record")
     low, high = passage.defect.s
     return passage.time, (passage.time + low / passage.speed, passage.time + high / passage.speed)
 
 
-def passage_of(results: "Results", name: str, job: Job, channel: str) -> Passage | None:
-    """Find the first complete passage over a race defect, of the channel's roller or else of any roller."""
+def passage_of(results: "Results", name: str, job: Job, channel: str, span: float = 0.0) -> Passage | None:
+    """Return a complete passage over a race defect, of the channel's roller or else of any roller.
+
+    That is the first one over a defect of the outer race. A defect of the inner race turns through the load zone:
+    of its passages with ``span`` (s) in the record, the one at the largest contact load, nearest the direction of
+    the load. None without a passage.
+    """
     case = recorded.case_of(results, name, job.parameters)
     roller = roller_of(channel)
     numbers = [roller[0]] if roller else range(1, case.bearing.rollers + 1)
     race = roller[1].partition("_")[0] if roller else ""
-    passages = [first_passage(job, case, number, race) for number in numbers]
-    return min((passage for passage in passages if passage is not None), key=lambda p: p.time, default=None)
+    direction = np.arctan2(case.load_across, case.load)
+    beginning, end = job.series.time[0] + LEAD * span, job.series.time[-1] - (1.0 - LEAD) * span
+
+    def rank(passage: Passage) -> tuple[bool, float, float]:
+        if passage.defect.race == "outer":
+            return False, 0.0, passage.time
+        is_cut = not beginning <= passage.time <= end
+        return is_cut, 1.0 - float(np.cos(passage.angle - direction)), passage.time
+
+    candidates = (passage for number in numbers for passage in passages(job, case, number, race))
+    return min(candidates, key=rank, default=None)

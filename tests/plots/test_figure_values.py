@@ -6,7 +6,10 @@ import re
 import pytest
 
 from bearingsim.figure_kinds import View, limits, view_of
+from bearingsim.plots.passage import passages
 from bearingsim.plots.plot import drawn
+from bearingsim.plots.recorded import case_of, load_jobs
+from bearingsim.plots.window import passage_of
 from bearingsim.study import StudyError, stored_figure
 from tests.scenes.figure_results import long_curves, only, results, text_of
 from tests.scenes.signal_results import STUDY, make_results, record_of
@@ -92,6 +95,31 @@ def test_impact_is_passage_of_roller_over_defect(make_results):
     low, high = canvas.axes[0].get_xlim()
     assert low < 0.0 < high
     assert high - low == pytest.approx(math.degrees(4.5 * 0.8 / 38.5), rel=0.01)
+
+
+@pytest.mark.parametrize(("where", "count"), [({"defect.length": "3 mm"}, 1), ({}, 0)])
+def test_caption_explains_the_grey_band_if_it_is_drawn(make_results, where, count):
+    """Of jobs whose contacts are over their defects at different times no band is drawn."""
+    text = STUDY.replace("defect.length: [3 mm, 6 mm, 9 mm]", "defect.width: [0.8 mm, 2 mm]")
+    where = {"load": "150 N", "defect.width": "2 mm"} if where else {"load": "150 N"}
+    [(_, canvas)] = drawn(make_results(text), kind="series", by=["defect.width"], around="impact", where=where)
+    assert all(len(ax.patches) == count for ax in canvas.axes)
+    assert ("grey" in canvas.get_supxlabel()) == bool(count)
+
+
+def test_passage_of_a_turning_defect_is_the_most_loaded(make_results):
+    """The defect meets a roller at any angle to the load; the figure shows the one nearest the load line."""
+    stored = make_results(STUDY.replace("race: outer", "race: inner") + "settle: 0 ms\n")
+    name = stored.jobs[0]
+    job = load_jobs(stored, [name])[name]
+    case = case_of(stored, name, job.parameters)
+    passage = passage_of(stored, name, job, "ring.acceleration", 4e-3)
+    every = [p for number in range(1, 13) for p in passages(job, case, number, "")]
+    assert len(every) > 10
+    shown = [p for p in every if 1e-3 <= p.time <= job.series.time[-1] - 3e-3]
+    assert passage in shown
+    assert math.cos(passage.angle) == max(math.cos(p.angle) for p in shown)
+    assert math.cos(min(every, key=lambda p: p.time).angle) < math.cos(passage.angle)
 
 
 def test_a_sweep_shows_the_level_of_the_healthy_bearing(make_results):
