@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import design, select, sweep
 from bearingsim.plots.caption import band_of_record, fixed_values, following_parameters, varying
+from bearingsim.plots.error_bounds import error_texts
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.sheet import Sheet
 
@@ -62,7 +63,8 @@ def design_content(results: "Results", figure: "Figure", rows: "pd.DataFrame") -
     complete, part = select.completed(replace(figure, x=paths[0]), rows, units, every)
     others = {path: unit for path, unit in units.items() if path not in paths}
     fixed = fixed_values(results, part, {*paths, *complete.by}) + band_of_record(results, part, figure.y)
-    caption = [*fixed, *varying(complete, part, others), *_design_texts(results)]
+    errors = error_texts(results, part, figure.y)
+    caption = [*fixed, *errors, *varying(complete, part, others), *_design_texts(results)]
     return DesignContent(paths, complete, part, caption)
 
 
@@ -83,7 +85,7 @@ def prepared(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Prep
     units, design = results.plan["units"], select.design_paths(results)
     figure, part = select.completed(wanted, rows, units, design)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
-    caption += band_of_record(results, part, figure.y)
+    caption += [*band_of_record(results, part, figure.y), *error_texts(results, part, figure.y)]
     if select.scattered(figure, part, design):
         texts = [*varying(figure, part, units), *_design_texts(results)]
         return Prepared(figure, part, caption + texts, scattered=True)

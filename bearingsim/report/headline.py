@@ -11,15 +11,6 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-STEP_ERRORS = {
-    "velocity.rms": "rms",
-    "velocity@": "line",
-    "outer_force.max": "force",
-    "acceleration.rms": "record",
-}
-"""Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
-STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
-
 
 class Result(NamedTuple):
     """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words.
@@ -186,29 +177,15 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
 def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     """Format the largest numerical error relative to the largest value: `numerical error 0.3 %`.
 
-    The error is the sum of the step error and two standard errors of a chaotic response. Returns "" for a feature
-    not covered by the step check, which covers lines and RMS of the velocity, the largest force, and the RMS of
-    recorded channels.
+    Returns "" for a feature without one (``numerical_errors``).
     """
-    from bearingsim.store import relative_error
+    from bearingsim.plots.error_bounds import numerical_errors
 
-    base_name = name.removesuffix("-healthy")
-    error_kind = next((error_kind for start, error_kind in STEP_ERRORS.items() if base_name.startswith(start)), "")
-    step, largest = rows.get(f"step_error.{error_kind}"), float(rows[name].abs().max())
-    if error_kind == "record" and not _is_recorded(results, base_name.partition(".")[0]):
+    error, largest = numerical_errors(results, rows, name), float(rows[name].abs().max())
+    if error is None or not largest > 0.0:
         return ""
-    if step is None or base_name not in rows or not step.notna().any() or not largest > 0.0:
-        return ""
-    scatter = relative_error(rows, base_name).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
-    error = (step + STANDARD_ERRORS * scatter) * rows[base_name].abs()
     unknown = int((error == inf).sum())
     exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
     if unknown == error.count():
         return "numerical error unknown (chaotic)"
     return f"numerical error {percent(float(error[error < inf].max() / largest))}{exception}"
-
-
-def _is_recorded(results: "Results", quantity: str) -> bool:
-    """Check if all jobs of a study record a quantity of the outer ring or of the sensor."""
-    channels = [set(str(text).replace(",", " ").split()) for text in results.parameters()["record"]]
-    return bool(channels) and all({f"ring.{quantity}", f"sensor.{quantity}"} & names for names in channels)

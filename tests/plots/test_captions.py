@@ -9,7 +9,7 @@ from bearingsim.plots import labels, style
 from bearingsim.plots.plot import drawn
 from bearingsim.report.page import page_of
 from bearingsim.report.studied import studied
-from tests.scenes.figure_results import FIGURES, STUDY, only, results
+from tests.scenes.figure_results import FIGURES, STUDY, only, record, results
 
 __all__ = ["results"]
 
@@ -53,6 +53,30 @@ def test_caption_and_report_agree_on_friction(results):
     computed = dict(page_of(opened).computed)
     assert computed["Friction"] == "none (8 runs)"
     assert computed["planar"].endswith("with slip if there is friction")
+
+
+def test_caption_states_a_numerical_error_over_one_percent(results, monkeypatch):
+    """Of the line 2 % at 3 mm, of the start 1.5 % at 9 mm."""
+
+    def made(case):
+        result, length = record(case), case.defects[0].length if case.defects else 0.0
+        result.features |= {"step_error.line": 0.02 if length == 3e-3 else 0.001, "step_error.rms": 0.009}
+        result.features |= {
+            "chaotic": 0.0,
+            "error.start": 0.015 if length == 9e-3 else 0.0,
+            "error.start.rms": 0.0,
+        }
+        return result
+
+    monkeypatch.setattr("tests.scenes.figure_results.record", made)
+    text = STUDY.replace("[150 N, 300 N]", "[150 N]").replace("[static, ring]", "[ring]")
+    opened = results(text + "figures: [{y: [velocity@BPFO, velocity.rms], x: defect.length}]\n")
+    [(_, canvas)] = drawn(opened)
+    caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    line = "of the velocity amplitude at BPFO up to"
+    assert f"numerical error {line} 2 % of its value (0.74 % of the largest)" in caption
+    assert f"start error {line} 1.5 % of its value (1.5 % of the largest)" in caption
+    assert caption.count("error") == 2  # those of the RMS are below 1 %
 
 
 def test_caption_omits_drawn_parameters_if_one_job_is_finished(results):

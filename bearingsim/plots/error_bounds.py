@@ -1,0 +1,99 @@
+"""Numerical errors of features: step, scatter of chaotic responses, and initial transient."""
+
+from collections.abc import Iterator, Sequence
+from math import inf
+from typing import TYPE_CHECKING
+
+from bearingsim.config.names import STEP_ACCURACY
+from bearingsim.plots import labels
+from bearingsim.plots.points import relative_bounds
+from bearingsim.store import relative_error
+from bearingsim.text.numbers import percent
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+
+STEP_ERRORS = {
+    "velocity.rms": "rms",
+    "velocity@": "line",
+    "outer_force.max": "force",
+    "acceleration.rms": "record",
+}
+"""Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
+START_ERRORS = {"line": "error.start", "rms": "error.start.rms", "force": "error.start.force"}
+"""Column with the relative error of the initial transient, by the kind of step error."""
+STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
+SMALLEST_VALUE = 1e-3  # of the largest value; errors of smaller ones are below the width of a curve
+
+
+def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
+    """Return the numerical error (SI) of a feature by row: step error plus two standard errors if chaotic.
+
+    It is infinite if the standard error is unknown. None for a feature not covered by the step check, which covers
+    lines and RMS of the velocity, the largest force, and the RMS of recorded channels.
+    """
+    base, kind = _base_and_kind(name)
+    step = rows.get(f"step_error.{kind}")
+    if kind == "record" and not _is_recorded(results, base.partition(".")[0]):
+        return None
+    if step is None or base not in rows or not step.notna().any():
+        return None
+    scatter = relative_error(rows, base).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
+    return (step + STANDARD_ERRORS * scatter) * rows[base].abs()
+
+
+def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) -> Iterator[str]:
+    """Yield the errors of features that exceed 1 % of a value, for the caption of a figure of these rows.
+
+    Nothing is yielded for a study with `accuracy`, whose figures have error bars.
+    """
+    if relative_bounds(rows) is not None:
+        return
+    for name in names:
+        numerical, start = numerical_errors(results, rows, name), _start_errors(rows, name)
+        for text, error in (("numerical error", numerical), ("start error", start)):
+            if error is not None and (share := _largest_shares(error, rows[name].abs())) is not None:
+                of_value, of_largest = map(percent, share)
+                feature = labels.feature_text(name)
+                feature = feature if feature[1:2].isupper() else feature[:1].lower() + feature[1:]
+                yield f"{text} of the {feature} up to {of_value} of its value ({of_largest} of the largest)"
+
+
+def _largest_shares(error: "pd.Series[float]", values: "pd.Series[float]") -> tuple[float, float] | None:
+    """Return the largest error relative to its value and to the largest value; None if all are within 1 %.
+
+    error, values: by row, in SI.
+    """
+    largest = float(values.max())
+    is_drawn = (values > SMALLEST_VALUE * largest) & (error < inf)
+    shares = (error / values)[is_drawn]
+    if not (shares > STEP_ACCURACY).any():
+        return None
+    return float(shares.max()), float(error[is_drawn].max() / largest)
+
+
+def _start_errors(rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
+    """Return the error (SI) of the initial transient of a feature by row; 0 for jobs with random scatter.
+
+    Their parts also differ by chance, which the standard error contains.
+    """
+    base, kind = _base_and_kind(name)
+    start = rows.get(START_ERRORS.get(kind, ""))
+    if start is None or base not in rows:
+        return None
+    is_random = rows.filter(items=["standard_error.line", "cage.slip.mean"]).notna().any(axis=1)
+    return start.where(~is_random, 0.0) * rows[base].abs()
+
+
+def _base_and_kind(name: str) -> tuple[str, str]:
+    """Return the feature of a change from healthy, and the kind of its step error, "" without one."""
+    base = name.removesuffix("-healthy")
+    return base, next((kind for start, kind in STEP_ERRORS.items() if base.startswith(start)), "")
+
+
+def _is_recorded(results: "Results", quantity: str) -> bool:
+    """Check if all jobs of a study record a quantity of the outer ring or of the sensor."""
+    channels = [set(str(text).replace(",", " ").split()) for text in results.parameters()["record"]]
+    return bool(channels) and all({f"ring.{quantity}", f"sensor.{quantity}"} & names for names in channels)
