@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 
+NO_SERIES = "run the study with `record: [ring.acceleration]`, for example, instead of `record: []`"
+
+
 class Pair(NamedTuple):
     """Simulated and measured signal of a bearing, names of their channels, the race with the defect, unit.
 
@@ -181,8 +184,10 @@ def _print_features(rows: "list[Row]") -> None:
         for row in rows
     ]
     print_table(["", "unit", "simulated", "measured", DIFFERENCE, RATIO], cells, text_columns=2)
-    if any("-" in row for row in cells):
-        say("-: not found in the signal, or no ratio because the values are in dB")
+    if any("-" in row[2:4] for row in cells):
+        say("-: not found in the signal")
+    if any("-" in row[4:] and "-" not in row[2:4] for row in cells):
+        say("-: no ratio, because the values are in dB")
 
 
 def _as_dict(
@@ -236,8 +241,11 @@ def only_job(results: "Results") -> str:
     """Return the only job with a defect and series. Raises UserError if there are several, or none."""
     from bearingsim.plots.lines import races
 
-    damaged = [job for job in results.jobs if races(_parameters(results, job))]
-    candidates = damaged or list(results.jobs)
+    recorded = [job for job in results.jobs if _parameters(results, job).get("record")]
+    if results.jobs and not recorded:
+        raise UserError(f"no job has a time series: {NO_SERIES}")
+    damaged = [job for job in recorded if races(_parameters(results, job))]
+    candidates = damaged or recorded
     if len(candidates) != 1:
         raise UserError(
             f"{len(candidates)} jobs could be compared: name one by `--job`; "
@@ -266,7 +274,7 @@ def lines_of(parameters: Mapping[str, Any], shaft: float) -> "Lines":
 def _channel(channels: list[str], y: str | None) -> str:
     """Return the channel to compare: the requested one, else the first acceleration."""
     if not channels:
-        raise UserError("the job has no series because the study has `record: []`")
+        raise UserError(f"the job has no time series: {NO_SERIES}")
     if y is None:
         return next((name for name in channels if "acceleration" in name), channels[0])
     if y not in channels:

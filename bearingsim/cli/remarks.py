@@ -24,7 +24,35 @@ def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     if verbose:
         yield from unvaried_damping(plan)
     yield from plan.study.assumptions
+    yield from empty_figures(plan)
     yield from initial_transients(plan)
+
+
+def empty_figures(plan: Plan) -> Iterator[str]:
+    """Yield a warning for each figure whose `where` selects no case."""
+    cases = [swept for _, swept in plan.study.swept_cases]
+    for number, figure in enumerate(plan.study.figures, 1):
+        selects_any = any(
+            all(_equals(swept.get(path), path, text) for path, text in figure.where.items()) for swept in cases
+        )
+        if figure.where and not selects_any:
+            selection = ", ".join(f"{path}: {text}" for path, text in figure.where.items())
+            yield f"{WARNING}figure {number} is empty: no case of the study has `{selection}`"
+
+
+def _equals(value: float | str | None, path: str, text: str) -> bool:
+    """Compare a swept value (SI) with one written as ``text``."""
+    if not isinstance(value, float):
+        return value == text
+    from bearingsim.study import dimension
+    from bearingsim.text.units import UnitError, parse
+
+    kind = dimension(path)
+    try:
+        wanted = parse(text, kind) if kind else float(text)
+    except (UnitError, ValueError):
+        return False
+    return math.isclose(value, wanted, rel_tol=1e-9)
 
 
 NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, from which a cost is reported

@@ -25,6 +25,8 @@ DEFAULT_WIDTH = 80
 """Largest width (characters) of a table without a terminal; more needs `--all` or `--columns`."""
 MAX_ROWS = 1000
 """Largest number of printed rows; 100 000 rows take minutes."""
+MAX_NAMES = 6
+"""Largest number of columns that a hint names."""
 MAX_MEASURED_ROWS = 100
 """Largest number of printed rows of a comparison with measured values."""
 
@@ -169,7 +171,15 @@ def _check_columns(names: Sequence[str], columns: Sequence[str]) -> None:
     for name in names:
         if name not in columns:
             hint = "needs `accuracy` in the study" if name in of_accuracy else suggestion(name, columns)
+            hint = hint or _containing(name, columns) or "`--json` prints all columns"
             raise UserError(f"no column `{name}`" + (f" ({hint})" if hint else ""))
+
+
+def _containing(word: str, columns: Sequence[str]) -> str:
+    """Name the columns that contain a word; empty without one."""
+    names = [f"`{name}`" for name in columns if word in name]
+    more = ", ..." if len(names) > MAX_NAMES else ""
+    return f"columns with this word: {', '.join(names[:MAX_NAMES])}{more}" if names else ""
 
 
 def _json_row(row: Mapping[Any, Any]) -> dict[str, Any]:

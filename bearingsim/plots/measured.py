@@ -11,12 +11,14 @@ from matplotlib.patches import Rectangle
 
 from bearingsim.diagnosis import NONE, Diagnosis
 from bearingsim.diagnosis.thresholds import decibels
+from bearingsim.measured.si import factor_to
 from bearingsim.plots.labels import PlotError, pretty
 from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.plot import FORMATS, MADE_BY, is_replaceable
 from bearingsim.plots.style import COLOURS, PAGE_IN, drawing, take_literally
 from bearingsim.signals import band_pass, envelope_spectrum, spectrum
 from bearingsim.store import write_bytes
+from bearingsim.text.numbers import significant
 
 if TYPE_CHECKING:
     from bearingsim.diagnosis.comparison import Signal
@@ -35,6 +37,8 @@ SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 QUANTITIES = {"m/s^2": "Acceleration", "m/s": "Velocity", "m": "Displacement", "N": "Force"}
 """Quantities by SI unit."""
 HARMONICS = 3
+SCORE_THRESHOLD = "threshold of the score of 3 lines"
+"""Legend of the threshold, which applies to the score over three harmonics, not to single lines."""
 TITLES = {
     "outer": "outer race",
     "inner": "inner race",
@@ -70,13 +74,19 @@ def diagnosis_figure(
     (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
     values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
     in_unit = f" ({pretty(unit)})" if unit else ""
-    _draw_time(time, values, fs, diagnosis, f"Signal{in_unit}")
-    _draw_spectrum(spectrum, values, fs, f"Amplitude{in_unit}")
+    quantity = _quantity(unit)
+    _draw_time(time, values, fs, diagnosis, f"{quantity}{in_unit}")
+    _draw_spectrum(spectrum, values, fs, f"{quantity}, 0-peak{in_unit}")
     _draw_envelope(envelope, diagnosis, band)
     _draw_kurtogram(kurtosis, image, band)
     source = f"{recording.path.name}, {channel}, {bearing} at {diagnosis.lines.shaft * 60.0:.6g} rpm"
     canvas.suptitle(f"{source}\n{_title(diagnosis)}", fontsize=9.0)
     return canvas
+
+
+def _quantity(unit: str) -> str:
+    """Return the quantity of a unit, `Acceleration`, or `Signal` for one that is unknown."""
+    return next((QUANTITIES[si] for si in QUANTITIES if factor_to(si, unit) is not None), "Signal")
 
 
 def _title(diagnosis: Diagnosis) -> str:
@@ -106,7 +116,7 @@ def _draw_spectrum(ax: Axes, values: np.ndarray, fs: float, label: str) -> None:
     count = len(frequency) // group * group
     drawn = amplitude[:count].reshape(-1, group).max(axis=1)
     ax.semilogy(1e-3 * frequency[:count:group], drawn, color=COLOURS[0], lw=0.6)
-    ax.set_xlabel("Frequency (kHz)")
+    ax.set_xlabel(f"Frequency (kHz), line spacing {significant(float(frequency[1] - frequency[0]), 2)} Hz")
     ax.set_ylabel(label)
     ax.set_ylim(_floor(drawn), 2.0 * float(drawn.max()))
     ax.margins(x=0.0)
@@ -141,7 +151,7 @@ def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) ->
         sidebands = [n * line + side * spacing for n in range(1, HARMONICS + 1) for side in (-1.0, 1.0)]
         for number, sideband in enumerate(sidebands):
             ax.axvline(sideband, color="0.5", lw=0.7, ls=":", zorder=0.8, label=None if number else f"± {name}")
-    ax.axhline(decibels(diagnosis.threshold), color="0.3", lw=0.8, ls=(0, (5, 2)), label="threshold")
+    ax.axhline(decibels(diagnosis.threshold), color="0.3", lw=0.8, ls=(0, (5, 2)), label=SCORE_THRESHOLD)
     ax.set_xlim(0.0, 1.05 * HARMONICS * max(finding.comb.frequency for finding in diagnosis.findings.values()))
     ax.set_ylim(LOWEST_DB, 1.25 * float(height.max()))
     ax.set_xlabel("Frequency (Hz)")
@@ -149,7 +159,7 @@ def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) ->
     ax.legend(
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
-        ncols=5,
+        ncols=3,
         fontsize=7.0,
         columnspacing=0.7,
         handlelength=1.3,
@@ -213,7 +223,7 @@ def comparison_figure(
         passes = (np.arange(len(part)) - quarter) / signal.fs * signal.lines.of_race(race)
         largest = float(np.abs(part).max())
         if factor is None:
-            part, name = part / largest, f"{name}, 1 = {largest:.3g} {pretty(unit)} over time"
+            part, name = part / largest, f"{name} (largest sample {largest:.3g} {pretty(unit)})"
         time.plot(passes, part, color=colour, lw=width, label=name)
         centres, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
         whole.semilogy(1e-3 * centres, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")
@@ -224,12 +234,12 @@ def comparison_figure(
     for number in range(1, HARMONICS + 2):
         order = number * simulated.lines.of_race(race) / simulated.lines.shaft
         envelope.axvline(order, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
-    line, quantity = SHOWN_LINES[race], QUANTITIES.get(unit, "Signal")
+    line, quantity = SHOWN_LINES[race], _quantity(unit)
     in_unit = f" ({pretty(unit)})" if unit else ""
     time.set_xlabel(f"Time in passes ({line}), from the largest sample; band to {band[1] / 1e3:.3g} kHz")
     time.set_ylabel(f"{quantity},\nof its largest sample" if factor is None else f"{quantity}{in_unit}")
     whole.set_xlabel("Frequency (kHz)")
-    whole.set_ylabel(f"Largest amplitude\nper {line} interval{in_unit}")
+    whole.set_ylabel(f"Largest amplitude\nper {line} interval, 0-peak{in_unit}")
     envelope.set_xlabel(f"Order of the shaft; dashed: {line} and multiples")
     envelope.set_ylabel("Squared envelope,\nof its largest line")
     for ax in (time, whole, envelope):

@@ -60,6 +60,13 @@ def fields_at() -> dict[str, list[Field]]:
     return fields
 
 
+KEYS_OF_FILE = {
+    name: f"`{name}` is a key of the study: write it into the file{remark}"
+    for name, remark in (("accuracy", ", instead of `model`"), ("uncertainty", ""), ("figures", ""), ("sweep", ""))
+}
+"""Hints for keys of a study that are no paths of its cases."""
+
+
 @lru_cache(maxsize=1 << 12)
 def dimension(path: str) -> Dimension | None:
     """Return the dimension of the values at a path. Raises KeyError for an unknown path."""
@@ -81,7 +88,7 @@ def parse_path(text: str, tree: Node) -> Path:
     """Parse a path into a case with the lists of a tree. Raises ValueError for an unknown path."""
     plain = without_number(text)
     if plain not in known_paths():
-        hint = _renumber(path_hint(plain, known_paths()), text, plain)
+        hint = KEYS_OF_FILE.get(text) or _renumber(path_hint(plain, known_paths()), text, plain)
         raise ValueError(f"no such path `{text}`" + (f" ({hint})" if hint else ""))
     head, *rest = text.split(".")
     defects = len(tree.mapping.get("defects", tree).items)

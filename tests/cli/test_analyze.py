@@ -153,7 +153,8 @@ def test_the_figure_states_the_verdict_and_marks_its_evidence(file, race, modula
     assert title.startswith("damaged.npz, acc, 6205 at 1500 rpm\n")
     assert title.endswith(f"{' or a healthy bearing with clearance' * (race == 'outer')}, {frequency:.2f} Hz")
     time, spectrum, envelope, kurtosis = canvas.axes[:4]
-    assert (time.get_ylabel(), spectrum.get_ylabel()) == ("Signal (g)", "Amplitude (g)")
+    assert (time.get_ylabel(), spectrum.get_ylabel()) == ("Acceleration (g)", "Acceleration, 0-peak (g)")
+    assert spectrum.get_xlabel() == f"Frequency (kHz), line spacing {RATE / len(values):.2g} Hz"
     amplitude = np.asarray(spectrum.get_lines()[0].get_ydata())
     assert np.mean(amplitude < spectrum.get_ylim()[0]) < 0.01
     assert amplitude.max() < spectrum.get_ylim()[1]
@@ -163,7 +164,7 @@ def test_the_figure_states_the_verdict_and_marks_its_evidence(file, race, modula
     assert kurtosis.get_title() == f"red: most impulsive, {low}-{high} kHz; dashed: analysed"
     assert "dB over the local median" in envelope.get_ylabel()
     curves = {str(curve.get_label()): np.asarray(curve.get_ydata()) for curve in envelope.get_lines()}
-    assert curves["threshold"][0] == pytest.approx(decibels(result.threshold))
+    assert curves["threshold of the score of 3 lines"][0] == pytest.approx(decibels(result.threshold))
     assert [label for label in curves if label.startswith("±")] == labels
 
 

@@ -100,6 +100,9 @@ def test_show_columns(done):
     stdout, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
     assert stdout.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
     assert "did you mean `velocity.rms`?" in type_("show", done, "--columns", "velocity.rmse", code=2)[1]
+    assert "`gain` (`--json` prints all columns)" in type_("show", done, "--columns", "gain", code=2)[1]
+    stderr = type_("show", done, "--columns", "step_er", code=2)[1]
+    assert "`step_er` (columns with this word: `step_error.line`, `step_error.rms`, " in stderr
     assert "`error` (needs `accuracy` in the study)" in type_("show", done, "--columns", "error", code=2)[1]
 
 

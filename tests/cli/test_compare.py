@@ -124,7 +124,7 @@ def test_a_measured_line_under_the_threshold_is_not_compared(results, series, tm
     assert values["features"]["rms"]["measured"] == pytest.approx(np.std(signal), rel=0.15)
     out = type_("compare", *words)[0]
     assert "BPFO of the measured signal: no line over the threshold (score " in out
-    assert "-: not found in the signal" in out
+    assert "-: not found in the signal\n" in out
 
 
 @pytest.mark.parametrize(
@@ -175,10 +175,20 @@ def test_both_curves_are_seen_over_time(factor, heights):
     assert heights.max() == pytest.approx(0.2, rel=0.05)
     labels = [str(curve.get_label()) for curve in curves]
     if factor is None:
-        assert labels[1].startswith("job, 1 = 2")
+        assert labels[1].startswith("job (largest sample 2")
         assert canvas.axes[0].get_ylabel().startswith("Acceleration,\nof its largest sample")
     else:
         assert labels == ["file", "job, times 2"]
+
+
+def test_a_study_without_series_names_the_remedy(tmp_path, monkeypatch):
+    """Neither of the two jobs can be compared, so naming one is no remedy."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arc.yaml").write_text(STUDY.replace("[ring.acceleration]", "[]").replace("1 s", "0.1 s"))
+    type_("run", "arc.yaml", "--jobs", 1, "--set", "sampling=5 kHz")
+    np.savez("a.npz", x=np.arange(9.0), fs=25600.0)
+    _, err = type_("compare", "results/arc", "a.npz", code=2)
+    assert "no job has a time series: run the study with `record: [ring.acceleration]`" in " ".join(err.split())
 
 
 def test_text_and_figure(results, series, tmp_path):

@@ -8,7 +8,8 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.cli.plan import _group_refusals, _price, friction_scale
-from bearingsim.study import load_study
+from bearingsim.cli.remarks import empty_figures
+from bearingsim.study import StudyError, load_study
 from tests.scenes.short_cases import case
 from tests.scenes.study_text import BASE, Write
 
@@ -37,6 +38,24 @@ def test_healthy_baseline_has_no_drop_into_a_defect(write: Write) -> None:
     defective, healthy = load_study(write(f"{BASE}model: rollers\n")).jobs()
     assert _price(defective).roller_drop > 0.0
     assert isnan(_price(healthy).roller_drop)
+
+
+@pytest.mark.parametrize(("value", "warned"), [("3 mm", True), ("800 um", False)])
+def test_check_warns_of_a_figure_without_cases(write: Write, value: str, warned: bool) -> None:
+    figures = f"figures: [{{y: velocity@BPFO, x: load, where: {{defect.width: {value}}}}}]\n"
+    sweep = "sweep: {load: [100 N, 200 N], defect.width: [0.8 mm, 1 mm]}\n"
+    study: Any = SimpleNamespace(study=load_study(write(f"{BASE}model: rollers\n{sweep}{figures}")))
+    text = f"warning: figure 1 is empty: no case of the study has `defect.width: {value}`"
+    assert list(empty_figures(study)) == [text] * warned
+
+
+@pytest.mark.parametrize(
+    ("key", "hint"),
+    [("accuracy", "write it into the file, instead of `model`"), ("uncertainty", "write it into the file")],
+)
+def test_keys_of_a_study_are_no_paths(write: Write, key: str, hint: str) -> None:
+    with pytest.raises(StudyError, match=rf"no such path `{key}` \(`{key}` is a key of the study: {hint}"):
+        load_study(write(f"{BASE}model: rollers\n"), {key: "2 %"})
 
 
 def test_refusals_that_differ_in_numbers_only_are_one_message() -> None:
