@@ -65,7 +65,7 @@ def heads(page: str, head: str) -> list[str]:
     return [name for cells in rows_of(page, head) for name in quoted_names(cells[0])]
 
 
-TABLE_OF_NEEDS = [(cells[0], cells[2:]) for cells in rows_of("abilities.md", "| need | asked for by |")]
+TABLE_OF_NEEDS = [(cells[0], cells[2:]) for cells in rows_of("abilities.md", "| need | requested by |")]
 
 
 @pytest.mark.parametrize(("need", "cells"), TABLE_OF_NEEDS)

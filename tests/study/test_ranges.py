@@ -158,7 +158,7 @@ ABILITY = {"the ring's acceleration": "acceleration", "inertia of the rollers": 
 def needs_of_quality() -> list[tuple[str, str, bool]]:
     """Requirement, model, and whether the model has it according to docs/abilities.md."""
     page = (Path(__file__).parents[2] / "docs/abilities.md").read_text(encoding="utf-8")
-    head = next(line for line in page.splitlines() if line.startswith("| need | asked for by |"))
+    head = next(line for line in page.splitlines() if line.startswith("| need | requested by |"))
     models = [cell.strip(" `") for cell in head.split("|")[3:-1]]
     rows = [line.replace("\\|", "/").split("|")[1:-1] for line in page.splitlines() if line.startswith("| *")]
     return [
