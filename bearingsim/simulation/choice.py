@@ -1,7 +1,7 @@
 """Choice of a case's method and automatic step, and of attempts at a run.
 
 The method is the cheapest whose error of the defect's line is within 1 %, from its step limit and cost per step. A
-response that may be periodic is integrated by velocity Verlet. The price of an attempt increases if its step is
+response that may be periodic is integrated by velocity Verlet. The price of an attempt changes if its step is
 refused, or if no ball pass repeats another. The next attempt is always the cheapest.
 """
 
@@ -44,34 +44,37 @@ class Attempt(NamedTuple):
     """Case with a named method, and the fraction of the automatic step (or tolerance) to use.
 
     price: estimated CPU time (s), times ``margin``; limit: price above which the next attempt is made first, if
-    this one turns out to be more expensive; regular: whether another method has shown that the motion is not
-    chaotic.
+    this one turns out to be more expensive; periodic: whether the response may still be periodic; regular: whether
+    an attempt has shown that the motion is not chaotic.
     """
 
     case: Case
     step_fraction: float
     price: float = 0.0
     limit: float = inf
+    periodic: bool = True
     regular: bool = False
 
     @property
     def patience(self) -> int:
         """Ball passes after which a run without a period is too costly; 0 for never."""
         case = self.case
-        if not (case.periodic and case.until is None and may_repeat(case)):
+        if self.limit == inf or not (self.periodic and case.periodic and case.until is None and may_repeat(case)):
             return 0
         patience, estimate = int(price("patience")), _cost(case)
         remaining_cost = estimate.non_periodic - patience * estimate.one_pass
         return patience if self.limit < margin(str(case.method)) * remaining_cost / self.step_fraction else 0
 
     def repriced(self, step_fraction: float, periodic: bool) -> "Attempt":
-        """Return the attempt at a step, with its price. periodic: whether the response may still be periodic."""
-        computed_in_full = not periodic and self.case.until is None
+        """Return the attempt at a step, with its price. periodic: whether the response may still be periodic.
+
+        With `until` a response that is not periodic has the price of one that is, since its length is unknown.
+        """
         cost_at_step = _cost(self.case.model_copy(update={"periodic": True}))
-        seconds = cost_at_step.non_periodic if computed_in_full else cost_at_step.total
-        return self._replace(
-            step_fraction=step_fraction, price=margin(str(self.case.method)) * seconds / step_fraction
-        )
+        is_short = periodic or self.case.until is not None
+        seconds = cost_at_step.total if is_short else cost_at_step.non_periodic
+        price = margin(str(self.case.method)) * seconds / step_fraction
+        return self._replace(step_fraction=step_fraction, price=price, periodic=periodic)
 
     def shorter(self) -> "Attempt | None":
         """Return the attempt with a shorter step and its price; None if there is no shorter one."""

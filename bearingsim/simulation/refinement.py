@@ -34,7 +34,6 @@ from bearingsim.simulation.step_check import (
     check_on_pilot,
     finer_orbit,
     refusal,
-    step_ratio,
 )
 from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.simulation.time_grid import MAX_CPU, SAFETY, requested_step
@@ -185,15 +184,15 @@ def _refine_on_pilots(attempt: choice.Attempt, coarse: Setup, begun: BegunRuns) 
         check = replace(check, bounds=FINER_BOUNDS)
         if _is_last(finer.setup, check):
             return refinement(finer.setup.step_fraction, check)
-        _refuse_costly(attempt, coarse, finer.setup, periodic=False, regular=not check.chaotic)
+        is_regular = not (check.chaotic or is_doubtful)
+        _refuse_costly(attempt, coarse, finer.setup, periodic=False, regular=is_regular)
         step_fraction, previous = finer.setup.step_fraction, finer
 
 
 def _refuse_costly(attempt: choice.Attempt, coarse: Setup, refused: Setup, periodic: bool, regular: bool) -> None:
-    """Raise ``TooCostly`` if the next shorter step, after one that is refused, costs more than the limit."""
-    shorter = refused.step_fraction * step_ratio(refused.grid.decimation)
-    if attempt.repriced(shorter, periodic).price > attempt.limit:
-        step_fraction = attempt.step_fraction * refused.step_fraction / coarse.step_fraction
+    """Raise ``TooCostly`` if an attempt that goes on from a refused step costs more than its limit."""
+    step_fraction = attempt.step_fraction * refused.step_fraction / coarse.step_fraction
+    if attempt.repriced(step_fraction, periodic).price > attempt.limit:
         raise TooCostly(f"{refused.case.method} needs a shorter step", step_fraction, periodic, regular)
 
 

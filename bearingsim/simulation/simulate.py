@@ -138,11 +138,14 @@ def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> 
         try:
             return compute(attempt._replace(limit=queue[0].price + choice.MIN_SAVING if queue else inf))
         except TooCostly as error:
-            further = attempt.repriced(error.step_fraction, error.periodic)
-            queue = [other._replace(regular=other.regular or error.regular) for other in queue]
+            regular = attempt.regular or error.regular
+            further = attempt.repriced(error.step_fraction, error.periodic)._replace(regular=regular)
+            queue = [other._replace(regular=regular) for other in queue]
         except MethodFailure as error:
             failures[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
-            if not isinstance(error, TooSlow | StepRefused):
+            if isinstance(error, StepRefused) and attempt.regular:  # unless it is chaotic after all
+                further = attempt._replace(regular=False)
+            elif not isinstance(error, TooSlow | StepRefused):
                 further = attempt.shorter()
         except Refused as error:  # too many steps; an earlier failure of longer steps is more informative
             failures.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))

@@ -231,7 +231,11 @@ def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
 
 
 class FinerPilot(NamedTuple):
-    """Finer pilot of a check; converges: whether a perturbation of the coarser one has decayed (``DECAY``)."""
+    """Finer pilot of a check.
+
+    converges: whether a perturbation of a coarser one has decayed (``DECAY``), or the motion is known not to be
+    chaotic.
+    """
 
     setup: Setup
     signals: RunSignals

@@ -9,7 +9,7 @@ import pytest
 from bearingsim.config import Case
 from bearingsim.simulation import choice, refinement, step_check
 from bearingsim.simulation.pilot import pilot
-from bearingsim.simulation.run_setup import MethodFailure, StepRefused, TooCostly
+from bearingsim.simulation.run_setup import MethodFailure, StepRefused, TooCostly, TooSlow, set_up
 from bearingsim.simulation.simulate import SimulationError, _first_sound_attempt
 from tests.scenes.short_cases import SLOT, case
 
@@ -79,22 +79,70 @@ def test_a_given_step_is_not_shortened() -> None:
     assert choice.attempts(case(**INNER | {"method": "verlet", "step": "1 us"}))[0].shorter() is None
 
 
-def test_a_method_whose_steps_are_refused_is_not_tried_again() -> None:
-    def refuse_verlet(attempt: choice.Attempt) -> Exception | None:
-        return StepRefused("refused", "") if attempt.case.method == "verlet" else None
+@pytest.mark.parametrize("failure", [StepRefused("refused", ""), TooSlow("too slow", "")])
+def test_a_method_whose_steps_are_refused_is_not_tried_again(failure: MethodFailure) -> None:
+    preferred = choice.attempts(case(**INNER))[0].case.method
 
-    made = made_attempts(case(**INNER), refuse_verlet)
-    assert [attempt.case.method for attempt in made].count("verlet") <= 1
+    def refuse_preferred(attempt: choice.Attempt) -> Exception | None:
+        if attempt.case.method == preferred:
+            return failure
+        return None if attempt.step_fraction < 0.5 else MethodFailure("diverged", "")
+
+    made = made_attempts(case(**INNER), refuse_preferred)
+    assert [attempt.case.method for attempt in made].count(preferred) == 1 < len(made)
 
 
 def test_other_methods_know_that_a_motion_is_not_chaotic() -> None:
-    def refuse_once(attempt: choice.Attempt) -> Exception | None:
-        return None if attempt.regular else TooCostly("refused", 1e-3, periodic=False, regular=True)
+    """It is also known after a later attempt that has not shown it, and by the method itself."""
+    count = iter(range(100))
 
-    first, second = made_attempts(case(**INNER), refuse_once)
+    def refuse_twice(attempt: choice.Attempt) -> Exception | None:
+        number = next(count)
+        if number == 2:
+            return None
+        return TooCostly("refused", attempt.step_fraction / 8, periodic=False, regular=number == 0)
+
+    first, second, third = made_attempts(case(**INNER), refuse_twice)
     assert not first.regular
     assert second.regular
+    assert third.regular
     assert second.case.method != first.case.method
+
+
+def test_a_regular_motion_whose_steps_are_refused_is_tested_for_chaos_again() -> None:
+    count = iter(range(100))
+
+    def refuse(attempt: choice.Attempt) -> Exception | None:
+        number = next(count)
+        if number == 0:
+            return TooCostly("refused", attempt.step_fraction / 8, periodic=False, regular=True)
+        return StepRefused("refused", "") if attempt.regular and number < 20 else None
+
+    *_, refused, last = made_attempts(case(**INNER), refuse)
+    assert refused.regular
+    assert not last.regular
+
+
+@pytest.mark.parametrize("change", [{}, {"until": "1 %"}, {"periodic": False}, {"step": "1 us"}])
+def test_an_attempt_is_priced_alike_at_first_and_later(change: dict[str, Any]) -> None:
+    for attempt in choice.attempts(case(**INNER | change)):
+        assert attempt.price > 0.0
+        assert attempt.repriced(1.0, periodic=True).price == pytest.approx(attempt.price)
+        assert attempt.repriced(0.5, periodic=True).price == pytest.approx(2.0 * attempt.price)
+        in_full = attempt.repriced(1.0, periodic=False)
+        assert in_full.price >= attempt.repriced(1.0, periodic=True).price
+        assert in_full._replace(limit=1e-9).patience == 0
+
+
+def test_patience_is_compared_at_the_step_of_the_attempt() -> None:
+    """A search is left only if the rest of the run costs more than the limit, at that step."""
+    verlet = choice.Attempt(
+        choice.resolve(case(model="rollers", defect=SLOT, duration="0.6 s", method="verlet")), 1.0
+    )
+    rest = verlet.repriced(1.0, periodic=False).price
+    attempt = verlet._replace(limit=1.2 * rest)
+    assert attempt.patience == 0
+    assert attempt._replace(step_fraction=0.5).patience > 0
 
 
 def refused_attempt() -> tuple[choice.Attempt, TooCostly]:
@@ -128,6 +176,49 @@ def test_a_continued_attempt_takes_the_step_of_an_uninterrupted_one() -> None:
         whole = refinement.refine_step(attempt._replace(limit=inf))
         continued = refinement.refine_step(attempt._replace(limit=inf, step_fraction=error.step_fraction))
     assert continued.setup.grid.step == pytest.approx(whole.setup.grid.step, rel=0.02)
+
+
+@pytest.mark.parametrize(("chaotic", "doubtful"), [(False, False), (True, False), (False, True)])
+def test_only_a_proven_motion_is_passed_on_as_regular(chaotic: bool, doubtful: bool) -> None:
+    attempt = choice.Attempt(choice.resolve(case(**INNER | {"method": "verlet"})), 1.0, limit=1e-6, regular=True)
+    known: list[bool] = []
+
+    def check(test_case: Case, step_fraction: float, *arguments: Any) -> step_check.PilotCheck:
+        known.append(arguments[-1])
+        result = step_check.StepCheck(line=0.5, rms=0.5, chaotic=chaotic)
+        return step_check.PilotCheck(result, doubtful, mock.Mock(setup=set_up(test_case, 0.4 * step_fraction)))
+
+    with (
+        mock.patch.object(choice.Attempt, "patience", 0),
+        mock.patch.object(refinement, "check_on_pilot", side_effect=check),
+        pytest.raises(TooCostly) as error,
+    ):
+        refinement.refine_step(attempt)
+    assert error.value.regular == (not chaotic and not doubtful)
+    assert all(known)
+
+
+def test_a_refused_orbit_may_be_too_costly() -> None:
+    attempt = choice.Attempt(choice.resolve(case(model="rollers", defect=SLOT, method="verlet")), 1.0, limit=1e-9)
+    with mock.patch.object(refinement, "_is_last", return_value=False), pytest.raises(TooCostly) as error:
+        refinement.refine_step(attempt)
+    assert error.value.periodic
+    assert error.value.regular
+
+
+@pytest.mark.parametrize(("step_fraction", "limited"), [(1.0, False), (1.0, True), (0.5, True)])
+def test_only_a_first_step_limited_by_stability_is_not_used(step_fraction: float, limited: bool) -> None:
+    """The accepted step in multiples of the attempt's, for checks that always hold."""
+    test_case = choice.resolve(case(**INNER | {"method": "verlet"}))
+    attempt = choice.Attempt(test_case, step_fraction)
+    start = 1.8 if limited else refinement.INITIAL_FACTOR
+    with (
+        mock.patch.object(refinement, "_start", return_value=start * step_fraction),
+        mock.patch.object(step_check.StepCheck, "holds", True),
+    ):
+        result = refinement.refine_step(attempt)
+    expected = start if step_fraction < 1.0 or not limited else start / 5.0**0.5
+    assert result.setup.step_fraction == pytest.approx(expected * step_fraction, rel=0.05)
 
 
 @pytest.mark.parametrize("regular", [False, True])
