@@ -73,8 +73,8 @@ class Attempt(NamedTuple):
         cost_at_step = _cost(self.case.model_copy(update={"periodic": True}))
         is_short = periodic or self.case.until is not None
         seconds = cost_at_step.total if is_short else cost_at_step.non_periodic
-        price = margin(str(self.case.method)) * seconds / step_fraction
-        return self._replace(step_fraction=step_fraction, price=price, periodic=periodic)
+        at_step = margin(str(self.case.method)) * seconds / step_fraction
+        return self._replace(step_fraction=step_fraction, price=at_step, periodic=periodic)
 
     def shorter(self) -> "Attempt | None":
         """Return the attempt with a shorter step and its price; None if there is no shorter one."""
@@ -107,10 +107,9 @@ def attempts(case: Case) -> list[Attempt]:
     """
     preferred = resolve(case)
     refuse_unsettled(preferred)
-    prices = choice(case).prices
+    prices = {name: margin(name) * seconds for name, seconds in choice(case).prices.items()}
     return [
-        Attempt(with_method(preferred, name), 1.0, margin(str(name)) * prices.get(str(name), 0.0))
-        for name in candidate_methods(case)
+        Attempt(with_method(preferred, name), 1.0, prices.get(str(name), 0.0)) for name in candidate_methods(case)
     ]
 
 
@@ -165,8 +164,6 @@ def choice(case: Case) -> Choice:
 
 def margin(name: str) -> float:
     """Return the safety factor on a method's estimated cost."""
-    if name not in METHODS:
-        return 1.0
     return IMPLICIT_MARGIN if METHODS[name].implicit else ADAPTIVE_MARGIN if METHODS[name].adaptive else 1.0
 
 

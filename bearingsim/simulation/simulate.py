@@ -134,23 +134,20 @@ def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> 
     while queue:
         queue.sort(key=lambda attempt: attempt.price)
         attempt = queue.pop(0)
-        further: choice.Attempt | None = None
         try:
             return compute(attempt._replace(limit=queue[0].price + choice.MIN_SAVING if queue else inf))
         except TooCostly as error:
             regular = attempt.regular or error.regular
-            further = attempt.repriced(error.step_fraction, error.periodic)._replace(regular=regular)
+            queue.append(attempt.repriced(error.step_fraction, error.periodic))
             queue = [other._replace(regular=regular) for other in queue]
         except MethodFailure as error:
             failures[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
             if isinstance(error, StepRefused) and attempt.regular:  # unless it is chaotic after all
-                further = attempt._replace(regular=False)
-            elif not isinstance(error, TooSlow | StepRefused):
-                further = attempt.shorter()
+                queue.append(attempt._replace(regular=False))
+            elif not isinstance(error, TooSlow | StepRefused) and (shorter := attempt.shorter()) is not None:
+                queue.append(shorter)
         except Refused as error:  # too many steps; an earlier failure of longer steps is more informative
             failures.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
-        if further is not None:
-            queue.append(further)
     raise _combined_error(list(failures.values()))
 
 
