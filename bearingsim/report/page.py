@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -50,9 +51,11 @@ class Table:
         """Return the table with its first rows only."""
         return Table([(head, cells[:rows]) for head, cells in self.columns], self.numeric, self.total)
 
-    def omission(self) -> str:
-        """Describe the omitted rows."""
-        return f"{self.total - len(self.rows)} of {self.total} rows of the table: results.csv has all"
+    @property
+    def omissions(self) -> list[str]:
+        """Description of the omitted rows, if there are any."""
+        omitted = self.total - len(self.rows)
+        return [f"{omitted} of {self.total} rows of the table: results.csv has all"] if omitted else []
 
 
 @dataclass(frozen=True)
@@ -60,9 +63,9 @@ class Page:
     """Content of the page.
 
     subject: bearing, defect and figures in words; varied: uncertain parameters that the study varies;
-    counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
-    measured: measured and simulated features; omissions: omitted parts, with reasons; text: the study file;
-    changes: overrides of the command line.
+    counts: numbers of jobs by status; complete: no job is missing; written: time of writing; studied: fixed and
+    varied parameters; measured: measured and simulated features; omissions: omitted parts other than rows of the
+    table, with reasons; text: the study file; changes: overrides of the command line.
     """
 
     study: str
@@ -99,7 +102,6 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
 
     table = results.table()
     end_of_run = findings(results.plan, job_frame(results.path))
-    job_table = _table(results, table)
     done = bool((table["status"] == "done").any())
     figures = collect(results, jobs) if done else Figures()
     assumptions = assumption_texts(results) if done else list(results.plan.get("assumptions", ()))
@@ -108,8 +110,8 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         study=results.plan["study"],
         subject=subject(results),
         varied=list(dict.fromkeys(variation["what"].replace("_", " ") for variation in results.variations)),
-        counts=_counts(results, table),
-        complete=bool((table["status"] != "missing").all()),
+        counts=_counts(results.frame["status"]),
+        complete=bool((results.frame["status"] != "missing").all()),
         written=f"Written {now()[:16].replace('T', ' ')} UTC.",
         quick=bool(results.plan["quick"]),
         studied=list(studied(results)),
@@ -123,8 +125,8 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         charts=figures.charts,
         pictures=figures.pictures,
         influences=figures.influences,
-        omissions=[*figures.omissions, *([job_table.omission()] if len(job_table.rows) < len(table) else [])],
-        table=job_table,
+        omissions=figures.omissions,
+        table=_table(results, table),
         assumptions=[with_symbols(plain(text)) for text in assumptions if text not in end_of_run.warnings],
         failures=failures_of(results),
         measured=measured_tables(results),
@@ -139,14 +141,12 @@ def with_symbols(text: str) -> str:
     return re.sub(r"(?<=\d )u(?=[ms]\b)", "µ", text)
 
 
-def _counts(results: "Results", table: "pd.DataFrame") -> str:
-    states = Counter(table["status"])
-    done, total = states["done"], len(table)
+def _counts(status: "pd.Series[str]") -> str:
+    """Count the planned jobs that are done, failed and missing, variations and audits included, as `run` does."""
+    states, total = Counter(status), len(status)
     words = {"failed": "failed", "missing": "not computed yet"}
     others = [f"{states[state]} {text}" for state, text in words.items() if states[state]]
-    variations = len({entry["job"] for entry in results.variations} - set(table["job"]))
-    more = f" and {variations} variations" if variations else ""
-    return ", ".join([f"{done} of {total} job{'s' * (total != 1)}{more} done", *others])
+    return ", ".join([f"{states['done']} of {total} job{'s' * (total != 1)} done", *others])
 
 
 def _table(results: "Results", table: "pd.DataFrame") -> Table:
@@ -202,12 +202,11 @@ def _computed(results: "Results") -> Iterator[Fact]:
         yield "Time step", f"{span(steps.min(), steps.max(), significant)} µs"
     if "cpu_s" in info and len(info):
         yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {len(info)} runs"
-    for unit in next(([unit] for unit in results.table()["unit"] if unit), []):
-        try:
-            facts = read_provenance(unit_path(results.path, str(unit)))
-        except (DamagedUnit, OSError):
-            return
-        yield from ((NAMES[name], value) for name, value in facts.items() if name in NAMES and value)
+    unit = next(filter(None, results.table()["unit"]), None)
+    if unit:
+        with suppress(DamagedUnit, OSError):
+            facts = read_provenance(unit_path(results.path, unit))
+            yield from ((NAMES[name], value) for name, value in facts.items() if name in NAMES and value)
 
 
 NAMES = {"packages": "Packages", "python": "Python", "platform": "Platform", "git_commit": "Commit",

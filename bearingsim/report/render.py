@@ -42,20 +42,18 @@ def html(page: Page, reload_s: float | None = None) -> str:
 def _without_fallbacks(page: Page) -> Page:
     reason = "pictures of the figures for browsers without JavaScript, because of their size"
     pictures = [picture for picture in page.pictures if not picture.fallback]
-    return replace(page, pictures=pictures, omissions=[*page.omissions, reason])
+    reasons = [reason] * (len(pictures) < len(page.pictures))
+    return replace(page, pictures=pictures, omissions=[*page.omissions, *reasons])
 
 
 def _without_signals(page: Page) -> Page:
     reason = "signals of jobs, because of their size: `bearingsim plot --kind series` draws them"
     charts = [chart for chart in page.charts if chart.kind != "signal"]
-    return replace(page, charts=charts, omissions=[*page.omissions, reason])
+    return replace(page, charts=charts, omissions=[*page.omissions, *[reason] * (len(charts) < len(page.charts))])
 
 
 def _with_few_rows(page: Page) -> Page:
-    table = page.table.shortened(FEW_ROWS)
-    if len(table.rows) == len(page.table.rows):
-        return page
-    return replace(page, table=table, omissions=[*page.omissions, table.omission()])
+    return replace(page, table=page.table.shortened(FEW_ROWS))
 
 
 def _render(page: Page, reload_s: float | None) -> str:

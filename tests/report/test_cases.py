@@ -17,6 +17,7 @@ from tests.store.test_results_of_before import ARCHIVE
 __all__ = ["results"]
 
 JOBS = range(16)
+UNCERTAIN = "uncertainty: {clearance: [0 um, 10 um]}\n"
 HEALTHY = STUDY.replace("defect: {shape: circular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm}\n", "").replace(
     "  defect.length: [3 mm, 6 mm, 9 mm]\n", ""
 )
@@ -38,10 +39,12 @@ def written(opened, *words):
          "the ring left (shorten the step)", "data-chart="),
         (STUDY + FIGURES, {1: "missing", 2: "failed"}, "14 of 16 jobs done, 1 failed, 1 not computed yet",
          "×: failed job; |: job not computed yet", "no result yet"),
+        (STUDY + UNCERTAIN, {16: "missing", 17: "failed"}, "38 of 40 jobs done, 1 failed, 1 not computed yet",
+         "with clearance 0 to 10 µm", "no result yet"),
         (STUDY + FIGURES, dict.fromkeys(JOBS, "missing"), "0 of 16 jobs done, 16 not computed yet",
          "no result yet", "data-chart="),
     ],
-    ids=["one job", "healthy", "design", "failures", "interrupted", "empty"],
+    ids=["one job", "healthy", "design", "failures", "interrupted", "variations", "empty"],
 )  # fmt: skip
 def test_any_results_have_a_page(results, text, lost, counts, contained, lacking):
     stdout, page = written(results(text, lost))
@@ -87,15 +90,16 @@ def test_foreign_files_are_kept(results, tmp_path):
     assert "is a folder: name a file" in stderr
 
 
-def test_following_writes_the_page_until_no_job_is_missing(results, monkeypatch):
-    opened = results(STUDY + FIGURES, {3: "missing"})
+@pytest.mark.parametrize("number", [3, 20])
+def test_following_writes_the_page_until_no_job_or_variation_is_missing(results, monkeypatch, number):
+    opened = results(STUDY + UNCERTAIN + FIGURES, {number: "missing"})
     reloads = []
 
     def finish(seconds):
         reloads.append('"reload":10.0' in (opened.path / "report.html").read_text())
         from bearingsim.store import Failure
 
-        Failure(opened.jobs[3], "the ring left", "").write(opened.path)
+        Failure(opened.planned[number], "the ring left", "").write(opened.path)
 
     monkeypatch.setattr("bearingsim.cli.reporting.time.sleep", finish)
     stdout, stderr = type_("report", opened.path, "--follow")
