@@ -1,7 +1,8 @@
 """Statements on results: assumptions that were not varied, failed jobs."""
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config.rules import damping
 from bearingsim.config.sections.clearance import class_limits
@@ -84,21 +85,28 @@ class FailedJob(NamedTuple):
 
 def failures_of(results: "Results") -> list[FailedJob]:
     """List the failed jobs of a study, in the order of its plan."""
-    from bearingsim.plots.labels import swept_text
-
-    swept_values = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    variation_texts = {
-        entry["job"]: f"{entry['what']} {entry['value']:.3g} (SI) of {entry['of']}" for entry in results.variations
-    }
-    stored = results.failures()
+    stored, swept = results.failures(), {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
+    rows = set(results.jobs)
+    variations = {entry["job"]: entry for entry in results.variations if entry["job"] not in rows}
     failed = []
-    for job in results.planned:
-        if job not in stored:
-            continue
+    for job in filter(stored.__contains__, results.planned):
         failure = stored[job]
         has_no_time = failure.time is None or "into the run" in failure.reason
         time_text = "" if has_no_time else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
         explanation = f"{failure.reason}{time_text}" + (f" ({failure.advice})" if failure.advice else "")
-        case = variation_texts.get(job) or swept_text(swept_values[job], results.plan["units"])
+        case = _case_text(swept, results.plan["units"], job, variations.get(job))
         failed.append(FailedJob(job, case, explanation, failure.command or "", failure.traceback))
     return failed
+
+
+def _case_text(
+    swept: Mapping[str, dict[str, Any]], units: Mapping[str, str], job: str, variation: dict[str, Any] | None
+) -> str:
+    """Describe a job by its swept values; of a variation those of its case, and the uncertain value."""
+    from bearingsim.plots.labels import printed, swept_text
+    from bearingsim.study.uncertainty import PARAMETER_KINDS
+
+    if variation is None:
+        return swept_text(swept[job], units)
+    value = printed(PARAMETER_KINDS[variation["what"]].range_text([variation["value"]]))
+    return ", ".join(filter(None, [swept_text(swept[variation["of"]], units), f"{variation['what']} {value}"]))

@@ -30,6 +30,7 @@ from bearingsim.config.rules.conflicts import conflicts
 from bearingsim.config.sections.defect import Edge
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad
 from bearingsim.config.sections.surfaces import RaceSurface, Spectrum, Surfaces
+from bearingsim.text.numbers import span
 from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
@@ -74,8 +75,8 @@ class ParameterKind:
             return ", ".join(self.choices[round(value) - 1] for value in dict.fromkeys(values))
         if self.samples:
             return f"{display(values[0], self.unit, self.dimension):.3g} {self.unit} ({self.samples} samples)"
-        low, high = (display(pick(values), self.unit, self.dimension) for pick in (min, max))
-        return f"{low:.3g} to {high:.3g} {self.unit}".strip()
+        limits = span(min(values), max(values), lambda end: f"{display(end, self.unit, self.dimension):.3g}")
+        return f"{limits} {self.unit}".strip()
 
     def text(self, name: str, values: Sequence[float]) -> str:
         """Format `damping of 0.5 to 10 us`, or `support (point load, ...)`."""

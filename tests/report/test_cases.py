@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim.report.signals import MAX_POINTS, reduce
+from bearingsim.report.statements import failures_of
 from bearingsim.study import load_study
 from bearingsim.text.yamlfile import StudyError
 from tests.plots.test_plot_designs import HEAD, SOBOL
@@ -107,6 +108,18 @@ def test_following_writes_the_page_until_no_job_or_variation_is_missing(results,
     assert stdout.count("report.html: ") == 2
     assert stderr == "following the run; Ctrl-C ends this command, not the run\n"
     assert '"reload":null' in (opened.path / "report.html").read_text()
+
+
+def test_failed_jobs_are_named_by_their_case(results):
+    """The nominal clearance is that of the study: the case itself, not a variation of it."""
+    text = STUDY.replace("  load: [150 N, 300 N]\n  model: [static, ring]\n", "")
+    uncertain = "uncertainty: {clearance: [0 um, 10 um], bracket: [0.5, 2]}\n"
+    failures = failures_of(results(text + uncertain, dict.fromkeys((0, 4, 7), "failed")))
+    assert [failure.case for failure in failures] == [
+        "length 3 mm",
+        "length 3 mm, clearance 0 µm",
+        "length 3 mm, bracket 2",
+    ]
 
 
 def test_following_waits_for_a_plan(results, monkeypatch):
