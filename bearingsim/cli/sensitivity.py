@@ -34,11 +34,10 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
         say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in answers}, indent=1))
     else:
         for number, answer in enumerate(answers):
-            say("\n" * bool(number) + influence.heading(*answer))
-            print_table(*influence.table(*answer))
-            say(influence.verdict(*answer))
-            for text in influence.remarks(answer[0]):
-                say(text)
+            heading, heads, rows, texts = influence.influence_of(*answer)
+            say("\n" * bool(number) + heading)
+            print_table(heads, rows)
+            say("\n".join(texts))
     if out is not None or not as_json:
         _draw(results, answers, target, quiet=as_json)
 

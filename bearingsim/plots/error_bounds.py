@@ -56,8 +56,7 @@ def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) 
         for text, error in (("numerical error", numerical), ("start error", start)):
             if error is not None and (share := _largest_shares(error, rows[name].abs())) is not None:
                 of_value, of_largest = map(percent, share)
-                feature = labels.feature_text(name)
-                feature = feature if feature[1:2].isupper() else feature[:1].lower() + feature[1:]
+                feature = labels.in_sentence(labels.feature_text(name))
                 yield f"{text} of the {feature} up to {of_value} of its value ({of_largest} of the largest)"
 
 

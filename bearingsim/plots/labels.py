@@ -211,6 +211,11 @@ def feature_text(name: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def in_sentence(text: str) -> str:
+    """Return the long name of a feature without its capital letter, except that of an abbreviation."""
+    return text if text[1:2].isupper() else text[:1].lower() + text[1:]
+
+
 def feature_axis(name: str, largest: float) -> tuple[str, float]:
     """Choose unit and factor from SI for a feature by its largest value; ``("", 1.0)`` without a unit."""
     return readable(COST_UNIT if name == COST else _feature_unit(name), name, largest)

@@ -86,6 +86,16 @@ def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
     return float(line.frequency(Z * cage, Z * (shaft - cage), spin, cage, shaft))
 
 
+def frequencies(line: Line, parameters: "pd.DataFrame") -> list[float]:
+    """Compute the distinct frequencies (Hz) of a line in some jobs without cage slip, of ramps at both ends."""
+    names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
+    cases = parameters[names].drop_duplicates().to_dict("records")
+    if "ramp.to" in parameters:
+        ends = parameters.dropna(subset="ramp.to")
+        cases += ends[names].assign(speed=ends["ramp.to"]).drop_duplicates().to_dict("records")
+    return list(dict.fromkeys(frequency(line, case) for case in cases))
+
+
 def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
     """Yield the lines up to ``highest`` (Hz) of the families of a job's defects, sidebands and their distance."""
     for race in races(parameters) or ["outer"]:

@@ -1,6 +1,7 @@
 """Columns of a table of results: which are shown, and their cells as text."""
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from bearingsim.text.numbers import significant
@@ -17,10 +18,9 @@ STEP_CHECK = ("step_error.line", "step_error.rms", "step_error.record", "chaotic
 
 def main_features(results: "Results", table: "pd.DataFrame") -> list[str]:
     """List the features with a value that the figures of the study name, else the default ones without errors."""
-    from bearingsim.study import stored_figure
+    from bearingsim.study import stored_features
 
-    names = dict.fromkeys(name for figure in results.plan["figures"] for name in stored_figure(figure).features)
-    features = [name for name in names if name in table and table[name].notna().any()]
+    features = with_values(stored_features(results.plan), table)
     return features or [name for name in default_features(results, table) if not name.startswith("error.")]
 
 
@@ -37,24 +37,20 @@ def default_features(results: "Results", table: "pd.DataFrame") -> list[str]:
     slip_columns = ["cage.slip.mean"] if lines.may_slip(parameters) else []
     errors = [name for name in map(str, table) if name.startswith("error.")]
     band_columns = [name for name in map(str, table) if read_band(name) is not None]
-    candidates = (
-        *line_columns,
-        *slip_columns,
-        *(f"{line}-healthy" for line in line_columns),
-        *band_columns,
-        *STATISTICS,
-        *errors,
-        *STEP_CHECK,
-    )
-    columns = [name for name in candidates if name in table and table[name].notna().any()]
-    return [name for name in columns if name != "chaotic" or (table[name] > 0.0).any()]
+    changes = [f"{line}-healthy" for line in line_columns]
+    candidates = [*line_columns, *slip_columns, *changes, *band_columns, *STATISTICS, *errors, *STEP_CHECK]
+    return [name for name in with_values(candidates, table) if name != "chaotic" or (table[name] > 0.0).any()]
 
 
 def error_columns(results: "Results", table: "pd.DataFrame") -> list[str]:
     """List the error columns with a value, the total first; none for a study without an accuracy."""
     if not results.plan.get("accuracy"):
         return []
-    names = ["error", *(name for name in map(str, table) if name.startswith("error."))]
+    return with_values(["error", *(name for name in map(str, table) if name.startswith("error."))], table)
+
+
+def with_values(names: Iterable[str], table: "pd.DataFrame") -> list[str]:
+    """List the names of columns with a value."""
     return [name for name in names if name in table and table[name].notna().any()]
 
 

@@ -28,15 +28,13 @@ class Result(NamedTuple):
 def feature_results(results: "Results") -> Iterator[Result]:
     """Yield each feature named by the figures, with its range, healthy range and the cases of its extremes."""
     from bearingsim.plots import select
-    from bearingsim.study import stored_figure
+    from bearingsim.report.columns import with_values
+    from bearingsim.study import stored_features
 
     case_rows = select.case_rows(results)
     done_rows = case_rows[case_rows["status"] == "done"]
-    figure_features = [name for figure in results.plan["figures"] for name in stored_figure(figure).features]
-    names = dict.fromkeys(figure_features or select.default_y(results, case_rows))
-    yield from (
-        _result(results, done_rows, name) for name in names if name in done_rows and done_rows[name].notna().any()
-    )
+    names = stored_features(results.plan) or select.default_y(results, case_rows)
+    yield from (_result(results, done_rows, name) for name in with_values(names, done_rows))
 
 
 def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
@@ -139,14 +137,13 @@ def _describe(results: "Results", name: str) -> str:
 
 
 def _frequency(results: "Results", name: str) -> str:
-    """Return the frequency of a line, as `159 Hz`, or "" if it differs between jobs."""
+    """Return the frequency of a line, as `159 Hz`, or "" if it differs between jobs or in a ramp."""
     from bearingsim.config.names import LINES
-    from bearingsim.plots.lines import frequency
+    from bearingsim.plots.lines import frequencies
 
     line = LINES.get(name.removesuffix("-healthy").split("@")[-1])
-    names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
-    cases = results.parameters()[names].drop_duplicates().to_dict("records")
-    return f"{significant(frequency(line, cases[0]))} Hz" if line is not None and len(cases) == 1 else ""
+    values = frequencies(line, results.parameters()) if line is not None else []
+    return f"{significant(values[0])} Hz" if len(values) == 1 else ""
 
 
 def _band(results: "Results", name: str) -> str:

@@ -27,13 +27,16 @@ def influences(results: "Results", features: Sequence[str]) -> list[Influence]:
     from bearingsim.sensitivity import analyse, collect_blocks, design_of
 
     design_of(results)
-    answers = [(blocks, analyse(blocks)) for blocks in (collect_blocks(results, feature) for feature in features)]
-    return [
-        Influence(heading(*answer), *table(*answer), [verdict(*answer), *remarks(answer[0])]) for answer in answers
-    ]
+    all_blocks = [collect_blocks(results, feature) for feature in features]
+    return [influence_of(blocks, analyse(blocks)) for blocks in all_blocks]
 
 
-def heading(blocks: "Blocks", analysis: "Indices | Effects") -> str:
+def influence_of(blocks: "Blocks", analysis: "Indices | Effects") -> Influence:
+    """Describe an analysis of a feature."""
+    return Influence(_heading(blocks), *_table(blocks, analysis), [verdict(blocks, analysis), *_remarks(blocks)])
+
+
+def _heading(blocks: "Blocks") -> str:
     """Format mean, standard deviation and design of a feature.
 
     `velocity@BPFO: mean 14.6 um/s, standard deviation 10.1 um/s; Sobol' indices from 128 blocks, 1024 jobs`.
@@ -46,7 +49,7 @@ def heading(blocks: "Blocks", analysis: "Indices | Effects") -> str:
     return f"{blocks.feature}: mean {mean}, standard deviation {deviation}; {origin}"
 
 
-def table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], list[list[str]]]:
+def _table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], list[list[str]]]:
     """Return headers and rows of a table: a row per parameter, the most important first; intervals in brackets."""
     from bearingsim.sensitivity import LEVEL, Indices
 
@@ -90,7 +93,7 @@ def verdict(blocks: "Blocks", analysis: "Indices | Effects") -> str:
     return effects_text(analysis, blocks.feature, blocks.paths, *_unit(blocks))
 
 
-def remarks(blocks: "Blocks") -> list[str]:
+def _remarks(blocks: "Blocks") -> list[str]:
     """Return remarks on dropped blocks and on chaotic jobs."""
     texts = []
     if blocks.dropped:

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 MAX_ROWS = 2000
 """Largest number of rows of the table; 100 000 rows take 20 MB."""
-LARGEST_STEP_ERRORS = "largest step errors"
-"""Beginning of a statement that repeats the numerical errors of the results."""
 MAX_TEXT = 200_000
 """Largest number of characters of the study file that are shown."""
 
@@ -97,7 +95,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
 
     Raises ResultsError for a folder that cannot be read, PlotError for a job without a signal.
     """
-    from bearingsim.runner.findings import findings
+    from bearingsim.runner.findings import LARGEST_STEP_ERRORS, findings
     from bearingsim.store import job_frame, now
 
     table = results.table()

@@ -1,13 +1,12 @@
 """Subject of a study in words: bearing, defect, varied and fixed parameters."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from bearingsim.config.names import Line
-from bearingsim.plots import labels, select
+from bearingsim.plots import labels, lines, select
 from bearingsim.plots.caption import CAPTION_FIELDS, SMALL_UNITS, defect_values, machine_values
-from bearingsim.plots.lines import FAMILIES, SHAFT, frequency
-from bearingsim.study import stored_figure
+from bearingsim.study import stored_features
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.numbers import significant, span
 
@@ -30,9 +29,9 @@ DIMENSIONS = {
 """Parameters of a bearing on the page, with their names."""
 DAMPING = {path for path, _ in CAPTION_FIELDS if path.startswith("contact.damping.")}
 """Parameters of the contact damping."""
-FREQUENCIES = {family.line: family.fundamental for family in FAMILIES.values()} | {
+FREQUENCIES = {family.line: family.fundamental for family in lines.FAMILIES.values()} | {
     "FTF": Line(cage=1),
-    "fr": SHAFT,
+    "fr": lines.SHAFT,
 }
 """Characteristic frequencies of a bearing, by name."""
 
@@ -91,11 +90,10 @@ def subject(results: "Results") -> str:
         return ""
     bearing = " / ".join(dict.fromkeys(map(str, parameters["bearing.name"])))
     defect = [f"defect of the {race}" for race in _races(parameters)] or ["no defect"]
-    figures = list(map(stored_figure, results.plan["figures"]))
-    names = list(dict.fromkeys(labels.feature_text(name) for figure in figures for name in figure.features))
+    names = list(dict.fromkeys(map(labels.feature_text, stored_features(results.plan))))
     varied = [labels.name_text(path) for path in select.varied(rows, list(units))]
-    words = [name if name[1:2].isupper() else name[:1].lower() + name[1:] for name in names[:2]]
-    quantities = " and ".join(words or ["vibration"]) + ", and others" * (len(names) > 2)
+    texts = [labels.in_sentence(name) for name in names[:2]] or ["vibration"]
+    quantities = " and ".join(texts) + ", and others" * (len(names) > 2)
     over = [f"over {' and '.join(varied)}"] if varied else []
     return f"{', '.join([bearing, *defect])}: {' '.join([quantities, *over])}"
 
@@ -118,26 +116,15 @@ def _span(path: str, parameters: "pd.DataFrame", units: dict[str, str]) -> str:
 
 def _frequencies(parameters: "pd.DataFrame") -> Iterator[str]:
     """Yield the characteristic frequencies, `BPFO 159 Hz`, or their ranges over the speeds, ramps included."""
-    names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
-    cases = parameters[names].drop_duplicates().to_dict("records")
-    if "ramp.to" in parameters:
-        ends = parameters.dropna(subset="ramp.to")
-        cases += ends[names].assign(speed=ends["ramp.to"]).drop_duplicates().to_dict("records")
     for name, line in FREQUENCIES.items():
-        values = [abs(frequency(line, case)) for case in cases]
-        texts = dict.fromkeys(significant(pick(values)) for pick in (min, max))
-        yield f"{name} {' to '.join(texts)} Hz"
+        values = lines.frequencies(line, parameters)
+        yield f"{name} {span(min(values), max(values), significant)} Hz"
 
 
 def _races(parameters: "pd.DataFrame") -> list[str]:
     """Name the elements that carry the defects, `outer race`."""
-    columns = [name for name in map(str, parameters) if name.startswith("defects.") and name.endswith(".race")]
-    races: Sequence[str] = [str(race) for name in columns for race in parameters[name].dropna()]
-    return (
-        [" and ".join(race if race == "roller" else f"{race} race" for race in dict.fromkeys(races))]
-        if races
-        else []
-    )
+    texts = [race if race == "roller" else f"{race} race" for race in lines.races_of_all(parameters)]
+    return [" and ".join(texts)] if texts else []
 
 
 def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:

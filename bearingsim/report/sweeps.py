@@ -102,9 +102,8 @@ def _default_by(figure: "Figure", rows: "pd.DataFrame") -> tuple[str, ...]:
 
 def title_of(figure: "Figure") -> str:
     """Describe a figure over a path: `RMS velocity over load`."""
-    names = [labels.feature_text(name) for name in figure.y]
-    texts = [name if name[1:2].isupper() else name[:1].lower() + name[1:] for name in names[1:]]
-    return f"{' and '.join([*names[:1], *texts])} over {labels.name_text(figure.x)}"
+    first, *others = map(labels.feature_text, figure.y)
+    return f"{' and '.join([first, *map(labels.in_sentence, others)])} over {labels.name_text(figure.x)}"
 
 
 def x_axis(figure: "Figure", path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> Axis:

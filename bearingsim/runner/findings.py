@@ -12,7 +12,7 @@ from bearingsim.runner.promises import accuracy_notes, selection_notes, withdraw
 from bearingsim.runner.summary import Findings
 from bearingsim.runner.variations import variation_effects
 from bearingsim.store import NOTABLE_ERROR, has_error_estimate, is_uncertain, relative_error
-from bearingsim.study import stored_figure
+from bearingsim.study import stored_features
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
@@ -27,6 +27,9 @@ from bearingsim.text.numbers import percent, span
 if TYPE_CHECKING:
     import pandas as pd
 
+LARGEST_STEP_ERRORS = "largest step errors"
+"""Beginning of a statement that the page of results omits, because each of its results has its numerical error."""
+
 
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     """Collect the statements on the results of a plan; frame: from ``store.job_frame``."""
@@ -34,8 +37,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     info = store.info(cases)
     damping_notes = list(damping.result_remarks(info))
     damping_warnings = [text for text in (*damping_notes, *_assumptions(plan)) if text.startswith(damping.WARNING)]
-    figures = map(stored_figure, plan["figures"])
-    drawn_features = list(dict.fromkeys(name for figure in figures for name in figure.features))
+    drawn_features = stored_features(plan)
     accuracy = plan["accuracy"]["within"] if plan.get("accuracy") else inf
     chaos_warnings = scatter_warnings(cases, drawn_features, min(NOTABLE_ERROR, accuracy / 2.0))
     return Findings(
@@ -70,7 +72,7 @@ def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
     }
     if errors:
         error_texts = ", ".join(f"{text} {percent(error)}" for text, error in errors.items())
-        yield f"largest step errors: {error_texts}"
+        yield f"{LARGEST_STEP_ERRORS}: {error_texts}"
 
 
 def chaos_notes(cases: "pd.DataFrame") -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Study files: reading, validation, and expansion into jobs."""
 
 from bearingsim.study.design import Design
-from bearingsim.study.figures import Figure, stored_figure
+from bearingsim.study.figures import Figure, stored_features, stored_figure
 from bearingsim.study.jobs import Job, Study, case_id, healthy_case
 from bearingsim.study.load import Outline, load_study, outline
 from bearingsim.study.paths import dimension
@@ -29,5 +29,6 @@ __all__ = [
     "load_study",
     "outline",
     "schema_text",
+    "stored_features",
     "stored_figure",
 ]

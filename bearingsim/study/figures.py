@@ -72,6 +72,11 @@ def stored_figure(entry: Mapping[str, Any]) -> Figure:
     )
 
 
+def stored_features(plan: Mapping[str, Any]) -> list[str]:
+    """List the features on the y axes of the figures of a plan, each once."""
+    return list(dict.fromkeys(name for entry in plan["figures"] for name in stored_figure(entry).features))
+
+
 def band_features(root: Node) -> dict[str, Node]:
     """Return the band features in figures and `accuracy` of a study, without the suffix `-healthy`."""
     features: dict[str, Node] = {}

@@ -12,7 +12,7 @@ from bearingsim.report.charts import rounded
 from bearingsim.report.figures import collect
 from bearingsim.report.page import page_of
 from bearingsim.report.render import embedded, html
-from tests.scenes.figure_results import FIGURES, STUDY, results
+from tests.scenes.figure_results import FIGURES, STUDY, record, results
 
 __all__ = ["results"]
 
@@ -87,3 +87,38 @@ def test_settings_with_a_failed_job_are_offered(results):
     lost = dict.fromkeys((1, 3, 5, 7, 9), "missing") | {11: "failed"}
     [control] = collect(results(STUDY + FIGURES, lost=lost), ()).charts[0].controls
     assert control.options == ["static", "ring"]
+
+
+@pytest.mark.parametrize(
+    ("ramp", "name"),
+    [
+        ("", "velocity@BPFO (159 Hz)"),
+        ("ramp: {to: 3000 rpm, time: 1 s}\ncage: {guide: centred}\n", "velocity@BPFO"),
+    ],
+)
+def test_result_has_the_frequency_of_its_line_unless_that_changes(results, ramp, name):
+    opened = results(
+        STUDY.replace("[static, ring]", "[planar]") + ramp + "figures: [{y: velocity@BPFO, x: load}]\n"
+    )
+    assert [result.name for result in page_of(opened).results] == [name]
+
+
+@pytest.mark.parametrize(
+    ("feature", "errors", "statements"),
+    [
+        ("velocity@BPFO", ["numerical error 0.2 %"], []),
+        ("outer_force.max", [], ["largest step errors: velocity line 0.2 %, velocity RMS 0.1 %"]),
+    ],
+)
+def test_step_errors_are_stated_once(results, monkeypatch, feature, errors, statements):
+    """The largest force has no value here, so there is no result whose error could be stated."""
+
+    def made(case):
+        result = record(case)
+        result.features |= {"step_error.line": 0.002, "step_error.rms": 0.001, "chaotic": 0.0}
+        return result
+
+    monkeypatch.setattr("tests.scenes.figure_results.record", made)
+    shown = page_of(results(f"{STUDY}figures: [{{y: {feature}, x: load}}]\n"))
+    assert [result.error for result in shown.results] == errors
+    assert shown.accuracy == statements
