@@ -38,18 +38,13 @@ def parse_sweep(sweep: Node, problems: list[Problem]) -> list[Axis]:
     """Parse the axes of a sweep section, in the order of the file."""
     if not isinstance(sweep.value, dict):
         problems.append(problem(sweep.mark, "sweep: expected a mapping such as `{load: [150 N, 300 N]}`"))
-    axes = []
-    for key, node in ((key, node) for key, node in sweep.mapping.items() if key not in SWEEP_SETTINGS):
-        for block in _blocks(key, node, problems):
-            axes.append(_axis(block, problems))
+    axes = [_axis(block, problems) for block in _blocks(sweep, problems)]
     return [axis for axis in axes if axis is not None]
 
 
 def named_paths(sweep: Node) -> set[str]:
     """Return the paths named by a sweep section, valid or not."""
-    entries = {key: node for key, node in sweep.mapping.items() if key not in SWEEP_SETTINGS}
-    blocks = [block for key, node in entries.items() for block in _blocks(key, node, [])]
-    return {path for block in blocks for path in block} | assigned_paths(sweep.mapping)
+    return {path for block in _blocks(sweep, []) for path in block} | assigned_paths(sweep.mapping)
 
 
 def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
@@ -96,13 +91,16 @@ def _remove_paths(axis: Axis, paths: Collection[str]) -> list[Axis]:
     return [Axis(tuple(axis.paths[i] for i in columns), rows, tuple(axis.keys[i] for i in columns))]
 
 
-def _blocks(key: str, node: Node, problems: list[Problem]) -> list[dict[str, Node]]:
-    if key != "zip":
-        return [{key: node}]
-    blocks = node.items if isinstance(node.value, tuple) else (node,)
-    if not all(block.mapping for block in blocks):
-        problems.append(problem(node.mark, "zip: expected a mapping of paths to lists of equal length"))
-    return [block.mapping for block in blocks if block.mapping]
+def _blocks(sweep: Node, problems: list[Problem]) -> Iterator[dict[str, Node]]:
+    """Yield the entries of each axis, by path: several of a `zip`."""
+    for key, node in sweep.mapping.items():
+        if key == "zip":
+            blocks = node.items if isinstance(node.value, tuple) else (node,)
+            if not all(block.mapping for block in blocks):
+                problems.append(problem(node.mark, "zip: expected a mapping of paths to lists of equal length"))
+            yield from (block.mapping for block in blocks if block.mapping)
+        elif key not in SWEEP_SETTINGS:
+            yield {key: node}
 
 
 def _axis(entries: dict[str, Node], problems: list[Problem]) -> Axis | None:
@@ -125,7 +123,11 @@ def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
         problems.append(problem(node.key or node.mark, f"sweep: there is no design `{path}`", hint))
         return ()
     try:
-        return _list_values(node) if isinstance(node.value, tuple) else _generate(node)
+        if not isinstance(node.value, tuple):
+            return _generate(node)
+        if not node.items:
+            raise EntryError(node, "the list is empty")
+        return node.items
     except EntryError as error:
         problems.append(problem(error.node.mark, f"sweep.{path}: {error}", error.hint))
         return ()
@@ -137,12 +139,6 @@ class EntryError(Exception):
     def __init__(self, node: Node, message: str, hint: str | None = None) -> None:
         self.node, self.hint = node, hint
         super().__init__(message)
-
-
-def _list_values(node: Node) -> tuple[Node, ...]:
-    if not node.items:
-        raise EntryError(node, "the list is empty")
-    return node.items
 
 
 def _generate(node: Node) -> tuple[Node, ...]:
@@ -164,11 +160,9 @@ def number_in(node: Node, unit: str | None) -> tuple[float, str]:
         raise EntryError(node, "expected a number with its unit")
     try:
         number, node_unit = split(node.value)
-        return (
-            (float(number), node_unit)
-            if unit in (None, node_unit)
-            else (_convert(node.value, node_unit, str(unit)), node_unit)
-        )
+        if unit is None or unit == node_unit:
+            return float(number), node_unit
+        return _convert(node.value, node_unit, unit), node_unit
     except UnitError as error:
         raise EntryError(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
 
@@ -187,9 +181,7 @@ def _count(node: Node) -> int:
     return int(node.text)
 
 
-def _interpolate(
-    start: Node, stop: Node, count: Node, interpolate: Callable[[float, float, float], float]
-) -> tuple[Node, ...]:
+def _interpolate(start: Node, stop: Node, count: Node, interpolate: Interpolation) -> tuple[Node, ...]:
     """Return ``count`` values from start to stop, inclusive."""
     a, unit = number_in(start, None)
     b, _ = number_in(stop, unit)

@@ -18,6 +18,7 @@ Results need not be monotonic in a parameter, so the smallest and largest result
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from math import pi, sqrt
 from random import Random
 from typing import Any
@@ -192,8 +193,8 @@ def _parse_parameter(name: str, node: Node, problems: list[Problem]) -> Uncertai
     values = [_parse_value(name, kind, item, problems) for item in node.items]
     if any(value is None for value in values):
         return None
-    numbers = sorted(value for value in values if value is not None)
-    if numbers[0] == numbers[-1]:
+    numbers = sorted({value for value in values if value is not None})
+    if len(numbers) == 1:
         problems.append(problem(node.mark, f"uncertainty.{name}: the values are all the same"))
         return None
     if len(numbers) == 2:
@@ -242,23 +243,21 @@ def check_uncertainty(
     has_models: True if the study names its models; otherwise `accuracy` chooses them.
     """
     for parameter in parameters:
-        refuse = REFUSALS.get(parameter.name, _no_refusal)
-        refusal = next(filter(None, (refuse(case, has_models) for case in cases)), None)
+        refuse = REFUSALS.get(parameter.name)
+        refusals = (refuse(case, has_models) for case in cases) if refuse else ()
+        variants = (case for base in cases for _, _, case in variations(base, [parameter]))
+        invalid = ((conflict.message, conflict.hint) for case in variants for conflict in conflicts(case))
+        refusal = next(filter(None, chain(refusals, invalid)), None)
         if refusal is not None and section is not None:
             mark = section.mapping[parameter.name].mark
             problems.append(problem(mark, f"uncertainty.{parameter.name}: {refusal[0]}", refusal[1]))
-            continue
-        variants = (case for base in cases for _, _, case in variations(base, [parameter]))
-        first_conflict = next((conflict for case in variants for conflict in conflicts(case)), None)
-        if first_conflict is not None and section is not None:
-            mark = section.mapping[parameter.name].mark
-            problems.append(
-                problem(mark, f"uncertainty.{parameter.name}: {first_conflict.message}", first_conflict.hint)
-            )
 
 
-def _support_refusal(case: Case, has_models: bool) -> tuple[str, str] | None:
-    """Return the reason why a case cannot have other supports, and the remedy; None if it can."""
+Refusal = tuple[str, str] | None
+"""Reason why a case cannot have another value, and the remedy."""
+
+
+def _support_refusal(case: Case, has_models: bool) -> Refusal:
     if not has_models:
         reason = "not possible with `accuracy`, because only some models have a flexible ring"
         return reason, "omit `support`, or use `model` instead of `accuracy`"
@@ -268,14 +267,6 @@ def _support_refusal(case: Case, has_models: bool) -> tuple[str, str] | None:
         return f"the {case.model} model has no flexible ring", f"use {words}, or remove `support`"
     if case.rig.ring is not None:
         return "the rig already defines the support of its ring", "remove `support`, or use `bends: false`"
-    return None
-
-
-Refusal = tuple[str, str] | None
-"""Reason why a case cannot have another value, and the remedy."""
-
-
-def _no_refusal(case: Case, has_models: bool) -> Refusal:
     return None
 
 
@@ -316,7 +307,7 @@ REFUSALS: dict[str, Callable[[Case, bool], Refusal]] = {
     "ring_mass": _ring_mass_refusal,
     "edge": _edge_refusal,
 }
-"""Reasons against each uncertain parameter, by its name."""
+"""Functions of a case, and of whether the study names its models, by uncertain parameter."""
 
 
 def sample_cases(cases: Sequence[Case], jobs: int) -> list[Case]:
@@ -383,8 +374,12 @@ def assumes_rigid_ring(
     if any(parameter.name == "support" for parameter in parameters or ()):
         return False
     plots_ring = any(name.startswith(_RING_CHANNELS) for name in features)
-    unspecified = [case for case in cases if MODELS[case.model].loaded and "ring" not in case.rig.model_fields_set]
-    return any(plots_ring or any(name.startswith("ring.") for name in case.record) for case in unspecified)
+    return any(
+        MODELS[case.model].loaded
+        and "ring" not in case.rig.model_fields_set
+        and (plots_ring or any(name.startswith("ring.") for name in case.record))
+        for case in cases
+    )
 
 
 def damping_remark(cases: int, duration: Callable[[float], str], seconds: float) -> str:

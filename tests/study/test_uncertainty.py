@@ -52,6 +52,11 @@ def test_three_or_more_values_are_kept_in_order(write: Write) -> None:
     assert damping.values == pytest.approx((1.0 * US, 2.0 * US, 3.0 * US, 4.0 * US))
 
 
+def test_a_value_given_twice_counts_once(write: Write) -> None:
+    (damping,) = uncertain(write, "{damping: [4 us, 1 us, 0.001 ms]}")
+    assert damping.values == pytest.approx((1.0 * US, 2.0 * US, 4.0 * US))
+
+
 def test_default_differs_from_none(write: Write) -> None:
     assert load_study(write(BASE)).uncertainty is None
     assert uncertain(write, "none") == ()
@@ -287,8 +292,10 @@ def test_run_without_variations_reports_their_cost(study_folder: Path) -> None:
 
 def test_nothing_is_computed_twice(finished_run: tuple[Path, str]) -> None:
     folder, _ = finished_run
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("out/units/*/*.h5")}
     again, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
     assert "10 of 10 jobs done" in again
+    assert {path: path.stat().st_mtime_ns for path in folder.glob("out/units/*/*.h5")} == before != {}
 
 
 def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:

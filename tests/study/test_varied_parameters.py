@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("constant_candidates")
 def varied_cases(write: Write, text: str, more: str = "model: rollers\n") -> list[tuple[str, float, Any]]:
     """Kind, value and case of each variation of a study with one case."""
     study = load_study(write(f"{BASE}{more}uncertainty: {text}\n"))
-    return [(found.what, found.value, found.job.case) for found in study.variations()]
+    return [(variation.what, variation.value, variation.job.case) for variation in study.variations()]
 
 
 def test_form_is_computed_in_three_samples_of_one_height(write: Write) -> None:
