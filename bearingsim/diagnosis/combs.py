@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
+from bearingsim.diagnosis.envelopes import EnvelopeSpectrum, band_spectrum, fast_length, levelled_spectrum
 from bearingsim.diagnosis.kinematics import Lines
 
 HARMONICS = 3
@@ -25,6 +25,17 @@ def highest_frequency(lines: Lines) -> float:
     """Return the highest frequency (Hz) that is read from a spectrum: the third harmonic of the highest other
     periodicity."""
     return 1.02 * HARMONICS * OTHERS_TO * max(lines.outer, lines.inner, lines.roller)
+
+
+def envelope_spectra(
+    series: np.ndarray, fs: float, lines: Lines, band: tuple[float, float] | None = None
+) -> tuple[EnvelopeSpectrum, EnvelopeSpectrum]:
+    """Compute both envelope spectra of a series (n,) at ``fs`` (Hz), shortened for a fast transform.
+
+    band: as of ``band_spectrum``, whose errors are raised.
+    """
+    part, shaft, highest = series[: fast_length(len(series))], lines.shaft, highest_frequency(lines)
+    return band_spectrum(part, fs, shaft, highest, band), levelled_spectrum(part, fs, shaft, highest)
 
 
 class Comb(NamedTuple):
@@ -79,15 +90,15 @@ def best_comb(spectra: Sequence[EnvelopeSpectrum], expected: float, tolerance: f
     return comb_at(spectra, float(fundamentals[(best + end) // 2]))
 
 
-def refined(spectra: Sequence[EnvelopeSpectrum], frequency: float) -> float:
-    """Refine a fundamental (Hz) by the peaks near its harmonics: parabolas through three logarithms of heights.
+def refined(spectra: Sequence[EnvelopeSpectrum], comb: Comb) -> Comb:
+    """Refine the fundamental of a comb by peaks near its harmonics: parabolas through three logarithms of heights.
 
     Harmonics are weighted by their number and score.
     """
     estimates, weights = [], []
     for spectrum in spectra:
         for number in range(1, HARMONICS + 1):
-            low = int(number * frequency / spectrum.step)
+            low = int(number * comb.frequency / spectrum.step)
             window = spectrum.height[max(low - 1, 1) : low + 3]
             if len(window) < 4 or low + 3 >= len(spectrum.height):
                 continue
@@ -97,7 +108,7 @@ def refined(spectra: Sequence[EnvelopeSpectrum], frequency: float) -> float:
             shift = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
             estimates.append((peak + min(max(shift, -0.5), 0.5)) * spectrum.step / number)
             weights.append(number * np.log1p(spectrum.height[peak]))
-    return float(np.average(estimates, weights=weights)) if np.sum(weights) > 0.0 else frequency
+    return comb._replace(frequency=float(np.average(estimates, weights=weights))) if sum(weights) > 0.0 else comb
 
 
 class OtherPeriodicities(NamedTuple):

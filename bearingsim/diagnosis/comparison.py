@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import best_comb, highest_frequency, refined
+from bearingsim.diagnosis.combs import HARMONICS, best_comb, envelope_spectra, refined
 from bearingsim.diagnosis.detection import Detection, detect
-from bearingsim.diagnosis.envelopes import band_spectrum, default_band, fast_length, levelled_spectrum
+from bearingsim.diagnosis.envelopes import default_band
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
 from bearingsim.diagnosis.thresholds import threshold
@@ -19,7 +19,6 @@ from bearingsim.signals.spectra import FLAT, band_pass, envelope_spectrum
 
 TOLERANCE = 0.02
 """Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
-HARMONICS = 3
 
 
 class Signal(NamedTuple):
@@ -51,10 +50,8 @@ def detect_line(signal: Signal, race: str) -> Detection:
     """
     series, fs, lines = signal
     refuse_unsuitable(len(series), fs, lines, default_band(fs))
-    part, highest = series[: fast_length(len(series))], highest_frequency(lines)
-    spectra = band_spectrum(part, fs, lines.shaft, highest), levelled_spectrum(part, fs, lines.shaft, highest)
-    comb = best_comb(spectra, lines.of_race(race), TOLERANCE)
-    comb = comb._replace(frequency=refined(spectra, comb.frequency))
+    spectra = envelope_spectra(series, fs, lines)
+    comb = refined(spectra, best_comb(spectra, lines.of_race(race), TOLERANCE))
     return detect(spectra, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
 
 

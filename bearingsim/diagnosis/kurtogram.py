@@ -22,7 +22,7 @@ class Kurtogram(NamedTuple):
     best: tuple[float, float]
 
 
-def kurtogram(series: np.ndarray, fs: float, levels: int = LEVELS) -> Kurtogram:
+def kurtogram(series: np.ndarray, fs: float) -> Kurtogram:
     """Compute the kurtogram of a series (n,) sampled at ``fs`` (Hz), up to 0.4 of it.
 
     Bands are cut from the Fourier transform; the complex envelope of each, decimated to its width, has the
@@ -33,17 +33,17 @@ def kurtogram(series: np.ndarray, fs: float, levels: int = LEVELS) -> Kurtogram:
     """
     transform = np.fft.rfft(series - series.mean())
     limit = 2 * FLAT * (len(transform) - 1)
-    values = np.zeros((levels + 1, 2**levels))
-    for level in range(levels + 1):
+    values = np.zeros((LEVELS + 1, 2**LEVELS))
+    for level in range(LEVELS + 1):
         edges = np.linspace(0, limit, 2**level + 1).astype(int)
         for band, (low, high) in enumerate(pairwise(edges)):
             part = transform[low:high]
             power = np.abs(np.fft.ifft(part)) ** 2 if len(part) else np.zeros(1)
             mean = power.mean()
-            repeat = 2 ** (levels - level)
+            repeat = 2 ** (LEVELS - level)
             values[level, band * repeat : (band + 1) * repeat] = np.mean(power**2) / mean**2 - 2.0 if mean else 0.0
-    edges = np.linspace(0.0, FLAT * fs, 2**levels + 1)
+    edges = np.linspace(0.0, FLAT * fs, 2**LEVELS + 1)
     row, column = map(int, np.unravel_index(np.argmax(values[1:]), values[1:].shape))
-    width = 2 ** (levels - row - 1)
+    width = 2 ** (LEVELS - row - 1)
     begin = column // width * width
     return Kurtogram(values, edges, (float(edges[begin]), float(edges[begin + width])))

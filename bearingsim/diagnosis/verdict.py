@@ -13,12 +13,12 @@ from bearingsim.diagnosis.combs import (
     Comb,
     best_comb,
     comb_at,
+    envelope_spectra,
     heights_at,
-    highest_frequency,
     refined,
 )
 from bearingsim.diagnosis.detection import NONE, RHYTHM, Detection, detect
-from bearingsim.diagnosis.envelopes import EnvelopeSpectrum, band_spectrum, fast_length, levelled_spectrum
+from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import RACES, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
 from bearingsim.diagnosis.thresholds import clear, measured_turns, threshold
@@ -155,9 +155,7 @@ def diagnose(
     full of lines. Raises ValueError as ``band_spectrum``.
     """
     lines = Lines.of(parts, shaft)
-    part = series[: fast_length(len(series))]
-    highest = highest_frequency(lines)
-    spectra = (band_spectrum(part, fs, shaft, highest, band), levelled_spectrum(part, fs, shaft, highest))
+    spectra = envelope_spectra(series, fs, lines, band)
     findings = {race: _finding(spectra, lines, race, tolerance) for race in RACES}
     turns = shaft * len(series) / fs
     limit = threshold(turns, tolerance)
@@ -172,8 +170,7 @@ def diagnose(
 
 
 def _finding(spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, tolerance: float) -> Finding:
-    comb = best_comb(spectra, lines.of_race(race), tolerance)
-    comb = comb._replace(frequency=refined(spectra, comb.frequency))
+    comb = refined(spectra, best_comb(spectra, lines.of_race(race), tolerance))
     shaft = _sidebands(spectra[0], comb.frequency, np.array([lines.shaft]))
     cages = np.linspace(*CAGE_RANGE, CAGE_STEPS) * lines.cage
     return Finding(lines.of_race(race), comb, shaft, _sidebands(spectra[0], comb.frequency, cages))

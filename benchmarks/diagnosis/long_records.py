@@ -9,8 +9,7 @@ About ten minutes of CPU time.
 import argparse
 from pathlib import Path
 
-from bearingsim.diagnosis.combs import best_comb, highest_frequency
-from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, levelled_spectrum
+from bearingsim.diagnosis.combs import best_comb, envelope_spectra
 from bearingsim.diagnosis.kinematics import RACES
 from bearingsim.diagnosis.thresholds import threshold
 from benchmarks.diagnosis import bases, chain
@@ -26,13 +25,9 @@ def exceeded(twins: chain.Twins, seed: int) -> list[bool]:
     """Check at each length if the highest score of a healthy signal exceeds the threshold."""
     signal = chain.sample(twins, seed, None, damaged=False, seconds=TURNS[-1] / chain.SHAFT_HZ).signal
     lines = bases.lines(twins.setting.bearing)
-    limit, results = highest_frequency(lines), []
+    results = []
     for turns in TURNS:
-        part = signal[: fast_length(round(turns * bases.RATE / chain.SHAFT_HZ))]
-        spectra = (
-            band_spectrum(part, bases.RATE, lines.shaft, limit),
-            levelled_spectrum(part, bases.RATE, lines.shaft, limit),
-        )
+        spectra = envelope_spectra(signal[: round(turns * bases.RATE / chain.SHAFT_HZ)], bases.RATE, lines)
         score = max(best_comb(spectra, lines.of_race(race), TOLERANCE).score for race in RACES)
         results.append(score > threshold(turns, TOLERANCE))
     return results

@@ -14,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import best_comb, highest_frequency
-from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, levelled_spectrum
+from bearingsim.diagnosis.combs import best_comb, envelope_spectra
 from bearingsim.diagnosis.kinematics import RACES
 from benchmarks.diagnosis import bases, chain
 
@@ -34,12 +33,7 @@ def scores(twins: chain.Twins, seed: int) -> np.ndarray:
     lines = bases.lines(twins.setting.bearing)
     highest = np.full((len(TURNS), len(TOLERANCES)), np.nan)
     for row, turns in enumerate(TURNS[:count]):
-        part = signal[: fast_length(round(turns * bases.RATE / chain.SHAFT_HZ))]
-        limit = highest_frequency(lines)
-        spectra = (
-            band_spectrum(part, bases.RATE, lines.shaft, limit),
-            levelled_spectrum(part, bases.RATE, lines.shaft, limit),
-        )
+        spectra = envelope_spectra(signal[: round(turns * bases.RATE / chain.SHAFT_HZ)], bases.RATE, lines)
         for column, tolerance in enumerate(TOLERANCES):
             combs = (best_comb(spectra, lines.of_race(race), tolerance) for race in RACES)
             highest[row, column] = max(comb.score for comb in combs)

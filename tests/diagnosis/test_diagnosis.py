@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bearingsim.diagnosis import Lines, diagnose
-from bearingsim.diagnosis.combs import best_comb, highest_frequency
-from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, levelled_spectrum, local_median
+from bearingsim.diagnosis.combs import best_comb, envelope_spectra
+from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, local_median
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.diagnosis.size import DEPTH, ENTRY_DROP, outer_race_size
 from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
@@ -112,9 +112,7 @@ def test_a_band_that_misses_the_resonance_loses_the_line():
 
 
 def test_the_lesser_front_counts_and_both_have_one_fundamental():
-    series = impacts(LINES.outer, slip=0.005)
-    highest = highest_frequency(LINES)
-    spectra = (band_spectrum(series, RATE, SHAFT, highest), levelled_spectrum(series, RATE, SHAFT, highest))
+    spectra = envelope_spectra(impacts(LINES.outer, slip=0.005), RATE, LINES)
     comb = best_comb(spectra, LINES.outer, 0.02)
     assert comb.score == min(comb.scores)
     for spectrum, score in zip(comb.heights, comb.scores, strict=True):
