@@ -335,13 +335,23 @@ def free_rows(owner: str) -> dict[str, list[int]]:
     }
 
 
+def aligned_zeros(size: int) -> np.ndarray:
+    """Return ``size`` zeros, aligned so that a vector of lanes lies in one line of the cache.
+
+    A vector that crosses two lines takes longer to load and store (docs/evidence/speed.md).
+    """
+    padded = np.zeros(size + VECTOR_WIDTH)
+    start = -(padded.ctypes.data // padded.itemsize) % VECTOR_WIDTH
+    return padded[start : start + size]
+
+
 def buffer(Z: int, m_r: float, slices: int = 0) -> np.ndarray:
     """Make a zeroed buffer with the lane constants of Z evenly spaced rollers of mass ``m_r`` (kg).
 
     slices: number of slices of a roller in ``spatial``; 0 in other models. With ``m_r`` = 0 (models with massless
     rollers) the rollers' inverse mass is 0 and their lanes do not move.
     """
-    y = np.zeros(SLICES + slices * SLICE_ROWS * ROW if slices else BUFFER_SIZE)
+    y = aligned_zeros(SLICES + slices * SLICE_ROWS * ROW if slices else BUFFER_SIZE)
     angle = 2.0 * np.pi * np.arange(Z) / Z
     y[COS_0 : COS_0 + Z] = np.cos(angle)
     y[SIN_0 : SIN_0 + Z] = np.sin(angle)

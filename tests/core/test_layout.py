@@ -62,6 +62,15 @@ def test_declared_rows_lie_in_the_buffer() -> None:
     assert max(last for _, last in spans) <= end
 
 
+@pytest.mark.parametrize("slices", [0, 2])
+def test_lanes_of_a_buffer_are_aligned_with_vectors(slices: int) -> None:
+    for _ in range(8):  # an allocation may be aligned by chance
+        y = lay.buffer(Z=4, m_r=1.0, slices=slices)
+        lanes = y[lay.RADIAL :]
+        assert lanes.ctypes.data % (lay.VECTOR_WIDTH * y.itemsize) == 0
+        assert lay.ROW % lay.VECTOR_WIDTH == lay.RADIAL % lay.VECTOR_WIDTH == 0
+
+
 def test_relative_row_without_its_side_raises() -> None:
     y = lay.buffer(Z=4, m_r=1.0, slices=2)
     relative = [name for name, value in OFFSETS.items() if value >= lay.RELATIVE and name != "RELATIVE"]
