@@ -82,7 +82,7 @@ OPTION_HELP = {
     "from": "beginning of the time axis, such as `0.1 s`",
     "to": "end of the time axis",
     "span": "length of the time axis, such as `20 ms`",
-    "around": "`impact`: show the first passage over the defect; of one that turns, the most loaded",
+    "around": "`impact`: show the first passage over the defect, or the most loaded one if the defect rotates",
     "range": "frequencies `0 Hz..2 kHz`, or angles `-5 deg..5 deg`",
     "band": "band-pass filter, such as `2 kHz..5 kHz`",
     "log": "logarithmic axis, `x` or `y`",

@@ -81,21 +81,21 @@ class DefectCluster(NamedTuple):
     defect: Any
 
 
-def packed_defects(case: Case, zetas: Positions | None = None) -> Defects:
+def packed_defects(case: Case, middles: Positions | None = None) -> Defects:
     """Pack the case's defects for the core, one pair for each contact that crosses them.
 
-    zetas: middles (m) of a roller's slices, which give one group of weight 1 per slice, in their order. Raises
-    Refused for a defect without effect, and for one wider than the spacing of the rollers.
+    middles: positions (m) of the middles of a roller's slices, which give one group of weight 1 per slice, in
+    their order. Raises Refused for a defect without effect, and for one wider than the spacing of the rollers.
     """
-    model_excitation, pairs = excitation(case), roller_defect_pairs(case, zetas)
+    model_excitation, pairs = excitation(case), roller_defect_pairs(case, middles)
     if any(pair.paths for pair in pairs):
         return pack_traced_defects(pairs)
-    return pack_defects(pairs, model_excitation, 1 if zetas is None else len(zetas))
+    return pack_defects(pairs, model_excitation, 1 if middles is None else len(middles))
 
 
-def roller_defect_pairs(case: Case, zetas: Positions | None = None) -> list[RollerDefectPair]:
+def roller_defect_pairs(case: Case, middles: Positions | None = None) -> list[RollerDefectPair]:
     """Pair every defect with each contact that crosses it; all have a closed form, or all are traced."""
-    return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, zetas)]
+    return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, middles)]
 
 
 def excitation(case: Case) -> Any:
@@ -131,9 +131,9 @@ def half_width(case: Case) -> float:
     load = largest_load(case)
     if case.bearing.element == "ball":
         return point_contact(case, on_outer=True).semi_axes(load)[1]
-    steel = case.bearing.material
+    material = case.bearing.material
     length, R = float(case.bearing.roller_length or 0.0), reduced_radius(case, OUTER)
-    return hertz.half_width(load, length, R, steel.young_modulus, steel.poisson_ratio)
+    return hertz.half_width(load, length, R, material.young_modulus, material.poisson_ratio)
 
 
 def contact_length(case: Case, side: int) -> float:
@@ -243,7 +243,7 @@ def _merge(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
 # Pairs of rollers and defects
 
 
-def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Positions | None) -> list[RollerDefectPair]:
+def pairs_of_cluster(case: Case, cluster: DefectCluster, middles: Positions | None) -> list[RollerDefectPair]:
     """Pair merged defects with each contact that crosses them."""
     d = cluster.leader
     carrier, sides = {
@@ -251,20 +251,20 @@ def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Positions | None
         "inner": (ON_INNER, (INNER,)),
         "roller": ((d.roller or 1) - 1, (OUTER, INNER)),
     }[d.race]
-    return [_pair(case, cluster, carrier, side, zetas) for side in sides]
+    return [_pair(case, cluster, carrier, side, middles) for side in sides]
 
 
 def _pair(
-    case: Case, cluster: DefectCluster, carrier: int, side: int, zetas: Positions | None
+    case: Case, cluster: DefectCluster, carrier: int, side: int, middles: Positions | None
 ) -> RollerDefectPair:
     radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
     if cluster.defect is None:
-        rows = closed_form_groups(case, cluster.leader, side, zetas)
+        rows = closed_form_groups(case, cluster.leader, side, middles)
         jumps = closed_form_jumps(excitation(case), tuple(map(tuple, rows)), R)
         return _checked_pair(
             case, cluster.leader, RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, jumps=jumps)
         )
-    rows, paths = traced_groups(case, cluster.defect, side, zetas)
+    rows, paths = traced_groups(case, cluster.defect, side, middles)
     cusp, span, jumps = (
         sharpest_cusp(rows, paths),
         defect_span(cluster.defect, R),
@@ -306,24 +306,24 @@ def _narrowing_advice(d: config.Defect) -> str:
     return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"
 
 
-def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Positions | None) -> list:
+def closed_form_groups(case: Case, d: config.Defect, side: int, middles: Positions | None) -> list:
     """Build the groups of a defect with a closed form, along the contact or at given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     defect = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
     rows = (
         groups_of(defect, L_w, R, nodes, d.offset)
-        if zetas is None
-        else groups_of_slices(defect, R, zetas, d.offset)
+        if middles is None
+        else groups_of_slices(defect, R, middles, d.offset)
     )
     groups = excitations.response_groups(excitation(case), defect, rows, R)
-    if zetas is not None and len(groups) != len(zetas):
+    if middles is not None and len(groups) != len(middles):
         raise Refused(f"`{case.excitation}` cannot act on sliced rollers", "use `excitation: envelope`")
     return groups
 
 
-def traced_groups(case: Case, defect: Any, side: int, zetas: Positions | None) -> tuple[list, list]:
+def traced_groups(case: Case, defect: Any, side: int, middles: Positions | None) -> tuple[list, list]:
     """Build groups and paths of a traced defect along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
-    if zetas is not None:
-        return slice_paths(defect, R, zetas)
+    if middles is not None:
+        return slice_paths(defect, R, middles)
     return group_paths(defect, R, cut_along_roller(defect, L_w, case.contact.length_nodes))

@@ -63,14 +63,14 @@ def contact_half_width(case: Case, on_outer: bool) -> float:
     load = rest.largest_load(case)
     if case.bearing.element == "ball":
         return contacts.point_contact(case, on_outer).semi_axes(load)[1]
-    steel, R_w = case.bearing.material, case.bearing.roller_diameter / 2.0
+    material, R_w = case.bearing.material, case.bearing.roller_diameter / 2.0
     R = (
         outer_reduced_radius(R_w, outer_radius(case))
         if on_outer
         else inner_reduced_radius(R_w, inner_radius(case))
     )
     length = contacts.roller_length(case)
-    return float(hertz.half_width(load, length, R, steel.young_modulus, steel.poisson_ratio))
+    return float(hertz.half_width(load, length, R, material.young_modulus, material.poisson_ratio))
 
 
 def contact_average(count: int, ratio: float, point: bool) -> np.ndarray:

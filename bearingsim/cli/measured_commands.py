@@ -103,8 +103,7 @@ def compare(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Compare a job with a measured signal: level, shape, defect line, and the time from entry to exit of a
-    defect.
+    """Compare a job with a measured signal: RMS, crest factor, defect frequency, and time from entry to exit.
 
     Both are compared in the band in which neither is altered by its sampling. Nothing is scaled without `--scale`.
     """

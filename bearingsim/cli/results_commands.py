@@ -60,7 +60,7 @@ def plot(
     db: Annotated[bool, _option("db")] = False,
     unit: Annotated[Text, _option("unit", "UNIT")] = None,
     mean: Annotated[Text, _option("mean", "0")] = None,
-    healthy: Annotated[Text, _option("healthy", "PLACE", completion.words(HEALTHY))] = None,
+    healthy: Annotated[Text, _option("healthy", "POSITION", completion.words(HEALTHY))] = None,
     orders: Annotated[bool, _option("orders")] = False,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
@@ -139,7 +139,7 @@ def show(
         typer.Option(metavar="NAME", help="column to print; repeatable", autocompletion=completion.feature),
     ] = None,
     every: Annotated[
-        bool, typer.Option("--all", help="print all usual columns, also beyond 80 characters")
+        bool, typer.Option("--all", help="print all default columns, also beyond 80 characters")
     ] = False,
     as_json: Json = False,
 ) -> None:

@@ -9,9 +9,9 @@ from bearingsim.text.terminal import say
 
 
 def select(option: str, names: Sequence[str] | None, choices: Sequence[str], defaults: Sequence[str]) -> list[str]:
-    """Return the requested words without duplicates, or ``usual`` if none are requested.
+    """Return the requested names without duplicates, or ``defaults`` if none are requested.
 
-    Raises BadParameter for a word that is not in ``choices``.
+    Raises BadParameter for a name that is not in ``choices``.
     """
     for name in names or []:
         check_choice(option, name, choices)

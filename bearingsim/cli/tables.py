@@ -36,7 +36,7 @@ def show_jobs(
 ) -> None:
     """Print a row per job, as wide as the terminal or 80 characters. As JSON: all columns, in SI.
 
-    columns: replace the usual ones, at any width. every: all usual columns, at any width in a pipe.
+    columns: replace the default ones, at any width. every: all default columns, at any width in a pipe.
     """
     from bearingsim.runner.promises import empty_error_notes, withdrawals
 

@@ -72,7 +72,7 @@ class Quantity:
         value = _number(raw, self.dimension)
         too_small = self.above == 0.0 and 0.0 < abs(value) < MIN_MAGNITUDE  # other fields may contain tiny values
         if too_small or abs(value) > MAX_MAGNITUDE:
-            hint = f"no plausible value is so {'large' if abs(value) > 1.0 else 'small'}"
+            hint = f"no plausible value is that {'large' if abs(value) > 1.0 else 'small'}"
             refuse("bound", f"expected {EXPECTED[self.dimension]}, got {describe_value(raw)}", hint)
         if value <= self.above or value < self.minimum or value > self.maximum:
             description, example = EXPECTED[self.dimension].split(" such as ")
@@ -120,7 +120,7 @@ def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
         "type": ["number", "string"] if "" in UNITS[dimension] else "string",
         "pattern": rf"^\s*{sign}{pattern(dimension)}$",
         "description": expected,
-        "errorMessage": f"expected {expected}",  # of editors, if the unit is missing
+        "errorMessage": f"expected {expected}",  # shown by editors if the unit is missing
         "patternErrorMessage": f"expected {expected}",
     }
 

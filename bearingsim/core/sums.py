@@ -8,7 +8,7 @@ from bearingsim.core.jit import inlined
 def lane_sum(row, y, n):
     """Return the sum of the ``n`` lanes (a multiple of VECTOR_WIDTH) of the buffer's ``row``.
 
-    Lane j belongs to partial sum j mod 8; these are added pairwise by halves, in the order of the source.
+    Lane j is added to partial sum j mod 8. The eight partial sums are then added pairwise, in a fixed order.
     """
     a, b, c, d = y[row], y[row + 1], y[row + 2], y[row + 3]
     e, f, g, h = y[row + 4], y[row + 5], y[row + 6], y[row + 7]

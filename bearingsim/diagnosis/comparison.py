@@ -63,7 +63,7 @@ def common_band(*signals: Signal) -> tuple[float, float]:
 def compare(
     simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, has_line: bool = True
 ) -> list[Row]:
-    """Compare two signals in a band (Hz): level, shape, and the line of a race in the envelope.
+    """Compare two signals in a band (Hz): RMS, peak, crest factor, kurtosis, and a race's line in the envelope.
 
     unit: SI unit of the series; has_line: whether the measured signal has such a line. Harmonics of the
     envelope are in dB relative to the fundamental; orders refer to the frequency of the shaft; the spacing of

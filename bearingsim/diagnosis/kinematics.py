@@ -1,4 +1,4 @@
-"""Frequencies of a bearing's lines, as orders or in Hz."""
+"""Characteristic frequencies of a bearing, as orders or in Hz."""
 
 from math import pi
 from typing import NamedTuple, Self
@@ -11,14 +11,14 @@ from bearingsim.core.geometry.kinematics import (
     fundamental_train_frequency,
 )
 
-RACES = ("outer", "inner", "roller")
-"""Elements that carry a defect, in the order of reports."""
+ELEMENTS = ("outer", "inner", "roller")
+"""Elements that may have a defect, in the order of reports."""
 
 
 class Lines(NamedTuple):
-    """Frequencies (Hz) of the shaft and the cage, and of the fundamental line of a defect of each element.
+    """Frequencies (Hz) of shaft and cage, and of the fundamental spectral line of a defect on each element.
 
-    roller: 2 BSF, because a defect of a rolling element touches a race twice per revolution.
+    roller: 2 BSF, because a defect on a rolling element strikes a race twice per revolution.
     """
 
     shaft: float
@@ -29,7 +29,7 @@ class Lines(NamedTuple):
 
     @classmethod
     def of(cls, parts: RollingParts, shaft: float) -> Self:
-        """Compute the lines of a bearing whose inner ring turns at ``shaft`` (Hz), the outer ring at rest."""
+        """Compute the frequencies for an inner ring that turns at ``shaft`` (Hz) and an outer ring at rest."""
         omega, D_w, d_m = 2.0 * pi * shaft, parts.roller_diameter, parts.pitch_diameter
         Z, angle = parts.rollers, parts.contact_angle
         return cls(
@@ -41,5 +41,5 @@ class Lines(NamedTuple):
         )
 
     def of_race(self, race: str) -> float:
-        """Return the fundamental line (Hz) of a defect of an element."""
+        """Return the fundamental frequency (Hz) of a defect on an element."""
         return float(getattr(self, race))

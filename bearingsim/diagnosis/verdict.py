@@ -19,11 +19,11 @@ from bearingsim.diagnosis.combs import (
 )
 from bearingsim.diagnosis.detection import NONE, RHYTHM, Detection, detect
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
-from bearingsim.diagnosis.kinematics import RACES, Lines
+from bearingsim.diagnosis.kinematics import ELEMENTS, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
 from bearingsim.diagnosis.thresholds import clear, measured_turns, threshold
 
-OUTER, INNER, ROLLER = RACES
+OUTER, INNER, ROLLER = ELEMENTS
 EITHER = "outer or roller"
 CAGE_RANGE, CAGE_STEPS = (0.98, 1.01), 25
 """Range of the cage's frequency over the kinematic one, and steps in it."""
@@ -60,8 +60,8 @@ class Finding(NamedTuple):
 class Diagnosis(NamedTuple):
     """Verdict, and its evidence: spectra, findings by element, and the detection of its line at the best one.
 
-    verdict: a name of ``RACES``, "outer or roller", "other rhythm" or "none"; loose: whether clearance alone may
-    give the line; turns: of the shaft.
+    verdict: a name of ``ELEMENTS``, "outer or roller", "other rhythm" or "none"; loose: whether clearance alone
+    may give the line; turns: of the shaft.
     """
 
     verdict: str
@@ -156,7 +156,7 @@ def diagnose(
     """
     lines = Lines.of(parts, shaft)
     spectra = envelope_spectra(series, fs, lines, band)
-    findings = {race: _finding(spectra, lines, race, tolerance) for race in RACES}
+    findings = {race: _finding(spectra, lines, race, tolerance) for race in ELEMENTS}
     turns = shaft * len(series) / fs
     limit = threshold(turns, tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)

@@ -108,9 +108,9 @@ class RunSummary:
 
     @property
     def headline(self) -> str:
-        """First line of the summary, as `small: 8 of 8 jobs done in 3.2 s, 2 of them before`."""
+        """First line of the summary, as `small: 8 of 8 jobs done in 3.2 s, 2 of them already stored`."""
         done = self.done + self.resumed
-        counts = {"of them before": self.resumed, "failed": self.failed, "left": self.missing}
+        counts = {"of them already stored": self.resumed, "failed": self.failed, "left": self.missing}
         parts = [f"{count} {name}" for name, count in counts.items() if count]
         line = (
             f"{self.study}: {done} of {self.planned} job{'s' * (self.planned != 1)} done in {self.seconds:.1f} s"

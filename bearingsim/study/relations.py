@@ -10,7 +10,7 @@ from graphlib import CycleError, TopologicalSorter
 from bearingsim.config.fields import Path
 from bearingsim.study.paths import dimension, node_at, put
 from bearingsim.study.words import SweepSettings
-from bearingsim.text.algebra import DIMENSIONLESS, TRUTH, Kind, kind_of, kind_text
+from bearingsim.text.algebra import BOOLEAN, DIMENSIONLESS, Kind, kind_of, kind_text
 from bearingsim.text.expressions import Expression, ExpressionError, read
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse
 from bearingsim.text.yamlfile import Node, Problem, problem
@@ -187,7 +187,7 @@ def _condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expr
     except ExpressionError as error:
         problems.append(problem(error.mark, f"where: {error}", error.hint))
         return None
-    if kind != TRUTH:
+    if kind != BOOLEAN:
         expected = "expected a comparison such as `defect.width < 3 mm`"
         problems.append(problem(node.mark, f"where: {expected}, got {kind_text(kind)}"))
         return None

@@ -1,4 +1,4 @@
-"""Algebra of formulas: kinds of quantities (exponents of m, kg, s, K and rad), operators and functions."""
+"""Algebra of formulas: dimensions as exponents of m, kg, s, K and rad, operators and functions."""
 
 import ast
 import math
@@ -15,8 +15,8 @@ EQUALITY_TOLERANCE = 1e-11
 """Relative tolerance of equality, because 3 * 10 um differs from 30 um by rounding."""
 
 Kind = tuple[Fraction, ...]
-"""Kind of a value: its exponents of m, kg, s, K and rad; empty for a truth value."""
-TRUTH: Kind = ()
+"""Dimension of a value as exponents of m, kg, s, K and rad; empty for a Boolean."""
+BOOLEAN: Kind = ()
 
 _BASES = ("m", "kg", "s", "K", "rad")
 _SYMBOLS: dict[str, tuple[int, ...]] = {
@@ -102,7 +102,7 @@ def scale(kind: Kind, power: Fraction) -> Kind:
 
 def kind_text(kind: Kind) -> str:
     """Describe a kind in words: `a length`, `in m^2`, `true or false`."""
-    if kind == TRUTH:
+    if kind == BOOLEAN:
         return "true or false"
     if kind == DIMENSIONLESS:
         return "a plain number"
@@ -113,5 +113,5 @@ def kind_text(kind: Kind) -> str:
 
 
 def dimension(quantity: str) -> Dimension:
-    """Return the dimension of a written quantity."""
+    """Return the dimension of a quantity in text, such as `3 mm`."""
     return DIMENSIONS[split(quantity)[1]]

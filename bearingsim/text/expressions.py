@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from bearingsim.text import algebra
-from bearingsim.text.algebra import DIMENSIONLESS, MAX_CHARACTERS, MAX_DEPTH, TRUTH, Kind, kind_text
+from bearingsim.text.algebra import BOOLEAN, DIMENSIONLESS, MAX_CHARACTERS, MAX_DEPTH, Kind, kind_text
 from bearingsim.text.units import UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node
 
@@ -95,11 +95,11 @@ class Expression:
             case ast.BoolOp():
                 for operand, kind in zip(node.values, kinds, strict=True):
                     self._check_truth(operand, kind)
-                return TRUTH
+                return BOOLEAN
             case ast.Compare() if all(type(op) in algebra.COMPARISONS for op in node.ops):
                 self._check_same_kind(_operands(node), kinds)
                 self._reject_celsius_with_difference(_operands(node))
-                return TRUTH
+                return BOOLEAN
             case ast.Call(func=ast.Name(id=name), keywords=[]) if name in algebra.FUNCTIONS:
                 return self._kind_of_call(node, algebra.FUNCTIONS[name], kinds)
             case ast.Call(func=ast.Name(id=name) as function) if name not in algebra.FUNCTIONS:
@@ -199,12 +199,12 @@ class Expression:
             self._reject_celsius("degrees Celsius and a temperature difference", *nodes)
 
     def _check_number(self, node: ast.expr, kind: Kind) -> Kind:
-        if kind == TRUTH:
+        if kind == BOOLEAN:
             raise self._error(node, "expected a number, got true or false")
         return kind
 
     def _check_truth(self, node: ast.expr, kind: Kind) -> Kind:
-        if kind != TRUTH:
+        if kind != BOOLEAN:
             raise self._error(node, f"expected a comparison such as `load < 200 N`, got {kind_text(kind)}")
         return kind
 

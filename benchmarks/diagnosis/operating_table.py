@@ -20,7 +20,7 @@ import numpy as np
 
 from bearingsim.config.library import library_names
 from bearingsim.config.sections.machine import RollingParts
-from bearingsim.diagnosis import EITHER, NONE, RACES, RHYTHM, Diagnosis, Lines, diagnose
+from bearingsim.diagnosis import EITHER, ELEMENTS, NONE, RHYTHM, Diagnosis, Lines, diagnose
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.study import load_rolling_parts
 from benchmarks.diagnosis import bases, chain
@@ -68,8 +68,8 @@ def other_bearings(bearing: str) -> tuple[str, ...]:
         for other in library_names("bearings")
         if all(
             abs(Lines.of(parts_of(other), 1.0).of_race(a) / own.of_race(b) - 1.0) > APART
-            for a in RACES
-            for b in RACES
+            for a in ELEMENTS
+            for b in ELEMENTS
         )
     )
 

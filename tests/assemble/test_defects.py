@@ -257,10 +257,10 @@ def test_other_excitations_in_slices():
 
 
 def test_mean_of_slices_equals_the_groups():
-    zetas = (np.arange(2400) + 0.5) / 2400 * 12e-3 - 6e-3
+    middles = (np.arange(2400) + 0.5) / 2400 * 12e-3 - 6e-3
     for changes in ({"shape": "elliptical"}, {"shape": "circular", "edge": {"radius": "20 um"}}):
         defect = case(defect=SHORT | changes)
-        groups, slices = packed_defects(defect), packed_defects(defect, zetas)
+        groups, slices = packed_defects(defect), packed_defects(defect, middles)
         for s in (0.0, 2e-4):
             mean = np.mean(
                 [

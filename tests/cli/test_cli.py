@@ -357,7 +357,7 @@ def test_interrupt_exits_with_130_and_counts_done_jobs(study_folder, monkeypatch
 
     monkeypatch.setattr(runner, "run", interrupted)
     _, stderr = type_("run", "small.yaml", code=130)
-    assert "3 of 8 jobs done in 0.5 s, 1 of them before, 5 left" in stderr
+    assert "3 of 8 jobs done in 0.5 s, 1 of them already stored, 5 left" in stderr
     assert "CPU time" not in stderr
 
 

@@ -110,7 +110,7 @@ def test_jobs_done_by_trials_are_not_counted_as_earlier(write, tmp_path, monkeyp
     assert "before" not in summary.headline
     again = run(accuracy_study(write), tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
     assert again.resumed == again.planned
-    assert again.headline.endswith(f", {again.planned} of them before")
+    assert again.headline.endswith(f", {again.planned} of them already stored")
 
 
 def test_a_study_with_harmonics_of_a_race_ends_with_its_results(study_folder):

@@ -121,8 +121,8 @@ def test_warnings_are_printed_and_stored(write: Write, tmp_path: Path) -> None:
         ("speed: 1e9 rpm", "the inner race moves at 2.78e+06 m/s: its hoop stress rho v^2"),
         ("ramp: {to: 1e6 rpm, time: 1 s}\nmodel: planar", "ramp.to: at 1e+06 rpm the inner race moves"),
         ("duration: 1e9 s", "1e+13 samples: a record has at most 1e+09"),
-        ("load: 1e31 N", "no plausible value is so large"),
-        ("speed: 1e-40 rpm", "no plausible value is so small"),
+        ("load: 1e31 N", "no plausible value is that large"),
+        ("speed: 1e-40 rpm", "no plausible value is that small"),
         ("contact: {damping: {law: general, coefficient: 1, indentation_exponent: 1e9}}", "from 0 to 10"),
     ],
 )

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bearingsim.study.paths import dimension, known_paths
-from bearingsim.text.algebra import DIMENSIONLESS, MAX_CHARACTERS, TRUTH, Kind, kind_of, kind_text
+from bearingsim.text.algebra import BOOLEAN, DIMENSIONLESS, MAX_CHARACTERS, Kind, kind_of, kind_text
 from bearingsim.text.expressions import ExpressionError, read
 from bearingsim.text.units import UNITS, Dimension, parse
 from bearingsim.text.yamlfile import Mark, Node
@@ -334,7 +334,7 @@ def test_quantity_of_each_unit_has_factor_of_table(dimension: Dimension) -> None
     ],
 )
 def test_composed_units(dimension: Dimension, made_of: str) -> None:
-    assert read(node(made_of)).kind(kind) == kind_of(dimension) != TRUTH
+    assert read(node(made_of)).kind(kind) == kind_of(dimension) != BOOLEAN
 
 
 def test_every_path_can_be_named() -> None:

@@ -5,7 +5,7 @@ roller over the profile p(t) of the defect,
 
     h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 
-where s is the distance along rolling from the defect's middle and R the relative radius of roller and race:
+where s is the distance along rolling from the defect's middle and R the reduced radius of roller and race:
 R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes the minimum
 has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into x_1 = min(x, x_e) and
 x_2 = x - x_1,
@@ -58,13 +58,15 @@ def roller_drop_curvature(group, s, R):
 
 
 def box(width: float, depth: float) -> tuple[float, float, float, float]:
-    """Return b, x_e, kappa, depth of a rectangular section: rim, then floor."""
+    """Return b, x_e, kappa, depth of a rectangular section; the roller touches only its rims and its floor."""
     return width / 2.0, NO_WALL, 0.0, depth
 
 
 def groove(width: float, depth: float, R: float) -> tuple[float, float, float, float]:
-    """Return b, x_e, kappa, depth of a V groove: its wall of slope 2d/w begins where the rim path's slope x/R
-    equals it."""
+    """Return b, x_e, kappa, depth of a V groove; the roller leaves the rim where its path is as steep as the wall.
+
+    Slope of the path: x/R; of the wall: 2 d/w.
+    """
     return width / 2.0, R * 2.0 * depth / width, 0.0, depth
 
 
@@ -143,10 +145,10 @@ def _bowls(half: tuple[float, float, float], defect: Any, R: float, nodes: int) 
     ]
 
 
-def groups_of_slices(defect: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
-    """Return a group of weight 1 for each slice of a roller, with slice middles at ``zetas`` and the defect's at
-    ``offset`` (m)."""
-    positions = [2.0 * (zeta - offset) / defect.length for zeta in zetas]
-    return [
-        (1.0, *(section_of(defect, R, position) if abs(position) < 1.0 else NO_DEFECT)) for position in positions
-    ]
+def groups_of_slices(defect: Any, R: float, middles: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
+    """Return a group of weight 1 for each slice of a roller.
+
+    middles: positions (m) of the middles of the slices along the roller; offset: that of the defect's middle.
+    """
+    zetas = [2.0 * (z - offset) / defect.length for z in middles]
+    return [(1.0, *(section_of(defect, R, zeta) if abs(zeta) < 1.0 else NO_DEFECT)) for zeta in zetas]

@@ -47,7 +47,7 @@ For s between LOW and HIGH (m) the roller touches it between its ends.
 
 
 def touchable_parts(profile: Profile, R: float) -> np.ndarray:
-    """Return the parts (n, 8) that a roller of relative radius ``R`` (m) can touch, in order, including the
+    """Return the parts (n, 8) that a roller of reduced radius ``R`` (m) can touch, in order, including the
     surrounding race.
 
     A piece more concave than the roller contributes only its two ends.
@@ -159,7 +159,7 @@ def touched_parts(parts, R, touched):
 
 
 def path_over(profile: Profile, R: float) -> Path:
-    """Return the path h(s) of a roller of relative radius ``R`` (m) over a profile, exact.
+    """Return the path h(s) of a roller of reduced radius ``R`` (m) over a profile, exact.
 
     Equation (M4) of docs/defects.md.
     """

@@ -11,7 +11,7 @@ GROUP_HALF_WIDTH, the half width (m) beyond which the defect does not act. The s
 min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use this bound.
 
 Several published forms assume a flat race, into which a ball sinks by R_w - sqrt(R_w^2 - w^2/4). Here all use the
-relative radius R of roller and race, as the roller path does. For the outer race of an NF308 this is 15 % less,
+reduced radius R of roller and race, as the roller path does. For the outer race of an NF308 this is 15 % less,
 and the forms then differ only in shape. docs/evidence/excitations.md compares them.
 """
 

@@ -24,14 +24,14 @@ ON_OUTER, ON_INNER = -1, -2  # carrier of a defect on a ring
 
 class RollerDefectPair(NamedTuple):
     """A defect and the side on which it is in contact: a defect of a race on that race's side, one of a roller on
-    both.
+    either side.
 
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
     paths: of a traced defect, one for each group (``defects/traced.py``); cusp: position (m) of the sharpest
-    cusp; span: shortest extent (m) of the defect or a part of it, 0 if from rim to rim; jumps: positions (m) where
-    the force or its damping part jumps (``defects/jumps.py``).
+    cusp; span: shortest extent (m) along rolling of the defect or of one of its parts, or 0 if the whole width
+    counts; jumps: positions (m) where the force or its damping part jumps (``defects/jumps.py``).
     """
 
     side: int
@@ -59,10 +59,9 @@ FIRST_JUMP = 10
 class Defects(NamedTuple):
     """All roller-defect pairs in few arrays, because every array argument of a function costs reference counting.
 
-    head: (D, 10 + largest number of jumps), first five as in ``RollerDefectPair``, then half_width (m), the reach
-    of the defect on rollers, number of groups used, cusp (m), span (m), number of jumps and their positions
-    (m); groups: (D, K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
-    (``defects/excitations.py``).
+    head: (D, 10 + largest number of jumps), first five as in ``RollerDefectPair``, then half_width (m), number of
+    groups used, cusp (m), span (m), number of jumps and their positions (m); groups: (D, K, 5), padded with rows
+    of weight zero; excitation: response of a roller to a defect (``defects/excitations.py``).
     """
 
     head: np.ndarray
@@ -78,15 +77,15 @@ def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, min_groups:
         row[: len(pair.groups)] = pair.groups
     head = np.zeros((len(pairs), FIRST_JUMP + max((len(pair.jumps) for pair in pairs), default=0)))
     for row, pair in zip(head, pairs, strict=True):
-        reach, count = pair.half_width, len(pair.groups)
-        span = pair.span or 2.0 * reach
+        half_width, count = pair.half_width, len(pair.groups)
+        span = pair.span or 2.0 * half_width
         row[:FIRST_JUMP] = (
             pair.side,
             pair.carrier,
             pair.angle,
             pair.radius,
             pair.R,
-            reach,
+            half_width,
             count,
             pair.cusp,
             span,
@@ -97,12 +96,12 @@ def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, min_groups:
 
 
 def outer_reduced_radius(R_w: float, R_o: float) -> float:
-    """Return the relative radius (m) of roller and outer race: R_w R_o / (R_o - R_w)."""
+    """Return the reduced radius (m) of roller and outer race: R_w R_o / (R_o - R_w)."""
     return R_w * R_o / (R_o - R_w)
 
 
 def inner_reduced_radius(R_w: float, R_i: float) -> float:
-    """Return the relative radius (m) of roller and inner race: R_w R_i / (R_i + R_w)."""
+    """Return the reduced radius (m) of roller and inner race: R_w R_i / (R_i + R_w)."""
     return R_w * R_i / (R_i + R_w)
 
 

@@ -1,7 +1,7 @@
-"""The profile of a defect along rolling, at one position across it: depth p(t), m, downwards, in quadratic pieces.
+"""The profile of a defect along rolling, at one position across it: a piecewise quadratic depth p(t) (m).
 
-Outside its pieces, and between them, the profile is the race, p = 0. Pieces may meet with a step (a vertical wall)
-or a corner. Straight lines and parabolas are exact; ``curve`` approximates other curves.
+Depth is positive downwards. Outside and between its pieces the profile is the race, p = 0. Pieces may meet with a
+step (a vertical wall) or a corner. Straight lines and parabolas are exact; ``curve`` approximates other curves.
 """
 
 from typing import NamedTuple
@@ -34,9 +34,9 @@ def polygon(t: np.ndarray, p: np.ndarray) -> Profile:
 
 
 def curve(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
-    """Return a smooth curve of two parabolas between neighbouring points (``t``, ``p``) (n,) in m.
+    """Return a smooth curve through the points (``t``, ``p``) (n,) in m, with two parabolas per interval.
 
-    They have the given ``slope`` (n,) at the points; an interval with a non-finite slope is one straight line.
+    The curve has the given ``slope`` (n,) at the points; an interval with a non-finite slope is a straight line.
     """
     width, rise = np.diff(t), np.diff(p)
     curved = np.isfinite(slope[:-1]) & np.isfinite(slope[1:])

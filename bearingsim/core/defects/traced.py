@@ -93,9 +93,9 @@ def group_paths(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[l
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
-def slice_paths(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
-    """Return a group of weight 1 and a path for each slice of a roller, with slice middles at ``zetas`` (m)."""
-    traced = paths_over(defect, R, zetas)
+def slice_paths(defect: Any, R: float, middles: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
+    """Return a group of weight 1 and a path for each slice of a roller, with slice middles at ``middles`` (m)."""
+    traced = paths_over(defect, R, middles)
     return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
 
 
@@ -111,7 +111,7 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
 
 
 def defect_span(defect: Any, R: float) -> float:
-    """Return the extent (m) of a defect along its middle, the shortest of merged ones; ``R``: relative radius
+    """Return the extent (m) of a defect along its middle, the shortest of merged ones; ``R``: reduced radius
     (m)."""
     if isinstance(defect, MergedDefects):
         return min(defect_span(part, R) for part in defect.defects)

@@ -21,7 +21,7 @@ def effective_modulus(E: float, nu: float) -> float:
 def half_width(Q: float, L: float, R: float, E: float, nu: float) -> float:
     """Return the half width b (m) of a line contact of length ``L`` (m) under ``Q`` (N); both bodies: E (Pa), nu.
 
-    b^2 = 4 Q R/(pi L E*), Johnson's equation (4.43). ``R``: relative radius (m), R_w R_i/(R_i + R_w) on an inner
+    b^2 = 4 Q R/(pi L E*), Johnson's equation (4.43). ``R``: reduced radius (m), R_w R_i/(R_i + R_w) on an inner
     race, R_w R_o/(R_o - R_w) on an outer, R_w on a flat.
     """
     return sqrt(8.0 * Q * R * (1.0 - nu * nu) / (pi * L * E))
@@ -30,7 +30,7 @@ def half_width(Q: float, L: float, R: float, E: float, nu: float) -> float:
 def line_pressure(Q_per_m: float, R: float, E_star: float) -> float:
     """Return the largest pressure (Pa) of a line contact, 2 Q'/(pi b) = sqrt(Q' E*/(pi R)); Q': ``Q_per_m`` (N/m).
 
-    ``R``: relative radius (m), as in ``half_width``; ``E_star``: ``effective_modulus`` (Pa).
+    ``R``: reduced radius (m), as in ``half_width``; ``E_star``: ``effective_modulus`` (Pa).
     """
     return sqrt(Q_per_m * E_star / (pi * R))
 

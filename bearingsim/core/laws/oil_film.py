@@ -42,7 +42,7 @@ MARTIN = 4.896  # rigid cylinders, constant viscosity: minimum gap h = 4.896 eta
 class LubricatedLine(NamedTuple):
     """A lubricated line contact.
 
-    ``L``: length (m). ``R``: relative radius (m), see ``hertz.half_width``. ``E_star``: E/(2 (1 - nu^2)) of two
+    ``L``: length (m). ``R``: reduced radius (m), see ``hertz.half_width``. ``E_star``: E/(2 (1 - nu^2)) of two
     equal bodies (Pa); E' of Moes and Dowson is twice that. ``eta``: viscosity (Pa s) of the oil at the inlet,
     ``alpha``: d(ln eta)/dp at p = 0 (1/Pa). ``u``: mean speed (not the sum) of both surfaces relative to the
     contact (m/s).
@@ -64,8 +64,10 @@ class Thickness(NamedTuple):
 
 
 def moes_numbers(Q: Number, line: LubricatedLine) -> tuple[Number, float]:
-    """Return Moes' load M = W U^(-1/2) and oil L = alpha E' U^(1/4), with W = (Q/L)/(E' R), U = eta (2 u)/(E'
-    R)."""
+    """Return Moes' load parameter M = W U^(-1/2) and lubricant parameter L = alpha E' U^(1/4).
+
+    W = (Q/L)/(E' R), with the length L of the line, and U = eta (2 u)/(E' R).
+    """
     E = 2.0 * line.E_star
     U = line.eta * 2.0 * line.u / (E * line.R)
     return Q / (line.L * E * line.R * U**0.5), line.alpha * E * U**0.25
@@ -100,7 +102,7 @@ def _regime_blend(
 
 # Damping
 
-LAG = 0.946  # of rigid cylinders: damping over stiffness of the film, in sqrt(2 R h)/u; exact
+TIME_CONSTANT = 0.946  # damping over stiffness of the film between rigid cylinders, in sqrt(2 R h)/u; exact
 L_OFFSET, Z_SCALE, Z_EXPONENT = 20.0, 21.3, 3.4  # fits, see ``transition``
 FLATTENING_Z, FLATTENING_EXPONENT = 2.25, 4.0  # fits, see ``entrainment_damping``
 ROLL_OFF_FACTOR, ROLL_OFF_PHASE, ROLL_OFF_EXPONENT = 0.79, 1.4, 1.3  # fits of the roll-off
@@ -118,7 +120,7 @@ def film_damping(Q: Number, k: Number, line: LubricatedLine, omega: Number = 0.0
     It is the sum of ``squeeze_damping`` and ``entrainment_damping``. For slow oscillations it is within a factor
     1.25 of 9 in 10 solutions. The others have z from 1 to 1.8 (``transition``), where the film has little damping,
     and the result is 0.7 to 11 times the solution. At the natural frequency of the element on its contacts it is
-    only an order of magnitude.
+    accurate only to an order of magnitude.
     """
     load = np.maximum(Q, MIN_LOAD)
     c = squeeze_damping(load, k, line, omega) + entrainment_damping(load, k, line, omega, exponent)
@@ -134,7 +136,7 @@ def inlet_squeeze(h: Number, line: LubricatedLine) -> Number:
     From Reynolds' equation, with the outlet at x = 0.4751 sqrt(2 R h) as in steady state. For comparison, half of
     the full film's 3 sqrt(2) pi (half-Sommerfeld) is 6.664.
     """
-    return LAG * MARTIN * 2.0**0.5 * line.eta * line.L * (line.R / h) ** 1.5
+    return TIME_CONSTANT * MARTIN * 2.0**0.5 * line.eta * line.L * (line.R / h) ** 1.5
 
 
 def transition(Q: Number, line: LubricatedLine) -> Number:
@@ -145,9 +147,10 @@ def transition(Q: Number, line: LubricatedLine) -> Number:
 
 
 def film_compliance(Q: Number, line: LubricatedLine) -> Number:
-    """Return -dh/dQ (m/N) of the film for slow changes of load, h/Q of rigid cylinders times exp(-z^3.4).
+    """Return -dh/dQ (m/N) of the film for slow changes of load: h/Q of rigid cylinders times exp(-z^3.4).
 
-    h = 4.896 eta u R L/Q. When the viscosity increases with pressure, the film is independent of load and stiff.
+    h = 4.896 eta u R L/Q. Where the viscosity increases with pressure, h is nearly independent of the load, so the
+    film is stiff.
     """
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
     return h / Q * np.exp(-(transition(Q, line) ** Z_EXPONENT))
@@ -162,9 +165,9 @@ def squeeze_damping(Q: Number, k: Number, line: LubricatedLine, omega: Number = 
     softer than the contact this is ``inlet_squeeze``.
     """
     ratio = k * film_compliance(Q, line)  # k/k_f
-    lag = LAG * np.sqrt(2.0 * line.R * film_thickness(Q, line).minimum) / line.u
-    share = 1.0 / (1.0 + ratio)
-    return k * lag * ratio * share**2 / (1.0 + (ROLL_OFF_FACTOR * omega * lag * share) ** 2)
+    tau = TIME_CONSTANT * np.sqrt(2.0 * line.R * film_thickness(Q, line).minimum) / line.u
+    s = 1.0 / (1.0 + ratio)
+    return k * tau * ratio * s**2 / (1.0 + (ROLL_OFF_FACTOR * omega * tau * s) ** 2)
 
 
 def entrainment_damping(
@@ -195,8 +198,8 @@ def half_widths(Q: Number, line: LubricatedLine) -> Number:
 def roll_off(omega_T: Number) -> Number:
     """Return the remaining share of ``entrainment_damping`` at frequency times T = 2 b/u, the oil's transit time.
 
-    1/(1 + (omega T/1.4)^1.3). Above 3 the solutions oscillate about zero like sin(x)/x and then fall as 1/x, so
-    the result is only an order of magnitude.
+    1/(1 + (omega T/1.4)^1.3). For omega T above 3 the solutions oscillate about zero like sin(x)/x and fall as
+    1/x, so the result is accurate only to an order of magnitude.
     """
     return 1.0 / (1.0 + (omega_T / ROLL_OFF_PHASE) ** ROLL_OFF_EXPONENT)
 

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from bearingsim.core.laws.hertz import ball_on_race, effective_modulus, half_width, line_pressure
 from bearingsim.core.laws.oil_film import (
-    LAG,
     MARTIN,
+    TIME_CONSTANT,
     LubricatedLine,
     ball_as_strip,
     entrainment_damping,
@@ -145,10 +145,10 @@ def test_the_film_is_a_spring_and_a_damper_in_series_with_the_contact():
     """At a load so light that both are rigid: 1/k + 1/(k_f + i omega c_f), except for the roll-off factor."""
     Q, k, omega = 20.0, 3e8, 2e4
     k_f = 1.0 / film_compliance(Q, NF308)
-    lag = LAG * sqrt(2.0 * NF308.R * film_thickness(Q, NF308).minimum) / NF308.u
-    slow = 1.0 / (1.0 / k + 1.0 / (k_f * (1.0 + 1e-4j * lag)))
+    tau = TIME_CONSTANT * sqrt(2.0 * NF308.R * film_thickness(Q, NF308).minimum) / NF308.u
+    slow = 1.0 / (1.0 / k + 1.0 / (k_f * (1.0 + 1e-4j * tau)))
     assert squeeze_damping(Q, k, NF308) == pytest.approx(slow.imag / 1e-4, rel=1e-6, abs=0.0)
-    fast = 1.0 / (1.0 / k + 1.0 / (k_f * (1.0 + 0.79j * omega * lag)))
+    fast = 1.0 / (1.0 / k + 1.0 / (k_f * (1.0 + 0.79j * omega * tau)))
     assert squeeze_damping(Q, k, NF308, omega) == pytest.approx(fast.imag / (0.79 * omega), rel=1e-6, abs=0.0)
 
 
