@@ -39,7 +39,7 @@ _uncharged: ContextVar[float] = ContextVar("uncharged", default=0.0)
 
 
 def now() -> float:
-    """Return the CPU time (s) of this thread, less the time not charged to the job."""
+    """Return the CPU time (s) of this thread, minus the time not charged to the job."""
     return thread_time() - _uncharged.get()
 
 

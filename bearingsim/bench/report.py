@@ -39,7 +39,7 @@ CHOICE_HEADS = (
 FILE_NAME = "speed-accuracy.md"
 QUESTIONS = [(quantities, accuracy) for quantities in (("line",), QUANTITIES) for accuracy in ACCURACIES]
 """Quantities and accuracies of the columns of the first table."""
-HEADS = (
+HEADERS = (
     "scene",
     *(
         f"{'line' if len(quantities) == 1 else 'all three'} within {percent(accuracy)}"
@@ -95,7 +95,7 @@ def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[s
     yield "The cheapest automatic choice within the accuracy, and its CPU time per second of signal, as a job."
     yield "All three: the line, the RMS and the largest force at once."
     yield ""
-    yield from _table(HEADS, [summary_row(section) for section in sections])
+    yield from _table(HEADERS, [summary_row(section) for section in sections])
     for section in sections:
         yield from ("", f"## {section.title}", "")
         yield f"![Error against CPU time: {section.title}]({figure_name(section)})"
@@ -118,9 +118,9 @@ def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[s
     yield from ("", "## Where these numbers come from", "", *_provenance_lines(provenance))
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    yield f"| {' | '.join(heads)} |"
-    yield "|" + "---|" * len(heads)
+def _table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    yield f"| {' | '.join(headers)} |"
+    yield "|" + "---|" * len(headers)
     yield from (f"| {' | '.join(row)} |" for row in rows)
 
 

@@ -206,7 +206,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     from bearingsim.diagnosis.detection import MAX_CROWDED
     from bearingsim.diagnosis.thresholds import decibels
 
-    heads = [
+    headers = [
         "line", "expected (Hz)", "found (Hz)", "deviation", "harmonics (dB)", "levelled (dB)", "score (dB)",
         "± fr (dB)", "± FTF (dB)",
     ]  # fmt: skip
@@ -226,7 +226,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
                 *sidebands,
             ]
         )  # fmt: skip
-    print_table(heads, rows)
+    print_table(headers, rows)
     low, high = band
     say(f"harmonics: envelope of {low / 1e3:.3g} to {high / 1e3:.3g} kHz; levelled: whole band, tones removed")
     other, line = diagnosis.strongest_other, LINE_NAMES[diagnosis.best]

@@ -57,7 +57,7 @@ def chart(
         for entry in scenes
     ]
     print_table(
-        report.HEADS, [report.summary_row(section) for section in sections], text_columns=len(report.HEADS)
+        report.HEADERS, [report.summary_row(section) for section in sections], text_columns=len(report.HEADERS)
     )
     files = [table.write_csv([row for section in sections for row in section.rows], folder / "chart.csv")]
     files += [

@@ -101,13 +101,13 @@ def _with_units(table: "pd.DataFrame", units: Mapping[str, str]) -> "pd.DataFram
     """Add units to the headers, and convert swept speeds from rad/s to the unit of the study."""
     from bearingsim.plots import labels
 
-    heads, converted = {}, table.copy(deep=False)
+    headers, converted = {}, table.copy(deep=False)
     for name in map(str, table):
         unit = labels.table_unit(name, units)
         if name in units and unit and table[name].dtype.kind == "f":
             converted[name] = [labels.shown(name, value, unit) for value in table[name]]
-        heads[name] = f"{name} ({unit})" if unit else name
-    return converted.rename(columns=heads)
+        headers[name] = f"{name} ({unit})" if unit else name
+    return converted.rename(columns=headers)
 
 
 def _parquet(table: "pd.DataFrame") -> bytes:
@@ -122,9 +122,9 @@ def _parquet(table: "pd.DataFrame") -> bytes:
 
 
 def _csv(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
-    """Return csv with a time column, and per job a column per channel and one of its speed; headers have units.
+    """Return csv with a column of time, and for each job one per channel and one of the speed.
 
-    Headers have the job if there are several. Raises UserError for jobs with different time axes.
+    Headers contain the unit, and the job if there are several. Raises UserError for jobs with different time axes.
     """
     import numpy as np
     import pandas as pd

@@ -92,7 +92,7 @@ def show(name: str, speed: str, values: dict[str, Any], outer_speed: str | None 
     angle = f", contact angle {values['contact_angle_deg']:.4g} deg" if values["contact_angle_deg"] else ""
     ring = "shaft" if values["inner_hz"] else "outer ring"
     say(f"{values['bearing'] or name} at {speed}{outer}{angle} ({ring} {values['shaft_hz']:.4g} Hz)")
-    heads = ["", "event", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
+    headers = ["", "event", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
     cage_reversed = values["cage_hz"] * (values["inner_hz"] or values["outer_hz"]) < 0.0
     rows = [
         [
@@ -104,4 +104,4 @@ def show(name: str, speed: str, values: dict[str, Any], outer_speed: str | None 
         ]
         for key, entry in values["frequencies"].items()
     ]
-    print_table(heads, rows, text_columns=2)
+    print_table(headers, rows, text_columns=2)

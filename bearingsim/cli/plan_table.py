@@ -75,12 +75,12 @@ def show(plan: Plan, verbose: bool) -> None:
     groups = _groups(plan.cases or plan.baselines)
     screen.print()
     sample_note = " in the estimate" * (len(plan.priced_jobs) < len(plan.jobs))
-    heads = ["", *groups]
+    headers = ["", *groups]
     rows = [
         [name, *(span(map(value, group)) for group in groups.values())]
         for name, value in _table_rows(plan, verbose)
     ]
-    print_table(heads, [[f"cases{sample_note}", *(str(len(group)) for group in groups.values())], *rows])
+    print_table(headers, [[f"cases{sample_note}", *(str(len(group)) for group in groups.values())], *rows])
     screen.print()
     if len(plan.priced_jobs) < len(plan.jobs):
         screen.print(f"estimated from {len(plan.priced_jobs)} of {len(plan.jobs)} jobs")
@@ -146,7 +146,7 @@ def _show_cases(plan: Plan) -> None:
 
     units = plan.study.units
     lines = _table_rows(plan, verbose=True)
-    heads = [*units, *(name for name, _ in lines)]
+    headers = [*units, *(name for name, _ in lines)]
     rows = [
         [
             *(value_text(path, priced.job.swept[path], units) for path in units),
@@ -154,7 +154,7 @@ def _show_cases(plan: Plan) -> None:
         ]
         for priced in plan.cases
     ]
-    print_table(heads, rows, text_columns=len(units))
+    print_table(headers, rows, text_columns=len(units))
 
 
 def byte_text(count: int) -> str:

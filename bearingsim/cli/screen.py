@@ -37,29 +37,31 @@ def console(min_width: int = 0) -> "Console":
     return Screen(width=max(terminal_width() or PIPED_WIDTH, min_width), highlight=False)
 
 
-def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> None:
+def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> None:
     """Print a table; the first ``text_columns`` columns are text, the others numbers. Cells are never cropped."""
     from rich import box
     from rich.table import Table
 
     cells = list(rows)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for index, (head, min_width) in enumerate(zip(heads, min_widths(heads, cells, text_columns), strict=True)):
+    for index, (header, min_width) in enumerate(
+        zip(headers, min_widths(headers, cells, text_columns), strict=True)
+    ):
         is_text = index < text_columns
-        table.add_column(head, justify="left" if is_text else "right", overflow="fold", min_width=min_width)
+        table.add_column(header, justify="left" if is_text else "right", overflow="fold", min_width=min_width)
     for row in cells:
         table.add_row(*row)
-    console(table_width(heads, cells, text_columns)).print(table, markup=False)
+    console(table_width(headers, cells, text_columns)).print(table, markup=False)
 
 
-def table_width(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> int:
+def table_width(headers: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> int:
     """Compute the width in characters of a table without cropped cells."""
-    return sum(width + COLUMN_GAP for width in min_widths(heads, rows, text_columns)) - COLUMN_GAP
+    return sum(width + COLUMN_GAP for width in min_widths(headers, rows, text_columns)) - COLUMN_GAP
 
 
-def min_widths(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> list[int]:
+def min_widths(headers: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> list[int]:
     """Compute the minimum width of each column: its longest entry, at most MAX_TEXT_WIDTH for text."""
-    longest = [max(map(len, "\n".join(column).split("\n"))) for column in zip(heads, *rows, strict=True)]
+    longest = [max(map(len, "\n".join(column).split("\n"))) for column in zip(headers, *rows, strict=True)]
     return [
         min(length, MAX_TEXT_WIDTH) if index < text_columns else length for index, length in enumerate(longest)
     ]

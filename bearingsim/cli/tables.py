@@ -64,7 +64,7 @@ def show_jobs(
     ]
     printed_columns = _fit(all_columns, [name in features for name in ["job", *names]], width)
     print_table(
-        [head for head, _ in printed_columns], list(zip(*(cells for _, cells in printed_columns), strict=True))
+        [header for header, _ in printed_columns], list(zip(*(cells for _, cells in printed_columns), strict=True))
     )
     if len(printed_rows) < len(rows):
         _print_wrapped(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
@@ -79,8 +79,8 @@ def show_jobs(
     for text in (*notes, *assumptions, *damping.result_remarks(info)):
         _print_wrapped(text)
     if len(printed_columns) < len(all_columns):
-        printed_heads = {_stack_heading(head) for head, _ in printed_columns}
-        hidden = ", ".join(head for head, _ in all_columns if _stack_heading(head) not in printed_heads)
+        printed_headers = {_stack_header(header) for header, _ in printed_columns}
+        hidden = ", ".join(header for header, _ in all_columns if _stack_header(header) not in printed_headers)
         count = len(all_columns) - len(printed_columns)
         remedy = "`--columns NAME` or `--json`" if every else "`--all`, `--columns NAME` or `--json`"
         _print_wrapped(f"{count} columns do not fit {width} characters: {hidden} ({remedy})")
@@ -112,13 +112,13 @@ def show_measured(results: "Results", as_json: bool) -> None:
 
 def _print_measured(results: "Results") -> None:
     """Print a table of measured and simulated features for each measured source of the study."""
-    from bearingsim.report.measured import HEADS, TEXT_COLUMNS, measured_tables
+    from bearingsim.report.measured import HEADERS, TEXT_COLUMNS, measured_tables
 
     for table in measured_tables(results, MAX_MEASURED_ROWS):
         say("")
         _print_wrapped(table.title)
         if table.rows:
-            print_table(HEADS, table.rows, text_columns=TEXT_COLUMNS)
+            print_table(HEADERS, table.rows, text_columns=TEXT_COLUMNS)
         for text in table.remarks:
             _print_wrapped(text)
 
@@ -144,7 +144,7 @@ def _fit(columns: list[Column], features: Sequence[bool], width: int | None) -> 
     """Select the columns that fit a width (None: any): stack the headings, then drop features from the right."""
     if _fits(columns, width):
         return columns
-    stacked = [(_stack_heading(head), cells) for head, cells in columns]
+    stacked = [(_stack_header(header), cells) for header, cells in columns]
     for column, feature in reversed(list(zip(list(stacked), features, strict=True))):
         if _fits(stacked, width):
             break
@@ -154,13 +154,13 @@ def _fit(columns: list[Column], features: Sequence[bool], width: int | None) -> 
 
 
 def _fits(columns: Sequence[Column], width: int | None) -> bool:
-    texts = [[head, *cells] for head, cells in columns]
+    texts = [[header, *cells] for header, cells in columns]
     return width is None or table_width([column[0] for column in texts], zip(*texts, strict=True)) <= width
 
 
-def _stack_heading(head: str) -> str:
+def _stack_header(header: str) -> str:
     """Break a heading into lines, before `.width` and `-healthy` and before the unit."""
-    return re.sub(r"(?<=\w)(?=[.-][a-z])", "\n", head).replace(" (", "\n(")
+    return re.sub(r"(?<=\w)(?=[.-][a-z])", "\n", header).replace(" (", "\n(")
 
 
 def _check_columns(names: Sequence[str], columns: Sequence[str]) -> None:

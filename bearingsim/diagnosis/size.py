@@ -9,12 +9,12 @@ from bearingsim.config.sections.machine import RollingParts
 from bearingsim.signals.events import spacing
 
 DEPTH = 60e-6
-"""m; depth up to which the far edge is struck early (docs/double_impulse.md, step 4)."""
+"""m; largest floor depth assumed for early strikes of the far edge (docs/double_impulse.md, step 4)."""
 ENTRY_DROP = 1.5e-6
 """m; drop behind the near rim at which the entry is detected: a ball of the 6205 has lost half of its force after
 0.12 mm (docs/double_impulse.md, step 1)."""
 MAX_DIFFERENCE = 0.05
-"""Largest relative difference between the readings of both halves of a record."""
+"""Largest relative difference between the estimates from both halves of a record."""
 
 
 class Size(NamedTuple):
@@ -26,12 +26,12 @@ class Size(NamedTuple):
 
 
 def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: float) -> Size | None:
-    """Read the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: its line (Hz).
+    """Estimate the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: measured BPFO (Hz).
 
     With s the spacing of entry and exit times the speed of the contact point, the width is from s to s + sqrt(2
-    R_eff d) + sqrt(2 R_eff a): a roller on the floor, at a depth d up to 60 um, strikes the far edge that much
-    early, and the entry is detected up to a drop a of 1.5 um late. Returns None without two events, or if the
-    readings of both halves of the record differ by over 5 %.
+    R_eff d) + sqrt(2 R_eff a). A roller on the floor, at a depth d of up to 60 um, strikes the far edge the first
+    root earlier. The entry is detected the second root late, after a drop a of up to 1.5 um. Returns None without
+    two events, or if the estimates from both halves of the record differ by over 5 %.
     """
     period = 1.0 / outer
     half = len(series) // 2

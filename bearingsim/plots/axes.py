@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROW_IN = 2.7  # height (inches) of a row of panels
 HEADROOM = 1.05  # upper limit of an axis that begins at zero, over the largest value
-LABEL_LETTERS = 34  # characters in a line of an axis label
+LABEL_CHARACTERS = 34  # characters in a line of an axis label
 CAPTION_LINES = 4  # lines of a caption that fit below any figure
 CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width (inches) of a character of the legend
@@ -121,9 +121,9 @@ def x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
     return axis_label(labels.name_text(path), select.x_unit(path, rows, units))
 
 
-def y_label(name: str, unit: str, letters: int = LABEL_LETTERS) -> str:
-    """Return the label of a feature's axis, wrapped at ``letters`` characters."""
-    return textwrap.fill(axis_label(labels.feature_text(name), unit), letters)
+def y_label(name: str, unit: str, characters: int = LABEL_CHARACTERS) -> str:
+    """Return the label of a feature's axis, wrapped at ``characters`` per line."""
+    return textwrap.fill(axis_label(labels.feature_text(name), unit), characters)
 
 
 # Curves and their styles

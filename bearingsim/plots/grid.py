@@ -28,7 +28,7 @@ ROW_IN, LOW_ROW_IN = 1.7, 1.15
 MANY = 6  # number of rows above which they are lower
 HEALTHY, HEALTHY_COLOUR = "healthy", "0.25"
 PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
-LETTER_IN, GAP_IN = 0.07, 0.35  # inches: width of a character of a label, and distance of two rows
+CHARACTER_IN, GAP_IN = 0.07, 0.35  # inches: width of a character of a label, and distance of two rows
 CAPTION_IN = 1.0  # height (inches) of caption and legend
 WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
 MEASURED_COLOURS = ("#B00000", "#7A5C00", "#5B2A86")
@@ -320,11 +320,11 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool, height: float) 
     if only and len(column) > 1:
         canvas = column[0].get_figure(root=True)
         assert canvas is not None
-        letters = int((canvas.get_size_inches()[1] - CAPTION_IN) / LETTER_IN)
-        canvas.supylabel(textwrap.fill(label, letters), fontsize=9.0)
+        characters = int((canvas.get_size_inches()[1] - CAPTION_IN) / CHARACTER_IN)
+        canvas.supylabel(textwrap.fill(label, characters), fontsize=9.0)
         return
     room = height - (GAP_IN if len(column) > 1 else 0.0)
-    text = textwrap.fill(label, int(room / LETTER_IN), break_long_words=False)
+    text = textwrap.fill(label, int(room / CHARACTER_IN), break_long_words=False)
     for ax in column:
         ax.set_ylabel(text, fontsize=8.0)
 

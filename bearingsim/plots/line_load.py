@@ -28,7 +28,7 @@ SCALE = "YlOrRd"
 UNLOADED = 0.02  # relative to the largest line load; smaller values are drawn as zero
 WITHOUT_DEFECT = 8.0  # ball passes shown if the roller passes no defect
 FEW = 10.0  # samples over a defect; the caption states smaller numbers
-LABEL_LETTERS = 30
+LABEL_CHARACTERS = 30
 MIN_SAMPLES = 4
 TILTS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
 ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
@@ -163,26 +163,26 @@ def instants(load: LoadAlong) -> dict[str, int]:
     `over the defect`: the median sample among those with the smallest load on the slices over the defect. `largest
     after`: the largest total load from then on. Without a defect: the largest and the smallest total load.
     """
-    total = _whole(load)
+    total = _total_forces(load)
     if load.passage is None:
         return {"largest load": int(np.argmax(total)), "least load": int(np.argmin(total))}
     low, high = load.passage.defect.z
     middles = (load.ends[1:] + load.ends[:-1]) / 2.0
-    inside = np.maximum(_share(load)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
+    inside = np.maximum(_slice_forces(load)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
     over = int(least[len(least) // 2])
     largest = over + int(np.argmax(total[over:]))
     return {"before": 0, "over the defect": over, "largest after": largest, "after": len(load.time) - 1}
 
 
-def _share(load: LoadAlong) -> Reals:
+def _slice_forces(load: LoadAlong) -> Reals:
     """Compute the force (N) on each slice, (slices, n)."""
     return load.load * np.diff(load.ends)[:, np.newaxis]
 
 
-def _whole(load: LoadAlong) -> Reals:
+def _total_forces(load: LoadAlong) -> Reals:
     """Compute the total force (N) on the roller, (n,)."""
-    return np.asarray(_share(load).sum(axis=0))
+    return np.asarray(_slice_forces(load).sum(axis=0))
 
 
 # Drawing
@@ -207,8 +207,8 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     """Draw line load over time and position: white at lift-off, the ends of the defect dotted."""
     step = load.time[1] - load.time[0]
     edges = 1e3 * np.append(load.time - step / 2.0, load.time[-1] + step / 2.0)
-    seen = np.ma.masked_less(factor * load.load, UNLOADED * factor * float(load.load.max()))
-    mesh = ax.pcolormesh(edges, 1e3 * load.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
+    visible = np.ma.masked_less(factor * load.load, UNLOADED * factor * float(load.load.max()))
+    mesh = ax.pcolormesh(edges, 1e3 * load.ends, visible, cmap=SCALE, vmin=0.0, rasterized=True)
     for end in load.passage.defect.z if load.passage is not None else ():
         ax.axhline(1e3 * end, color="0.2", lw=0.8, ls=(0, (1, 2)))
     ax.grid(visible=False)
@@ -216,7 +216,7 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     ax.set_ylabel("Along the roller, z (mm)")
     assert ax.figure is not None
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
-    bar.set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
+    bar.set_label(textwrap.fill(label, LABEL_CHARACTERS), fontsize=8.0)
     bar.ax.yaxis.set_label_position("left")  # the sections are on its right
 
 

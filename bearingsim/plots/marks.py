@@ -18,7 +18,7 @@ MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
 DASHED = (0, (2, 2))
 MARKS_APART = 0.02  # minimum distance of marks, relative to the length of the axis
 NAMES_APART_IN = 0.56  # inches, minimum distance of the names of marks
-LETTER_IN = 0.069  # inches, width of a character of a name
+CHARACTER_IN = 0.069  # inches, width of a character of a name
 GAP_POINTS, ROW_POINTS = 2.0, 8.0  # height of the lowest row of names above the axes, and of a row
 ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 """Steps of the harmonics that are marked or named."""
@@ -76,19 +76,19 @@ def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: fl
     The frequency follows the name of the fundamental line, and all names if there is room. Names of sidebands are
     on the outer side of their marks. Names that would overlap others are left out.
     """
-    letter = LETTER_IN / _width(ax)  # part of the axis
+    character_width = CHARACTER_IN / _width(ax)  # part of the axis
     to_axes = ax.transData + ax.transAxes.inverted()
     positions = [float(to_axes.transform((mark.hertz, 0.0))[0]) for mark in marks]
     longest = max((len(_with_frequency(mark)) for mark in marks), default=0)
-    has_room = letter * longest < min(np.diff(positions), default=1.0)
+    has_room = character_width * longest < min(np.diff(positions), default=1.0)
     occupied: list[tuple[float, float]] = []
     for mark, position in sorted(
         zip(marks, positions, strict=True), key=lambda pair: (pair[0].number != 1, pair[1])
     ):
         alignment, part = ALIGNMENTS[mark.side if mark.number else 0]
         for text in _texts(mark, has_room):
-            left = position - part * letter * len(text)
-            right = left + letter * len(text)
+            left = position - part * character_width * len(text)
+            right = left + character_width * len(text)
             is_inside = alignment == "center" or 0.0 <= left < right <= 1.0
             if is_inside and all(right <= start or left >= end for start, end in occupied):
                 occupied.append((left, right))

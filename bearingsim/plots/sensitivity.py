@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Answer = tuple[Blocks, Indices | Effects]
 COLUMN_IN, BAR_IN, NAMES_IN, POINTS_IN = 2.9, 0.42, 1.3, 2.9
 THICK = 0.38
-LABEL_LETTERS = 36
+LABEL_CHARACTERS = 36
 BARS = (
     ("first", "first index (parameter alone)", "#9BD0F0"),
     ("total", "total index (with interactions)", COLOURS[0]),
@@ -53,7 +53,7 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
     for ax, (blocks, answer) in zip(axes, answers, strict=True):
         if isinstance(answer, Indices):
             _bars(ax, answer, ranks, names)
-            ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_LETTERS), loc="left")
+            ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_CHARACTERS), loc="left")
         else:
             _points(ax, blocks, answer, names)
     handles, texts = axes[0].get_legend_handles_labels()
@@ -111,7 +111,7 @@ def _points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) 
     ax.set_ylim(0.0, limit)
     ax.set_xlabel(f"mu*, over the whole range{in_unit}")
     ax.set_ylabel(f"sigma{in_unit}")
-    ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_LETTERS), loc="left")
+    ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_CHARACTERS), loc="left")
 
 
 def _whiskers(estimate: Estimate) -> np.ndarray:

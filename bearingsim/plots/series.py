@@ -41,7 +41,7 @@ def series_of(
 ) -> tuple[Content, dict[str, Job], list[str]]:
     """Compute the curves of channels over time; also return the jobs and the channels.
 
-    Raises PlotError for a channel that was not recorded, and as ``window_of``.
+    Raises PlotError for a channel that was not recorded, and in the cases of ``window_of``.
     """
     view = figure.view
     records = recorded.load_jobs(results, jobs)

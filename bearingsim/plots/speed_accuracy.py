@@ -32,7 +32,7 @@ LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "y
 SIZE_IN, DPI, SHADES = (7.08, 8.4), 150, 64  # 180 mm wide
 SMALL_POINTS = 7.0  # size of the smallest texts
 RAIL = 1.075  # height of the line of failed runs, over that of a panel
-HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
+TITLES = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 SIDES = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
 MIN_ERROR, MAX_ERROR, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; smallest upper limit of an axis
 LINES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
@@ -66,8 +66,8 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
         for j, kind in enumerate((NUMERICAL, TOTAL)):
             _panel(panels[i][j], rows, kind, quantity, colours, styles)
         panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU time for 1 s of signal (s)")
-    for ax, kind in zip(panels[0], HEADS, strict=True):
-        ax.set_title(HEADS[kind], fontsize=8.5, pad=24)
+    for ax, kind in zip(panels[0], TITLES, strict=True):
+        ax.set_title(TITLES[kind], fontsize=8.5, pad=24)
     _rail(panels[0][0], rows, colours)
     for ax in panels[-1]:
         ax.set_xlabel("relative error")
@@ -145,7 +145,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     errors = [
         _shown(row[f"{same_method}.{name}"])
         for row in rows
-        for same_method in HEADS
+        for same_method in TITLES
         for name in QUANTITIES
         if not row["failure"]
     ]

@@ -143,10 +143,10 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
 # Many named cases, one per line, with names on the left and a column of values per feature
 
 
-MAX_UPRIGHT, MAX_LETTERS = 6, 36  # largest numbers of names, and of their characters in total, below an axis
+MAX_UPRIGHT, MAX_CHARACTERS = 6, 36  # largest numbers of names, and of their characters in total, below an axis
 LINE_IN = 0.22  # height of a line
 MIN_VALUES_IN, VALUES_IN = 1.25, 2.3  # limits of the width of a column of values
-NAME_LETTER_IN = VALUE_LETTER_IN = 0.072  # inches, width of a character of a name and of a label below values
+NAME_CHARACTER_IN = VALUE_CHARACTER_IN = 0.072  # inches, width of a character of a name, and of a value
 SPREAD = 0.5  # spread of several curves, over the distance between names
 MARGIN = 0.05  # additional margin before the first point, relative to the length of a log axis
 ROOM = 0.3  # margin for the number next to the last point, relative to the length of the axis
@@ -155,8 +155,8 @@ ROOM = 0.3  # margin for the number next to the last point, relative to the leng
 def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> bool:
     """Check if the words on x are too many, or too long, to be written below an axis."""
     categories = select.values(rows, figure.x)
-    letters = sum(len(labels.value_text(figure.x, value, units)) for value in categories)
-    return not select.is_numeric(categories) and (len(categories) > MAX_UPRIGHT or letters > MAX_LETTERS)
+    characters = sum(len(labels.value_text(figure.x, value, units)) for value in categories)
+    return not select.is_numeric(categories) and (len(categories) > MAX_UPRIGHT or characters > MAX_CHARACTERS)
 
 
 def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
@@ -170,7 +170,7 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     styles = styles_of_curves(figure, rows, units)
     entries = legend_entries(figure, styles, rows)
     texts = [labels.value_text(figure.x, name, units) for name in names]
-    names_in = NAME_LETTER_IN * max(map(len, texts))
+    names_in = NAME_CHARACTER_IN * max(map(len, texts))
     values_in = max(MIN_VALUES_IN, min(VALUES_IN, (PAGE_IN - names_in) / len(figure.y)))
     width = len(figure.y) * values_in + names_in + 0.4
     height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
@@ -180,7 +180,7 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
         for column, feature in enumerate(figure.y):
             ax = axes[row][column]
             _values(ax, feature, figure, part, rows, units)
-            ax.set_xlabel(textwrap.fill(ax.get_xlabel(), int(values_in / VALUE_LETTER_IN)))
+            ax.set_xlabel(textwrap.fill(ax.get_xlabel(), int(values_in / VALUE_CHARACTER_IN)))
             letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
     corner = axes[0][0]
     corner.set_yticks(range(len(names)), texts)

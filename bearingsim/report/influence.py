@@ -14,7 +14,7 @@ class Influence(NamedTuple):
     """Influence of the parameters on a feature: heading, table with its headers, and sentences."""
 
     heading: str
-    heads: list[str]
+    headers: list[str]
     rows: list[list[str]]
     texts: list[str]
 
@@ -55,9 +55,9 @@ def _table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], 
 
     unit, factor, digits = ("", 1.0, "z.2f") if isinstance(analysis, Indices) else (*_unit(blocks), ".3g")
     estimates = columns(analysis)
-    heads = ["parameter"]
+    headers = ["parameter"]
     for name in estimates:
-        heads += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
+        headers += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
     ranking = next(iter(estimates.values())).value
     order = sorted(range(len(blocks.paths)), key=lambda index: -ranking[index])
     rows = [
@@ -67,7 +67,7 @@ def _table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], 
         ]
         for index in order
     ]
-    return heads, rows
+    return headers, rows
 
 
 def columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 DIFFERENCE, RATIO = "simulated\n- measured", "simulated\n/ measured"
 """Headings of the difference and of the ratio of two values, also in `compare`."""
-HEADS = ("feature", "parameters", "unit", "measured", "simulated", DIFFERENCE, RATIO, "job")
+HEADERS = ("feature", "parameters", "unit", "measured", "simulated", DIFFERENCE, RATIO, "job")
 TEXT_COLUMNS = 3
 MAX_ROWS = 1000
 """Largest number of rows of a table on a page."""
@@ -27,7 +27,7 @@ class MeasuredTable(NamedTuple):
     title: str
     rows: list[list[str]]
     remarks: list[str]
-    heads: tuple[str, ...] = HEADS
+    headers: tuple[str, ...] = HEADERS
     numeric: tuple[int, ...] = (3, 4, 5, 6)
 
 

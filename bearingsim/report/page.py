@@ -47,7 +47,7 @@ class Table:
 
     def shortened(self, rows: int) -> "Table":
         """Return the table with its first rows only."""
-        return Table([(head, cells[:rows]) for head, cells in self.columns], self.numeric, self.total)
+        return Table([(header, cells[:rows]) for header, cells in self.columns], self.numeric, self.total)
 
     @property
     def omissions(self) -> list[str]:

@@ -71,7 +71,7 @@ def _negligible_text(rows: Sequence[int], paths: Sequence[str], total: str) -> I
 
 def _interaction_text(interaction: Estimate) -> str:
     """Describe the interactions, from 1 minus the sum of the first-order indices."""
-    share = f"1 - sum of first indices = {_interval(interaction, 0)}"
+    share = f"1 - sum of first-order indices = {_interval(interaction, 0)}"
     if interaction.low > 0.0:
         return f"Parameters interact ({share}), so varying one at a time is not enough."
     return f"Interactions of parameters are not significant ({share})."

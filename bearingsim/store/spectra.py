@@ -31,8 +31,8 @@ def spectrum(record: Any, channel: str, periods_of: float | None = None) -> Spec
 
     record: a ``Series`` of results, or a ``Record`` of ``simulate``; channel: name of a series in it, such as
     ``ring.velocity.x``; periods_of: frequency (Hz) to whose whole periods the record is cut, as in figures, so
-    that its multiples lie on spectral lines. The amplitude has the unit of the channel (SI), 0-peak: a sine on a
-    line gives its amplitude, between two lines up to 15 % less. Raises UserError for an unknown channel.
+    that its multiples lie on frequency bins. The amplitude has the unit of the channel (SI), 0-peak: a sine on a
+    bin gives its amplitude, between two bins up to 15 % less. Raises UserError for an unknown channel.
     """
     values, rate = _samples(record, channel, periods_of)
     unit = channel_unit(channel)

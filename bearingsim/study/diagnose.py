@@ -126,7 +126,7 @@ def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> No
 
 
 def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
-    """List all problems in the validation of a tree that is not a case."""
+    """List the problems that pydantic found in a tree of another kind than a case."""
     errors = error.errors(include_url=False)[:MAX_PROBLEMS]
     return [entry for details in errors for _, _, entry in _problems(details, tree, frozenset())]
 

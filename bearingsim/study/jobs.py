@@ -118,8 +118,8 @@ class Study:
     """Validated study: ``text`` of its file, and ``units`` of the swept paths as written in it.
 
     notes: remarks on the file for the user; goal: required accuracy, with which the swept cases have the reference
-    model, and ``otherwise`` returns the same cases with other values at some paths, None for invalid ones;
-    sampled_design: swept design, by indices of cases, whereas ``design`` contains the ids of the jobs;
+    model; otherwise: function that returns these cases with changed values at some paths, None for invalid ones;
+    sampled_design: swept design, by indices of cases (``design``: by ids of jobs);
     files: those read (``text/files_read.py``); left_out: parameters of `uncertainty` that `quick` omits.
     """
 
@@ -213,7 +213,7 @@ class Study:
         return (NO_OIL,) if any(map(specifies_slip, self.cases())) else (NO_SLIP,)
 
     def variations(self) -> list[Variation]:
-        """List the variations of all cases by `uncertainty`, or without it, of the damping in a few cases.
+        """List the variations of cases: those of `uncertainty`, by default of the damping in a few cases.
 
         A design without `uncertainty` has no variations, so that extending it only adds its new points.
         """

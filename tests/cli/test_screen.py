@@ -23,7 +23,7 @@ def terminal(monkeypatch):
 
 
 def rows_of(text):
-    """Return heads and cells of a printed table, without blank lines and rules."""
+    """Return headers and cells of a printed table, without blank lines and rules."""
     return [line.split() for line in text.splitlines() if line.strip(" ─")]
 
 

@@ -78,7 +78,7 @@ def gyration(model):
 
 
 def energy(model, x):
-    """Return the elastic energy (J) of the bearing less the work of load and centrifugal force."""
+    """Return the elastic energy (J) of the bearing minus the work of load and centrifugal force."""
     b, support, weight = model.bearing, model.support, model.slices.table[:, 1]
     u, q, tilt = unpack(model, x)
     r, displacement = (b.R_o + b.R_i) / 2 + q, u - np.array([support.x_0, support.y_0])

@@ -22,8 +22,8 @@ def test_parameter_with_separate_interval_dominates():
     assert indices_text(Indices(ALONE, total, estimates((0.3, 0.1, 0.5))), "velocity@BPFO", PATHS) == (
         "One parameter clearly dominates velocity@BPFO: `defect.width`, total index"
         " 0.70 (0.60 to 0.80), alone 0.50 (0.40 to 0.60). `clearance` is negligible, below 5 % of the"
-        " variance. Parameters interact (1 - sum of first indices = 0.30 (0.10 to 0.50)), so varying one at a time"
-        " is not enough."
+        " variance. Parameters interact (1 - sum of first-order indices = 0.30 (0.10 to 0.50)), so varying one at"
+        " a time is not enough."
     )
 
 
@@ -34,7 +34,8 @@ def test_parameters_with_overlapping_intervals_dominate_together():
     assert text.index("`load`") < text.index("`defect.width`")
     assert "negligible" not in text
     assert (
-        "Interactions of parameters are not significant (1 - sum of first indices = 0.30 (-0.10 to 0.50))." in text
+        "Interactions of parameters are not significant (1 - sum of first-order indices = 0.30 (-0.10 to 0.50))."
+        in text
     )
 
 

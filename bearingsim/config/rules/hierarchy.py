@@ -1,4 +1,4 @@
-"""Abilities that a case needs of its model, and the lowest model of the catalogue that has them.
+"""Abilities of the model that a case needs, and the simplest model of the catalogue that has them.
 
 A need is required if a model without the ability cannot represent the case: such models are rejected. Other needs
 are desired: a model without the ability computes the case with poor accuracy. `simplest_model` and
@@ -25,7 +25,7 @@ MIN_CENTRIFUGAL_SHARE = (
 )
 
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
-"""Remedy of a run that gets stuck: without roller mass, a ring thrown upwards closes its contacts in ever smaller
+"""Remedy of a run without progress: without roller mass, a ring that lifts off closes its contacts in ever smaller
 and faster impacts (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
@@ -41,13 +41,13 @@ class Need(NamedTuple):
 
 
 def needs(case: "CaseFields") -> list[Need]:
-    """List all abilities that a case needs of its model."""
+    """List all abilities of the model that a case needs."""
     checks = [_defect_needs, _section_needs, _shape_needs, _record_needs, _mass_needs]
     return [need for check in checks for need in check(case)]
 
 
 def simplest_model(case: "CaseFields") -> str | None:
-    """Return the lowest model with all needed abilities, or else with all required ones; None if there is none."""
+    """Return the first model with all needed abilities, or else with all required ones; None if there is none."""
     all_needs = needs(case)
     desired, required = {need.ability for need in all_needs}, {need.ability for need in all_needs if need.required}
     models = catalogue.MODELS.values()
@@ -97,7 +97,7 @@ def unmet_needs(case: "CaseFields") -> list[Need]:
 
 
 def reasons(case: "CaseFields") -> list[str]:
-    """List the reasons why the lowest suitable model is needed instead of the one below it."""
+    """List the reasons why the simplest suitable model is needed instead of the next simpler one."""
     model = simplest_model(case)
     if model is None:
         return []

@@ -153,19 +153,19 @@ def echo(text: str, limit: int = MAX_ECHO) -> str:
     return f"`{stripped}`" if len(stripped) <= limit else f"`{stripped[: limit - 3]}...`"
 
 
-def _columns(heads: Sequence[str], wording: Wording) -> dict[str, tuple[int, float]]:
+def _columns(headers: Sequence[str], wording: Wording) -> dict[str, tuple[int, float]]:
     """Return the index of each recognised column, and its factor to SI."""
     columns = {}
-    for number, head in enumerate(heads):
-        match = COLUMN.fullmatch(head)
+    for number, header in enumerate(headers):
+        match = COLUMN.fullmatch(header)
         if match and match[1] in NAMES:
             columns[match[1]] = (number, _factor(match[1], match[2], wording))
     missing = [name for name in ("s", "z") if name not in columns]
     if missing or ("depth" in columns) == ("height" in columns):
         required = "`s`, `z` and either `depth` or `height`"
-        first_heads = heads[:6]
-        limit = max(MAX_ECHO // max(len(first_heads), 1), MIN_ECHO)
-        listing = ", ".join(echo(head, limit) for head in first_heads) or "none"
+        first_headers = headers[:6]
+        limit = max(MAX_ECHO // max(len(first_headers), 1), MIN_ECHO)
+        listing = ", ".join(echo(header, limit) for header in first_headers) or "none"
         raise ScanError(f"expected {wording.columns} {required}, got {listing}", wording.example)
     return columns
 
@@ -185,7 +185,7 @@ def _point_grid(rows: list[list[str]], numbers: list[int]) -> Grid:
     """Arrange a list of points as a grid."""
     columns = _columns(rows[0], CSV)
     unused = [
-        head.strip() for n, head in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}
+        header.strip() for n, header in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}
     ]
     table = cell_values(rows[1:], numbers[1:], len(rows[0]))
     values = {name: table[:, number] * factor for name, (number, factor) in columns.items()}
@@ -214,10 +214,10 @@ def _is_descending(values: np.ndarray) -> bool:
 
 
 def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    heads = rows[0][0].split("|")
-    columns = _columns(heads, CSV)
+    headers = rows[0][0].split("|")
+    columns = _columns(headers, CSV)
     order = [name for name, _ in sorted(columns.items(), key=lambda item: item[1][0])]
-    if len(heads) != 3 or order[0] not in ("depth", "height"):
+    if len(headers) != 3 or order[0] not in ("depth", "height"):
         raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {echo(rows[0][0])}")
     table = cell_values([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
     row_axis, column_axis = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
@@ -258,8 +258,8 @@ def _hdf5(name: str, content: bytes) -> Grid:
     try:
         with Hdf5(io.BytesIO(content), MAX_POINTS * POINT_BYTES) as file:
             names = [dataset for dataset in NAMES if dataset in file]
-            heads = [f"{dataset} [{file.attribute('units', dataset, '', variable=True)}]" for dataset in names]
-            columns = _columns(heads or file.names(), HDF5)
+            headers = [f"{dataset} [{file.attribute('units', dataset, '', variable=True)}]" for dataset in names]
+            columns = _columns(headers or file.names(), HDF5)
             _check_shapes({dataset: file.shape(dataset) for dataset in names})
             values = {dataset: file.numbers(dataset).astype(float) * columns[dataset][1] for dataset in names}
     except Unsafe as error:

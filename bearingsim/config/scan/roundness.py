@@ -6,9 +6,8 @@ CSV with one point per line, and columns named with their units:
     0.0,0.12
     0.5,0.10
 
-`deviation` is positive where a point lies outside of the material's nominal surface, that is where there is more
-material; `radius` (positive away from the axis, a constant may be missing) can replace it. Lines that begin with #
-are comments.
+`deviation` is positive where there is more material than on the nominal surface. Instead of it, `radius` may be
+given: positive away from the axis, up to any constant. Lines that begin with # are comments.
 """
 
 from collections.abc import Iterable
@@ -38,8 +37,8 @@ POINTS_PER_WAVE = 7
 MAX_GAP = 0.5  # limit of a gap, in lengths of the shortest wave
 MIN_POINTS = 2 * POINTS_PER_WAVE
 MAX_MISSING, MAX_SPIKES = 0.05, 0.01  # limits: share of missing points; share of spikes
-SPIKE_WINDOW = 5  # points of the median from which spikes deviate
-MIN_SPIKE = 8.0  # minimum spike in standard deviations of the deviations from that median
+SPIKE_WINDOW = 5  # number of points of the running median that spikes are compared with
+MIN_SPIKE = 8.0  # minimum spike, in standard deviations from the running median
 MIN_SPIKE_HEIGHT = 0.2  # minimum spike relative to the range of the profile
 MAX_JUMP, MAX_STEPS = 0.1, 3.0  # limits of the jump at the ends: share of the range; largest steps of neighbours
 MIN_ECCENTRICITY = 1e-9  # m; smaller ones are not reported
@@ -87,22 +86,22 @@ def _table(rows: list[list[str]], numbers: list[int]) -> Profile:
     name = DEVIATION if DEVIATION in columns else RADIUS
     angles, values = (table[:, number] * factor for number, factor in (columns["angle"], columns[name]))
     used = {number for number, _ in columns.values()}
-    unused = [head.strip() for number, head in enumerate(rows[0]) if number not in used]
+    unused = [header.strip() for number, header in enumerate(rows[0]) if number not in used]
     if np.isnan(angles).any():
         line = numbers[1 + int(np.flatnonzero(np.isnan(angles))[0])]
         raise ScanError(f"line {line}: a point has no angle", "`angle` must be in every line")
     return Profile(angles, values, name, "", (f"columns not used: {', '.join(unused)}",) if unused else ())
 
 
-def _columns(heads: list[str]) -> dict[str, tuple[int, float]]:
+def _columns(headers: list[str]) -> dict[str, tuple[int, float]]:
     """Return the index of each recognised column, and its factor to SI."""
     columns = {}
-    for number, head in enumerate(heads):
-        match = COLUMN.fullmatch(head)
+    for number, header in enumerate(headers):
+        match = COLUMN.fullmatch(header)
         if match and match[1] in ("angle", DEVIATION, RADIUS):
             columns[match[1]] = (number, _factor(match[1], match[2]))
     if "angle" not in columns or (DEVIATION in columns) == (RADIUS in columns):
-        listing = ", ".join(echo(head, MAX_ECHO // 3) for head in heads[:3])
+        listing = ", ".join(echo(header, MAX_ECHO // 3) for header in headers[:3])
         raise ScanError(f"expected columns `angle` and either `deviation` or `radius`, got {listing}", EXAMPLE)
     return columns
 
@@ -180,8 +179,8 @@ def _closing_notes(angles: np.ndarray, values: np.ndarray) -> list[str]:
 def _remove_spikes(profile: Profile) -> Profile:
     """Remove spikes of one or two points; they are interpolated later. Raises ScanError if there are too many."""
     values = profile.values
-    around = range(-(SPIKE_WINDOW // 2), SPIKE_WINDOW // 2 + 1)
-    deviations = values - np.median([np.roll(values, shift) for shift in around], axis=0)
+    shifts = range(-(SPIKE_WINDOW // 2), SPIKE_WINDOW // 2 + 1)
+    deviations = values - np.median([np.roll(values, shift) for shift in shifts], axis=0)
     low, high = np.percentile(values, [1.0, 99.0])
     scatter = 1.4826 * float(np.median(np.abs(deviations)))
     spikes = np.abs(deviations) > max(MIN_SPIKE * scatter, MIN_SPIKE_HEIGHT * float(high - low))

@@ -50,7 +50,7 @@ class Material(Section):
     """Material of rolling elements and rings."""
 
     name: Text = ""
-    """Name of the material, for users."""
+    """Name of the material; not used in computations."""
     density: SolidDensity
     """Density."""
     young_modulus: Pressure = 207e9
@@ -58,7 +58,7 @@ class Material(Section):
     poisson_ratio: PoissonRatio = 0.3
     """Poisson's ratio."""
     source: Text = ""
-    """Source of the data, for users."""
+    """Source of the data; not used in computations."""
 
 
 def _steel() -> Any:
@@ -69,7 +69,7 @@ class Bearing(Section):
     """Radial bearing: nominal dimensions in m, without clearance."""
 
     name: Text = ""
-    """Designation of the bearing, for users."""
+    """Designation of the bearing; not used in computations."""
     element: Annotated[Element, one_of(*get_args(Element))] = "roller"
     """Rolling elements: `roller` (cylindrical) or `ball`."""
     rollers: Annotated[int, integer(3, 104)]
@@ -97,7 +97,7 @@ class Bearing(Section):
     material: Annotated[Material, library_section("materials")] = Field(default_factory=_steel)
     """Material of rings and rolling elements: a name, a file, or a mapping. Default: `steel`."""
     source: Text = ""
-    """Source of the dimensions, for users."""
+    """Source of the dimensions; not used in computations."""
 
     @property
     def roller_spacing(self) -> float:
@@ -187,7 +187,7 @@ class Rig(Section):
     """
 
     name: Text = ""
-    """Name of the rig, for users."""
+    """Name of the rig; not used in computations."""
     bracket_stiffness: StiffnessOrZero = 1e7
     """Radial stiffness of the support of the outer ring."""
     bracket_damping: Damping = 200.0
@@ -215,7 +215,7 @@ class Rig(Section):
     ring_mass: Mass | None = None
     """Mass of the outer ring with its housing. Default: from the dimensions of the ring."""
     source: Text = ""
-    """Source of the data, for users."""
+    """Source of the data; not used in computations."""
 
     @model_validator(mode="after")
     def _unify_sensor(self) -> "Rig":

@@ -2,7 +2,7 @@
 
 The recess of a surface is its depth (m) below the nominal one, so a contact's approach is smaller by the recesses
 of race and roller at their common point. Its rate is dw/dphi times the speed at which the contact point travels
-along that surface: on the outer race that of the roller about the ring's centre, on the inner race that less the
+along that surface: on the outer race that of the roller about the ring's centre, on the inner race that minus the
 ring's, on a roller its speed of rolling. (The sliding speed is zero in rolling.) Equation (F1) of docs/form.md.
 
 A recess is stored in cubic pieces with continuous slope, from values and slopes at their ends. A race has a whole

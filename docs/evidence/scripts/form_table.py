@@ -56,9 +56,9 @@ def table(load: str) -> None:
             (quantities(load, None, amplitude, seed), quantities(load, SLOT, amplitude, seed)) for seed in seeds
         ]
     rows = {
-        "healthy line": lambda healthy, slot: abs(healthy["line"]),
-        "line with slot": lambda healthy, slot: abs(slot["line"]),
-        "slot less healthy": lambda healthy, slot: abs(slot["line"] - healthy["line"]),
+        "BPFO, healthy": lambda healthy, slot: abs(healthy["line"]),
+        "BPFO with slot": lambda healthy, slot: abs(slot["line"]),
+        "BPFO, change from healthy": lambda healthy, slot: abs(slot["line"] - healthy["line"]),
         "envelope line, healthy": lambda healthy, slot: healthy["envelope"],
         "envelope line with slot": lambda healthy, slot: slot["envelope"],
         "healthy RMS": lambda healthy, slot: healthy["rms"],
@@ -69,8 +69,8 @@ def table(load: str) -> None:
 
 
 def angles() -> None:
-    """Print line, line less healthy and envelope line over the angle of the slot."""
-    print("\n150 N, slot at 0, 15, 30, 45, 60 deg: line; less healthy; envelope line")
+    """Print amplitude at BPFO, its change from healthy and the envelope's over the angle of the slot."""
+    print("\n150 N, slot at 0, 15, 30, 45, 60 deg: BPFO; change from healthy; envelope at BPFO")
     formed = ((f"A 0.2 um, seed {n}", "0.2 um", n) for n in ANGLE_SEEDS)
     for name, amplitude, seed in (("ideal", None, 0), *formed):
         healthy = quantities("150 N", None, amplitude, seed, scatter=amplitude is not None)
