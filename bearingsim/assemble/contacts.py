@@ -74,7 +74,7 @@ def constant(case: Case, section: Any, on_outer: bool) -> Any:
 
 
 SPECIAL_EXPONENTS = ((1.0, Linear), (power_laws.LINE_CONTACT_EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
-"""Exponents with an implementation of their own, without ``pow``."""
+"""Exponents with a separate implementation that does not call ``pow``."""
 
 
 def power(k: float, m: float) -> Any:

@@ -119,7 +119,7 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
 
 
 def _solvable_settings(variant: Variant, settings: Settings) -> Settings:
-    """Drop methods of other packages, unless the case has the usual model and they can integrate it."""
+    """Drop methods of other packages, unless the case has the default model and they can integrate it."""
     if variant.model == DEFAULT_MODEL and variant.case is not None and external.can_solve(variant.case):
         return settings
     return {name: values for name, values in settings.items() if name in METHODS}

@@ -47,7 +47,7 @@ HEADERS = (
     ),
 )
 WIDTH = 138  # characters in a line
-NOTABLE = 1.5  # cost ratio to the cheapest run of equal accuracy, from which a choice is off the front
+NOTABLE = 1.5  # cost ratio to the cheapest run of equal accuracy, from which a choice is not on the Pareto front
 
 
 class Section(NamedTuple):
@@ -158,13 +158,14 @@ def _method_texts(section: Section) -> Iterator[str]:
     for comparison in compare_with_front(section.rows, NUMERICAL):
         if models and comparison.row["variant"] == models[0] and worst_error(comparison.row, NUMERICAL) < 1.0:
             choice = f"of `{models[0]}` the automatic choice, {comparison.row['method']}"
-            error = f"{percent(worst_error(comparison.row, NUMERICAL))} numerical error of the worst of the three"
+            error = f"{percent(worst_error(comparison.row, NUMERICAL))} largest numerical error of the three"
             text = f"**Method, full integration:** {choice} ({seconds(comparison.row['cpu_per_s'])}, {error})"
             if comparison.cost_ratio < NOTABLE:
-                yield f"{text}, is near the front: no run as accurate is over {NOTABLE} times cheaper."
+                yield f"{text}, is near the Pareto front: no run as accurate is over {NOTABLE} times cheaper."
             else:
                 cheaper = method_text(comparison.cheapest)
-                yield f"{text}, is off the front: {cheaper} is as accurate for {_cost(comparison.cheapest)}."
+                cost = _cost(comparison.cheapest)
+                yield f"{text}, is not on the Pareto front: {cheaper} is as accurate for {cost}."
 
 
 def _peer_texts(section: Section) -> Iterator[str]:

@@ -155,8 +155,8 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
     if cheaper:
         next_row = max(cheaper, key=lambda row: row["cpu_per_s"])
         text += (
-            f" The next cheaper fails: `{next_row['variant']}` costs {seconds(next_row['cpu_per_s'])} and is"
-            f" off by {_errors(next_row)}."
+            f" The next cheaper model is not sufficient: `{next_row['variant']}` costs"
+            f" {seconds(next_row['cpu_per_s'])} and is off by {_errors(next_row)}."
         )
     else:
         text += " No job costs less."

@@ -1,4 +1,4 @@
-"""Command line: parses, calls one function, prints. Each command imports its modules when it runs."""
+"""Command line. A command parses its arguments, calls one function and prints. It imports modules when it runs."""
 
 import gc
 

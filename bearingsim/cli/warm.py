@@ -11,7 +11,7 @@ CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [DE
 def compile_solver(study: Path | None, announcements: Announcer) -> str:
     """Compile the solver for the cases of a study; return their models, in words.
 
-    Without a study, compile the usual model and the reference of most studies with an accuracy, both with and
+    Without a study, compile the default model and the reference of most studies with an accuracy, both with and
     without friction. Raises StudyError.
     """
     from bearingsim.catalogue import DEFAULT_MODEL, REFERENCE

@@ -69,7 +69,7 @@ class Case(CaseFields):
 
 
 def _quantities(section: Section, *names: str) -> Iterator[tuple[str, str]]:
-    """Yield the names of fields and their values with usual units."""
+    """Yield the names of fields and their values in display units."""
     for name in names:
         annotations = type(section).model_fields[name].metadata
         dimension = next(entry.dimension for entry in annotations if isinstance(entry, Quantity))

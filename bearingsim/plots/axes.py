@@ -32,7 +32,7 @@ HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.2, 0.1  # width of a line, height of
 TITLE_IN = 0.28  # height of the title
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
-"""Ring around a point of a chaotic motion, whose value is one random draw."""
+"""Ring around a point of a chaotic motion, whose value has statistical scatter."""
 BAND_ALPHA = 0.18
 HIDDEN_SHARE = 0.01
 """Level of the healthy bearing, relative to the largest value, below which the axis at zero hides its line."""
@@ -215,7 +215,7 @@ def models_of(rows: "pd.DataFrame") -> dict[str, str]:
 
 
 def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], chaotic: Sequence[bool]) -> None:
-    """Draw a ring around each point of a chaotic motion, whose value is one random draw."""
+    """Draw a ring around each point of a chaotic motion, whose value has statistical scatter."""
     points = [
         (a, b) for a, b, is_chaotic in zip(x, y, chaotic, strict=True) if is_chaotic and math.isfinite(a * b)
     ]

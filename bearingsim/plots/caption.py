@@ -72,7 +72,7 @@ SMALL_UNITS = {
     "misalignment.outer": "mrad",
     "rig.load.fit": "um",
 }
-"""Units of quantities that are small compared with the usual unit."""
+"""Units of quantities that are small compared with the default unit."""
 MAX_WORDS = 4  # distinct words of a parameter written out in a range
 STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis": "kurtosis"}
 """Statistics of a record, limited to the band of its sampling."""

@@ -1,4 +1,4 @@
-"""Points of the curves in a figure of features: what is drawn, apart from its style."""
+"""Points of the curves in a figure of features, without their style."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,8 +18,8 @@ class Points:
     """Points of one feature along a curve, in the units of the axes, a list per quantity.
 
     jobs: ids; x: value, or index of a word; y; low, high: ends of the uncertainty; error: error bound of the
-    accuracy; healthy: level of the healthy bearing; chaotic: value is one random draw; status: done, failed,
-    missing; models: chosen models, "" if all points have one. NaN where a point lacks a quantity.
+    accuracy; healthy: level of the healthy bearing; chaotic: True for a value with statistical scatter; status:
+    done, failed, missing; models: chosen models, "" if all points have one. NaN where a point lacks a quantity.
     """
 
     jobs: list[str]
@@ -58,7 +58,7 @@ def points_of(
         return list(curve[key] * factor) if key in curve else [math.nan] * len(curve)
 
     y = column(name)
-    several = "error.model" in rows and len(set(filter(None, rows["model"]))) > 1
+    has_several_models = "error.model" in rows and len(set(filter(None, rows["model"]))) > 1
     return Points(
         jobs=list(curve["job"]),
         x=positions(figure.x, curve, rows, units),
@@ -69,7 +69,7 @@ def points_of(
         healthy=column(f"baseline {name}"),
         chaotic=list(map(bool, is_uncertain(curve, name))),
         status=list(curve["status"]),
-        models=[str(model) for model in curve["model"]] if several else [""] * len(curve),
+        models=[str(model) for model in curve["model"]] if has_several_models else [""] * len(curve),
     )
 
 

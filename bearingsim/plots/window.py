@@ -36,11 +36,11 @@ class Window(NamedTuple):
 
 
 def window_of(
-    results: "Results", name: str, job: Job, channel: str, view: "View", usual: float, passes: float = 1.0
+    results: "Results", name: str, job: Job, channel: str, view: "View", default_span: float, passes: float = 1.0
 ) -> Window:
     """Return the part of a channel of a job to show.
 
-    usual: its length (s) by default; passes: its length around an impact by default, in ball passes.
+    default_span: its length (s) by default; passes: its length around an impact by default, in ball passes.
     Raises PlotError if it lies outside the record or contains too few samples.
     """
     time = job.series.time
@@ -50,7 +50,7 @@ def window_of(
         window = Window(origin - LEAD * span, origin + (1.0 - LEAD) * span, origin, crossing)
     else:
         start = view.start or 0.0
-        stop = view.stop if view.stop is not None else start + (view.span or usual)
+        stop = view.stop if view.stop is not None else start + (view.span or default_span)
         window = Window(start, stop)
     count = np.count_nonzero(window.shown(time))
     is_cut = (view.stop or view.span) and window.stop > time[-1] + 2.0 / float(job.parameters["sampling"])

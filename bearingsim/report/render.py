@@ -1,4 +1,4 @@
-"""The page as one HTML file: template, script and styles, with a policy that allows nothing else."""
+"""The page as one HTML file: template, script and styles, with a policy that allows no other sources."""
 
 import base64
 import hashlib
@@ -18,7 +18,7 @@ from bearingsim.report.page import Page
 MAX_BYTES = 2_000_000
 """Size of a page above which parts of it are left out."""
 MARK = "bearingsim report"
-"""Generator of a page; a file with it may be replaced."""
+"""Name of the generator in the file. Only a file that contains it is replaced by a new report."""
 FEW_ROWS = 200
 """Number of rows of the table in a page that would be too large."""
 ESCAPES = {ord(letter): f"\\u{ord(letter):04x}" for letter in "<>&\u2028\u2029"}

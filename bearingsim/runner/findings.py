@@ -106,7 +106,7 @@ def _has(cases: "pd.DataFrame", name: str) -> bool:
 def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterator[str]:
     """Yield the names of uncertain quantities that the study does not vary, and of neglected effects.
 
-    They are ordered by their usual influence on amplitudes, the strongest first (docs/uncertainty.md).
+    They are ordered by their typical influence on amplitudes, the strongest first (docs/uncertainty.md).
     """
     stated = _assumptions(plan)
     varied_quantities = {variation["what"] for variation in plan.get("variations", ())}

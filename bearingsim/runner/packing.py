@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 
-UNIT_S = 2.0  # usual CPU time of a unit in s; writing its file takes 40 ms
+UNIT_S = 2.0  # s, intended CPU time of a unit; writing its file takes 40 ms
 SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0  # limits of the CPU time of a unit in s, in short and long studies
 MIN_UNITS, MAX_UNITS = 3, 50  # units per worker: fewer leave workers idle at the end, more only add files
 UNIT_BYTES = 64e6  # a unit is complete when its series reach this size (bytes)

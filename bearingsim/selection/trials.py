@@ -72,7 +72,10 @@ def required_healthy_case(study: Study, case: Case) -> Case | None:
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[TrialRequest]:
-    """Return the trials of the references, each once; none if too short for friction and without another mesh."""
+    """Return the trials of the references, each once.
+
+    A case has none if its record is too short for a trial with friction and its discretisation is not varied.
+    """
     cases = study.cases()
     useful = [
         n for n in numbers if shows_friction(cases[n]) or with_friction(cases[n]) is None or remeshed(cases[n])

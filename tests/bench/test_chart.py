@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from math import inf, nan
+from pathlib import Path
 
 import pytest
 
@@ -178,7 +179,7 @@ def test_report_gives_recommendations_with_reasons():
     assert "| a scene | rollers, 0.1 s | planar, 1 s | rollers, 0.1 s | planar, 1 s |" in text
     assert "| RMS | rollers, 0.1 s | planar, 1 s |" in text
     assert "**Within 5 %:** `rollers`, 0.1 s as a job. It is off by 3 % (line)" in text
-    assert "The next cheaper fails: `rollers` costs 0.1 s and is off by 3 % (line)" in text
+    assert "The next cheaper model is not sufficient: `rollers` costs 0.1 s and is off by 3 % (line)" in text
     assert (
         "**Other packages:** the cheapest within 1 % (numerical) of line and RMS is "
         "scipy-lsoda at a tolerance of 0.001" in text
@@ -351,6 +352,12 @@ def test_study_with_accuracy_has_the_same_models(write):
         "ring",
         "static",
     ]
+
+
+def test_page_of_the_documentation_has_the_instructions_of_the_report():
+    instructions = Path(report.__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs/speed-accuracy.md").read_text(encoding="utf-8")
+    assert page.startswith(f"# Speed against accuracy\n\n{instructions}\n## Recommendations\n")
 
 
 def test_the_command_writes_table_figures_text_and_provenance(tmp_path, computed_runs, capsys):

@@ -26,7 +26,7 @@ NOISE_LIMIT = 3.0  # limit of noise, in standard deviations of the border
 MIN_WIDTH, MIN_DEPTH = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
 
 CACHED_SCANS = 256
-"""Scans cached per process, more than in a usual sweep. Each takes 50 to 150 kB, all together at most 40 MB."""
+"""Scans cached per process, more than in a typical sweep. Each takes 50 to 150 kB, all together at most 40 MB."""
 
 
 class Scan(NamedTuple):

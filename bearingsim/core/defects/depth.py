@@ -2,7 +2,7 @@
 middle.
 
 Each kind of map is a type: ``section`` returns its profile at one z, exact or in parabolas; ``extent`` its size;
-``cuts`` the stretches along z between changes in the kind of section. Plain Python, run once per defect.
+``cuts`` the intervals along z between changes in the kind of section. Plain Python, run once per defect.
 """
 
 from dataclasses import dataclass, field
@@ -46,7 +46,7 @@ def extent(depth_map: Any) -> tuple[float, float, float, float]:
 
 @generic
 def cuts(depth_map: Any) -> list[tuple[float, float, int]]:
-    """Return stretches (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
+    """Return intervals (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
 
 
 class Rectangular(NamedTuple):
@@ -289,12 +289,12 @@ def _extent_merged(merged):
 def _cuts_merged(merged):
     all_cuts = [cut for defect in merged.defects for cut in cuts(defect)]
     ends = sorted({end for a, b, _ in all_cuts for end in (a, b)})
-    stretches = []
+    intervals = []
     for a, b in pairwise(ends):
         kinds = [kind for low, high, kind in all_cuts if low < (a + b) / 2.0 < high]
         if kinds:
-            stretches.append((a, b, max(kinds)))
-    return stretches
+            intervals.append((a, b, max(kinds)))
+    return intervals
 
 
 @section.register(MergedDefects)

@@ -1,7 +1,7 @@
 """A spall grown by a rule, bowl by bowl, along rolling and sideways.
 
 Material breaks out where rolling elements land, at the trailing rim. Each new bowl therefore has its middle on
-this rim, at the one of ``DRAWS`` positions, drawn uniformly from the spall's extent across, where the rim is
+this rim. Of ``DRAWS`` positions across, drawn uniformly from the spall's extent, it is the one at which the rim is
 nearest (a straight roller lands there first). Its half sizes and depth are drawn uniformly from ``SIZES`` and
 ``DEPTHS``; the first bowl's half sizes are 1. A spall thus grows along rolling and becomes wider. A full-grown
 spall has ``BOWLS`` bowls and is scaled to its length, width and depth; a less grown one lacks the later bowls, and
@@ -17,10 +17,10 @@ import numpy as np
 from bearingsim.core.defects.depth import ROUGH, cuts, extent, section
 from bearingsim.core.defects.profile import RACE, Profile, deeper_profile, quadratic
 
-BOWLS = 32
-SIZES, DEPTHS = (0.6, 1.2), (0.5, 1.0)
-DRAWS = 2
-FIRST_DEPTH = 0.7
+BOWLS = 32  # bowls of a full-grown spall
+SIZES = (0.6, 1.2)  # range of the half sizes of a bowl, relative to the first bowl
+DEPTHS, FIRST_DEPTH = (0.5, 1.0), 0.7  # range of the depths, depth of the first bowl; scaled to the deepest one
+DRAWS = 2  # positions across that are compared for each bowl
 
 Bowl = tuple[float, float, float, float, float]
 """Middle along and across, half size along and across, depth."""
@@ -73,10 +73,8 @@ def grown_bowls(spall: Spall) -> list[Bowl]:
     for n, (u, v, a, b, d) in enumerate(all_bowls):
         scale = min(count - n + 1.0, 1.0)
         if scale > 0.0:
-            factor, along, across = scale, spall.width, spall.length
-            bowls.append(
-                (u * along, v * across, factor * a * along, factor * b * across, factor * d * spall.depth)
-            )
+            along, across = spall.width, spall.length
+            bowls.append((u * along, v * across, scale * a * along, scale * b * across, scale * d * spall.depth))
     return bowls
 
 

@@ -33,15 +33,16 @@ def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     """Return the slices of a roller of length ``L_w`` (m) over a defect, their weights summing to its share of the
     roller.
 
-    A stretch of constant section has one slice. A stretch of smoothly changing section has Gauss nodes, ``nodes``
-    on the longest stretch and in proportion on others; a rough one has as many slices of equal length.
+    An interval of constant section has one slice. An interval of smoothly varying section has Gauss nodes,
+    ``nodes`` on the longest interval and in proportion on others. One of rough section has as many slices of equal
+    length.
     """
-    stretches = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(defect)]
-    stretches = [(a, b, kind) for a, b, kind in stretches if b > a]
-    longest = max((b - a for a, b, _ in stretches), default=0.0)
+    intervals = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(defect)]
+    intervals = [(a, b, kind) for a, b, kind in intervals if b > a]
+    longest = max((b - a for a, b, _ in intervals), default=0.0)
     return [
         ((b - a) / L_w * float(weight) / 2.0, (a + b) / 2.0 + (b - a) / 2.0 * float(x))
-        for a, b, kind in stretches
+        for a, b, kind in intervals
         for x, weight in zip(*_quadrature(kind, max(1, ceil(nodes * (b - a) / longest - 1e-9))), strict=True)
     ]
 
@@ -75,8 +76,8 @@ def _trace(profile: Profile, R: float) -> TracedGroup:
     path = path_over(profile, R)
     if len(path.pieces) == 0:
         return NO_DEFECT, path
-    reach = R * steepest(path)
-    return (max(-path.pieces[0, 0], path.end, reach), reach, 0.0, relief(profile)), path
+    x_e = R * steepest(path)
+    return (max(-path.pieces[0, 0], path.end, x_e), x_e, 0.0, relief(profile)), path
 
 
 def group_paths(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:

@@ -169,7 +169,7 @@ def factor_border(shared, y):
 
 @jit
 def swap(a, b, y, n):
-    """Exchange two stretches of the buffer."""
+    """Exchange two ranges of the buffer."""
     for m in range(n):
         y[a + m], y[b + m] = y[b + m], y[a + m]
 
