@@ -91,26 +91,26 @@ def scipy_solver(name: str) -> Solver:
     """Wrap one of SciPy's solvers, called as in its documentation."""
 
     def solve(problem: Equations) -> Solution:
-        right_side = ForceTracker(problem)
-        length_scales = right_side.y[LENGTH_SCALE + right_side.coordinates]
+        right_hand_side = ForceTracker(problem)
+        length_scales = right_hand_side.y[LENGTH_SCALE + right_hand_side.coordinates]
         atol = np.concatenate(
             [problem.tolerances.atol_q / length_scales, problem.tolerances.atol_v / length_scales]
         )
         columns: list[np.ndarray] = []
-        start = pack(problem.y, right_side.coordinates)
+        start = pack(problem.y, right_hand_side.coordinates)
         failure, reason, _ = march(
             SCIPY[name],
-            right_side,
+            right_hand_side,
             start,
             atol,
             problem.tolerances,
             columns,
             problem.instants,
-            right_side.update_force,
+            right_hand_side.update_force,
         )
         if failure:
             raise SolverStopped(f"{failure}: {reason}")
-        return Solution(np.concatenate(columns, axis=1), right_side.cpu, right_side.force)
+        return Solution(np.concatenate(columns, axis=1), right_hand_side.cpu, right_hand_side.force)
 
     return solve
 

@@ -47,7 +47,7 @@ def mark_measured(
 ) -> None:
     """Draw the measured values of feature ``name`` as open marks.
 
-    A mark has the colour of its curve, and is black if it may belong to several. Points at other parameters than
+    A mark has the colour of its curve, or ``COLOUR`` if it may belong to several. Points at other parameters than
     those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis.
     """
     for entry, shape in zip(sets, _shapes(sets), strict=True):
@@ -101,7 +101,7 @@ def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mappin
 
 
 def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", parameters: Mapping[str, float | str], x: str) -> str:
-    """Return the colour of the curve at some parameters apart from x; ``COLOUR`` if there are several, or none."""
+    """Return the colour of the only curve that matches ``parameters`` except ``x``, else ``COLOUR``."""
     by_job = part.set_index("job")
     others = {path: value for path, value in parameters.items() if path != x and path in part}
     colours = {

@@ -1,4 +1,4 @@
-"""Sensitivity of a feature: Sobol indices as bars, Morris effects as points, with confidence intervals."""
+"""Sensitivity of a feature: Sobol' indices as bars, Morris effects as points, with confidence intervals."""
 
 import textwrap
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Effect of friction and a free cage on cases whose reference has none, tried where it may be largest.
+"""Effect of friction and a free cage on cases whose reference has none, from trials where it may be largest.
 
 The motion with a free cage is not periodic, so a trial with friction is expensive. Friction is tried at both ends
 of each curve and at its maximum. The effect on the cases in between is assumed to be no larger, and some of them
@@ -32,7 +32,7 @@ EARLY_END_FACTOR = 2.0
 
 TOO_SHORT = f"the record has fewer than {CAGE_TURNS} revolutions of the cage, too few to assess friction"
 NOT_PERIODIC = (
-    f"without friction it is not periodic, and half the record covers under {CAGE_TURNS} revolutions of the cage"
+    f"the response without friction is not periodic, and half the record has under {CAGE_TURNS} cage revolutions"
 )
 
 

@@ -26,7 +26,7 @@ __all__ = [
 
 
 def analyse(blocks: Blocks) -> Indices | Effects:
-    """Compute Sobol indices (design `saltelli`) or Morris effects (design `morris`), with intervals.
+    """Compute Sobol' indices (design `saltelli`) or Morris effects (design `morris`), with intervals.
 
     Raises SensitivityError if too few blocks vary for the bootstrap.
     """

@@ -1,6 +1,6 @@
-"""Sobol indices and elementary effects after Morris, with bootstrap confidence intervals.
+"""Sobol' indices and elementary effects after Morris, with bootstrap confidence intervals.
 
-Sobol indices are shares of the variance V of a feature f for independent parameters.
+Sobol' indices are shares of the variance V of a feature f for independent parameters.
 
 - The first-order index of a parameter, S_j = V(E(f | x_j))/V, is the share due to the parameter alone.
 - The total index, T_j = E(V(f | all others))/V, includes its interactions with other parameters.
@@ -43,7 +43,7 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
 
     Whole blocks are resampled with replacement, because their rows depend on each other. The intervals are
     percentiles of 999 resamples (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13). The
-    resampling is seeded, so the same blocks give the same interval. Blocks of a Sobol sequence are more uniform
+    resampling is seeded, so the same blocks give the same interval. Blocks of a Sobol' sequence are more uniform
     than random ones, so intervals of their indices are conservative. NaN if the statistic of a resample is
     undefined.
     """

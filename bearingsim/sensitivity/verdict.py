@@ -11,7 +11,7 @@ NEGLIGIBLE_SHARE = 0.05
 
 
 def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
-    """Describe the influential parameters ``paths`` of a feature, by Sobol indices."""
+    """Describe the influential parameters ``paths`` of a feature, by Sobol' indices."""
     texts = [
         f"`{paths[row]}`, total index {_interval(indices.total, row)}, alone {_interval(indices.first, row)}"
         for row in leaders(indices.total)

@@ -1,5 +1,4 @@
-"""Signal processing: spectral lines, spectra, events and statistics of time series, as numbers from NumPy
-arrays."""
+"""Signal processing of time series in NumPy arrays: spectral lines, spectra, events and statistics."""
 
 from bearingsim.signals.events import spacing
 from bearingsim.signals.lines import (

@@ -95,24 +95,24 @@ def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit:
     tolerances: as for the methods of this package, with one rtol for positions and velocities. A solver may report
     success although it stepped over a defect.
     """
-    right_side = StateRate(model, y, limit)
-    length_scales = right_side.y[LENGTH_SCALE + right_side.coordinates]
+    right_hand_side = StateRate(model, y, limit)
+    length_scales = right_hand_side.y[LENGTH_SCALE + right_hand_side.coordinates]
     atol = np.concatenate([tolerances.atol_q / length_scales, tolerances.atol_v / length_scales])
     columns: list[np.ndarray] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():  # failures are reported in the row
         warnings.simplefilter("ignore")
         failure, reason, steps = march(
-            SCIPY[solver], right_side, pack(y, right_side.coordinates), atol, tolerances, columns, TIMES
+            SCIPY[solver], right_hand_side, pack(y, right_hand_side.coordinates), atol, tolerances, columns, TIMES
         )
-    cpu, calls = right_side.cpu, right_side.calls
+    cpu, calls = right_hand_side.cpu, right_hand_side.calls
     states = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(length_scales), 0))
     velocity = states[len(length_scales) : len(length_scales) + 2]
-    return Trace(1, velocity, loaded_contacts(right_side, states), failure, reason, steps, 0, calls, 0, cpu)
+    return Trace(1, velocity, loaded_contacts(right_hand_side, states), failure, reason, steps, 0, calls, 0, cpu)
 
 
 def march(
     name: str,
-    right_side: StateRate,
+    right_hand_side: StateRate,
     x_0: np.ndarray,
     atol: np.ndarray,
     tolerances: Tolerances,
@@ -127,7 +127,7 @@ def march(
     steps, stop = 0, 0
     try:
         solver = getattr(integrate, name)(
-            right_side, 0.0, x_0, times[-1], rtol=tolerances.rtol, atol=atol, max_step=tolerances.longest
+            right_hand_side, 0.0, x_0, times[-1], rtol=tolerances.rtol, atol=atol, max_step=tolerances.longest
         )
         while solver.status == "running":
             reason = solver.step()
@@ -139,19 +139,24 @@ def march(
             if stop > start:
                 columns.append(solver.dense_output()(times[start:stop]))
     except CpuLimitExceeded:
-        return TOO_SLOW, f"not done after {right_side.limit:g} s", steps
+        return TOO_SLOW, f"not done after {right_hand_side.limit:g} s", steps
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
         return STALL, str(error), steps  # infinities in the Jacobian
     return "", "", steps
 
 
-def loaded_contacts(right_side: StateRate, states: np.ndarray) -> np.ndarray:
+def loaded_contacts(right_hand_side: StateRate, states: np.ndarray) -> np.ndarray:
     """Evaluate whether each roller is loaded at the outer race, (Z, samples)."""
-    loaded = np.empty((right_side.model.bearing.Z, states.shape[1]), dtype=bool)
+    loaded = np.empty((right_hand_side.model.bearing.Z, states.shape[1]), dtype=bool)
     rates = np.empty(len(states))
     for sample in range(states.shape[1]):
         state_rate(
-            right_side.model, TIMES[sample], states[:, sample].copy(), right_side.coordinates, right_side.y, rates
+            right_hand_side.model,
+            TIMES[sample],
+            states[:, sample].copy(),
+            right_hand_side.coordinates,
+            right_hand_side.y,
+            rates,
         )
-        loaded[:, sample] = right_side.y[lay.Q_O : lay.Q_O + len(loaded)] > 0.0
+        loaded[:, sample] = right_hand_side.y[lay.Q_O : lay.Q_O + len(loaded)] > 0.0
     return loaded

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 POWERS = {"m": 1, "m/s": 1, "m/s^2": 1, "m^2/s^4": 2}
-"""Powers with which a factor on a signal acts on its features, by SI unit; others, such as kurtosis, stay."""
+"""Powers of the factor of a signal in its features, by SI unit; 0 for other features, such as kurtosis."""
 
 Values = Mapping[str, float | str]
 
@@ -83,24 +83,24 @@ def _cases(plan: Mapping[str, Any], table: "pd.DataFrame") -> Iterator[dict[Any,
 
 
 class _Groups:
-    """Cases grouped by the swept paths that a point leaves open; each grouping is made once."""
+    """Cases grouped by the swept paths that a point does not specify, cached."""
 
     def __init__(self, rows: Sequence[Mapping[Any, Any]], swept: Sequence[str]) -> None:
         self.rows, self.swept = rows, swept
-        self.made: dict[tuple[str, ...], list[list[Mapping[Any, Any]]]] = {}
+        self.cache: dict[tuple[str, ...], list[list[Mapping[Any, Any]]]] = {}
 
     def of(self, free: tuple[str, ...]) -> list[list[Mapping[Any, Any]]]:
         """Return lists of cases with equal values of the paths ``free``."""
-        if free not in self.made:
+        if free not in self.cache:
             groups: dict[tuple[str, ...], list[Mapping[Any, Any]]] = {}
             for row in self.rows:
                 groups.setdefault(tuple(str(row.get(path)) for path in free), []).append(row)
-            self.made[free] = list(groups.values())
-        return self.made[free]
+            self.cache[free] = list(groups.values())
+        return self.cache[free]
 
 
 def _compare(point: Mapping[str, Any], groups: _Groups) -> Iterator[Comparison]:
-    """Yield the comparisons of a point, one for each feature and combination of parameters that it leaves open."""
+    """Yield the comparisons of a point, one for each feature and combination of the other swept parameters."""
     parameters = point["parameters"]
     free = tuple(path for path in groups.swept if path not in parameters)
     for cases in groups.of(free):

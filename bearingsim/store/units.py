@@ -280,7 +280,7 @@ def read_provenance(path: Path) -> dict[str, str]:
 
 
 def read_series(path: Path, job: str) -> Series:
-    """Read the series of one job from its unit. Raises DamagedUnit, and KeyError for a job that it lacks."""
+    """Read the series of one job from its unit. Raises DamagedUnit, and KeyError for an unknown job."""
     with _add_advice(path), open_unit(path) as file:
         ids = list(file.texts("job"))
         if job in ids:

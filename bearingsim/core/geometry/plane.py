@@ -105,7 +105,7 @@ def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
 
 @inlined
 def approach(side, bearing, ring, omega_cage, y, j):
-    """Compute approach, its rate, normal and sideways speed of one contact of roller ``j`` over an undamaged race.
+    """Compute approach, its rate, normal and transverse speed of one contact of roller ``j`` on an undamaged race.
 
     ring: its ``Centre``, from which the normal points to the roller.
 

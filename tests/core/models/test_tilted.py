@@ -315,10 +315,10 @@ def test_the_damping_bound_includes_flanges_and_pockets(contact):
 def test_elimination_with_pivoting():
     matrix = np.random.default_rng(2).normal(size=(8, 8))
     matrix[0, 0] = 0.0  # no pivot
-    right_side = np.arange(8.0)
-    equations = np.column_stack([matrix, right_side])
+    right_hand_side = np.arange(8.0)
+    equations = np.column_stack([matrix, right_hand_side])
     eliminate(equations)
-    assert equations[:, 8] == pytest.approx(np.linalg.solve(matrix, right_side), rel=1e-10)
+    assert equations[:, 8] == pytest.approx(np.linalg.solve(matrix, right_hand_side), rel=1e-10)
 
 
 def test_the_search_ends_with_the_cpu_time_of_its_job():
