@@ -106,7 +106,7 @@ def _table_of(entry: Entry) -> dict[str, Any]:
             return FEATURES
         case Law(what=what) if what in LAWS:
             return LAWS[what]
-    raise ValueError(f"a law is of {', '.join(LAWS)}, not of `{entry.what}`")
+    raise ValueError(f"expected a law of {', '.join(LAWS)}, got `{entry.what}`")
 
 
 def is_foreign(reference: str) -> bool:

@@ -161,7 +161,7 @@ def _normal(path: str, node: Node) -> Range:
 
     if "within" not in node.mapping:
         raise EntryError(
-            at_key(node.mapping["normal"]), "`within` is missing", "a normal distribution is cut at bounds"
+            at_key(node.mapping["normal"]), "`within` is missing", "a normal distribution needs bounds"
         )
     _, deviation_node, mean, _, unit = _pair(path, node.mapping["normal"])
     deviation = _difference(deviation_node, unit)

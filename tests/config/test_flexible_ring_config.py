@@ -232,7 +232,7 @@ def springs_at(angles: str) -> str:
 
 
 LINES: list[tuple[str, str, str]] = [
-    ("rig: {load: {by: point}}", "{by", "rig.load: the point of load has no effect on a rigid ring (use `ring: {bends: true}`)"),
+    ("rig: {load: {by: point}}", "{by", "rig.load: the load path has no effect on a rigid ring (use `ring: {bends: true}`)"),
     ("rig: {sensor: {on: housing}}", "housing", "rig.sensor.on: a rigid ring has no housing around it (use `ring: {bends: true}`)"),
     ("rig: {bracket_stiffness: 0 N/m}", "0 N/m", "rig.bracket_stiffness: a rigid ring needs a bracket (use `1e7 N/m`, or `ring: {bends: true}`)"),
     (f"rig: {{{BEND}, bracket_stiffness: -1 N/m}}", "-1 N/m", "rig.bracket_stiffness: expected a stiffness that is not negative, such as `1e7 N/m`, got `-1 N/m`"),
@@ -275,12 +275,12 @@ LINES: list[tuple[str, str, str]] = [
     (_loaded("by: housing, stiffness: 1e10 N/m/m, mass: 1e-6 kg"), "1e-6 kg", "rig.load.mass: a carrier of 0.001 g on its springs needs too short a step (use 1 g or more, or omit `mass`, 1 kg by default)"),
     (_loaded("by: housing, stiffness: 1e10 N/m/m, fit: -0.2 mm"), "-0.2 mm", "rig.load.fit: a fit of -200 um is beyond 100 um (is the unit right?)"),
     (_loaded("by: housing, stiffness: 1e10 N/m/m, mass: 0 kg"), "0 kg", "rig.load.mass: expected a mass above zero, such as `0.6 kg`, got `0 kg`"),
-    (f"load_across: 1 N\nrig: {{{BEND}}}", "1 N", "load_across: `by: point` gives the ring forces along the load line alone (remove `load_across`, or use `by: points` or `by: housing`)"),
-    (f"{_loaded('by: pads, angles: [0 deg]')}\nload_across: 1 N", "1 N", "load_across: `by: pads` gives the ring forces along the load line alone (remove `load_across`, or use `by: points` or `by: housing`)"),
+    (f"load_across: 1 N\nrig: {{{BEND}}}", "1 N", "load_across: `by: point` exerts no force across the load line (remove `load_across`, or use `by: points` or `by: housing`)"),
+    (f"{_loaded('by: pads, angles: [0 deg]')}\nload_across: 1 N", "1 N", "load_across: `by: pads` exerts no force across the load line (remove `load_across`, or use `by: points` or `by: housing`)"),
     (f"rig: {{{BEND}, sensor: {{on: housing}}}}", "housing", "rig.sensor.on: `by: point` has no housing for a sensor (use `by: housing`)"),
     (f"rig: {{{BEND}, torsion_stiffness: 1e4 N m/rad}}", "1e4 N m/rad", "rig.torsion_stiffness: the rollers model cannot do this: `rig.torsion_stiffness` lets the outer ring rotate (no model can compute all of this)"),
     *(
-        (f"rig: {{{BEND}}}\nmethod: {name}", name, f"method: `{name}` solves with derivatives, which a flexible ring does not have (omit `method`, or use an explicit one)")
+        (f"rig: {{{BEND}}}\nmethod: {name}", name, f"method: `{name}` needs the Jacobian, which models with a flexible ring do not have (omit `method`, or use an explicit one)")
         for name, method in METHODS.items()
         if method.implicit
     ),

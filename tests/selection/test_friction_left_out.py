@@ -175,7 +175,7 @@ def test_few_turns_of_non_periodic_response_are_not_compared(write: Write) -> No
 
     result = choose(accuracy_study(write, OPEN), evaluate)
     assert [choice.candidate for choice in result] == [WITH_FRICTION] * 3
-    assert result[0].why.startswith("without friction it is not periodic")
+    assert result[0].why.startswith("the response without friction is not periodic")
 
 
 def test_trials_with_free_cage_have_whole_cage_turns(write: Write) -> None:

@@ -262,7 +262,7 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("lhs: {n: 5, over: {load: {log: [0 N, 2 N]}}}", "sweep.lhs.over.load: `log` needs values above zero", "0 N"),
         ("lhs: {n: 5, over: {contact.damping.temperature: {log: [20 C, 30 C]}}}", "sweep.lhs.over.contact.damping.temperature: a temperature has no logarithm (use `uniform`)", "20 C"),
         ("lhs: {n: 5, over: {load: {log: [1 N, 2 N], within: [1 N, 2 N]}}}", "sweep.lhs.over.load: unknown key `within` next to `log`", "within"),
-        ("lhs: {n: 5, over: {load: {normal: [1 N, 2 N]}}}", "sweep.lhs.over.load: `within` is missing (a normal distribution is cut at bounds)", "normal"),
+        ("lhs: {n: 5, over: {load: {normal: [1 N, 2 N]}}}", "sweep.lhs.over.load: `within` is missing (a normal distribution needs bounds)", "normal"),
         ("lhs: {n: 5, over: {load: {normal: [1 N, 0 N], within: [1 N, 2 N]}}}", "sweep.lhs.over.load: expected a standard deviation above zero, got `0 N`", "0 N"),
         ("lhs: {n: 5, over: {load: {normal: [150 N, 1e300 N], within: [100 N, 200 N]}}}", "sweep.lhs.over.load: a standard deviation over 1000 times the range has no effect (use `uniform`)", "1e300 N"),
         ("lhs: {n: 5, over: {load: {normal: [150 N, 100.1 kN], within: [100 N, 200 N]}}}", "sweep.lhs.over.load: a standard deviation over 1000 times the range has no effect (use `uniform`)", "100.1 kN"),

@@ -80,8 +80,8 @@ def test_supports_are_shown_by_their_names() -> None:
             "rig: {ring: {bends: true}}",
             "the rig already defines the support of its ring (remove `support`, or use `bends: false`)",
         ),
-        ("load_across: 5 N", "`by: point` gives the ring forces along the load line alone"),
-        ("method: rodas", "`rodas` solves with derivatives, which a flexible ring does not have"),
+        ("load_across: 5 N", "`by: point` exerts no force across the load line"),
+        ("method: rodas", "`rodas` needs the Jacobian, which models with a flexible ring do not have"),
     ],
 )
 def test_unsuitable_unknown_support_is_refused(write: Write, fields: str, message: str) -> None:

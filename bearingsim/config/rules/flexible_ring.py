@@ -40,7 +40,7 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from _load(case, rig.load)
     if case.load_across != 0.0 and not rig.load.carried:
         paths: tuple[Path, ...] = (("load_across",), *BY_PATHS)
-        message = f"`by: {rig.load.by}` gives the ring forces along the load line alone"
+        message = f"`by: {rig.load.by}` exerts no force across the load line"
         yield Conflict("across", paths, message, "remove `load_across`, or use `by: points` or `by: housing`")
     if not rig.sensor.on_ring and not rig.load.carried:
         paths = (("rig", "sensor", "on"), ("rig", "sensor"), *BY_PATHS)
@@ -50,7 +50,7 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
 def _rigid_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     hint = "use `ring: {bends: true}`"
     if case.rig.load is not None:
-        yield Conflict("rigid", (LOAD, *RING), "the point of load has no effect on a rigid ring", hint)
+        yield Conflict("rigid", (LOAD, *RING), "the load path has no effect on a rigid ring", hint)
     if not case.rig.sensor.on_ring:
         sensor_paths: tuple[Path, ...] = (("rig", "sensor", "on"), ("rig", "sensor"), *RING)
         yield Conflict("rigid sensor", sensor_paths, "a rigid ring has no housing around it", hint)
@@ -72,7 +72,7 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
     method = catalogue.METHODS.get(str(case.method))
     if method is not None and method.implicit:
         paths: tuple[Path, ...] = (("method",), *RING)
-        message = f"`{case.method}` solves with derivatives, which a flexible ring does not have"
+        message = f"`{case.method}` needs the Jacobian, which models with a flexible ring do not have"
         yield Conflict("implicit", paths, message, "omit `method`, or use an explicit one")
 
 
