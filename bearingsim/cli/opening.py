@@ -74,10 +74,10 @@ def find_job(results: "Results", word: str) -> str:
 
 
 def check_writable(folder: Path, option: str) -> None:
-    """Raise UserError, with the option that names another place, if files cannot be made in a results folder."""
+    """Raise UserError, with the option that names another folder, if a results folder is not writable."""
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not os.access(existing, os.W_OK | os.X_OK):
-        raise UserError(f"{short_path(existing)} is read-only for you: name another place, as in `{option}`")
+        raise UserError(f"{short_path(existing)} is read-only for you: name another path, as in `{option}`")
 
 
 def short_path(path: Path) -> str:

@@ -72,8 +72,8 @@ def _lacks_factor(entry: "MeasuredSet") -> bool:
     return entry.is_scaled and not any(item.measured > 0.0 < item.simulated for item in entry.comparisons)
 
 
-def _key(place: str, parameters: Mapping[str, float | str]) -> str:
-    return f"{place} {sorted(parameters.items())}"  # a file of signals may have several places in a study
+def _key(location: str, parameters: Mapping[str, float | str]) -> str:
+    return f"{location} {sorted(parameters.items())}"  # a study may name a file of signals at several positions
 
 
 def _unmatched(entry: "MeasuredSet") -> list[str]:

@@ -164,7 +164,7 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def default_ranges(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> "dict[str, pd.Series[float]]":
-    """Return ``relative_range`` of the features of ``errors``, each line for jobs with a defect on its race."""
+    """Return ``relative_range`` of the features of ``errors``; a line only for the jobs of whose defect it is."""
     return {
         name: column
         for suffix in ERROR_FEATURES

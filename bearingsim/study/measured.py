@@ -100,16 +100,16 @@ class _Reader:
     def fail(self, mark: Mark, message: str, hint: str | None = None) -> None:
         self.problems.append(problem(mark, message, hint))
 
-    def check_keys(self, node: Node, keys: Sequence[str], place: str) -> bool:
+    def check_keys(self, node: Node, keys: Sequence[str], location: str) -> bool:
         """Add a problem for a node that is not a mapping, and for unknown keys; return True if there is none."""
         if not isinstance(node.value, dict):
-            self.fail(node.mark, f"{place}: expected a mapping of {', '.join(keys)}")
+            self.fail(node.mark, f"{location}: expected a mapping of {', '.join(keys)}")
             return False
         unknown = [key for key in node.mapping if key not in keys]
         for key in unknown:
             mark = node.mapping[key].key or node.mark
             hint = suggestion(key, keys) or f"valid: {', '.join(keys)}"
-            self.fail(mark, f"{place}: unknown key `{key}`", hint)
+            self.fail(mark, f"{location}: unknown key `{key}`", hint)
         return not unknown
 
     def switch(self, node: Node | None) -> bool:
@@ -125,11 +125,11 @@ class _Reader:
         candidates = [base / node.value for base in (FilePath(), self.folder)]
         path = next(filter(isfile, candidates), None)
         if path is None:
-            places = " and ".join(dict.fromkeys(str(candidate.absolute().parent) for candidate in candidates))
+            locations = " and ".join(dict.fromkeys(str(candidate.absolute().parent) for candidate in candidates))
             if any(map(isdir, candidates)):
                 self.fail(node.mark, f"measured: `{node.value}` is a folder", "name a file in it")
             else:
-                self.fail(node.mark, f"measured: no file `{node.value}`", f"searched in {places}")
+                self.fail(node.mark, f"measured: no file `{node.value}`", f"searched in {locations}")
         return path
 
     # Points
@@ -149,8 +149,8 @@ class _Reader:
                 self.fail(
                     node.mark, "measured: expected a file, or a list of rows", "as in `[{load: 150 N, ...}]`"
                 )
-        for place, row in rows:
-            point = self.point(place, row)
+        for location, row in rows:
+            point = self.point(location, row)
             if point is not None:
                 yield point
 
@@ -163,7 +163,7 @@ class _Reader:
         elif number:
             self.feature(name, node)
 
-    def point(self, place: str, row: Node) -> MeasuredPoint | None:
+    def point(self, location: str, row: Node) -> MeasuredPoint | None:
         """Read a row of parameters and features; None, with problems, if it is invalid."""
         count = len(self.problems)
         if not isinstance(row.value, dict):
@@ -175,7 +175,7 @@ class _Reader:
         if not features and len(self.problems) == count:
             self.fail(row.mark, "measured: the row has no feature", "as in `velocity@BPFO: 12 um/s`")
         valid = {name: value for name, value in features.items() if value is not None}
-        return MeasuredPoint(parameters, valid, place) if len(self.problems) == count else None
+        return MeasuredPoint(parameters, valid, location) if len(self.problems) == count else None
 
     def feature(self, name: str, node: Node) -> float | None:
         """Convert a feature to SI; None, with a problem, if its unit is not one of the feature's."""
@@ -302,14 +302,14 @@ class _Reader:
             yield replace(
                 point, parameters={path: value for path, value in point.parameters.items() if path not in fixed}
             )
-        for path, places in left_out.items():
+        for path, locations in left_out.items():
             value = self.fixed_value(path)
             fixed_value = f"no {path}" if value is None else f"{path} {_shown(path, value)}"
-            self.remarks.append(f"measured `{label}`: skipped {listed(places)}: the study has {fixed_value}")
-        for path, places in beyond.items():
+            self.remarks.append(f"measured `{label}`: skipped {listed(locations)}: the study has {fixed_value}")
+        for path, locations in beyond.items():
             numbers = [value for value in self.ranges[path] if not isinstance(value, str)]
             ends = [_shown(path, pick(numbers)) for pick in (min, max)] if numbers else map(str, self.ranges[path])
-            text = f"measured `{label}`: {listed(places)} outside the sweep of {path} ({' to '.join(ends)})"
+            text = f"measured `{label}`: {listed(locations)} outside the sweep of {path} ({' to '.join(ends)})"
             self.remarks.append(text)
 
     @cached_property

@@ -18,11 +18,11 @@ COMMENT = "#"
 def table_rows(
     path: FilePath, problems: list[Problem], check_header: Callable[[str, str, Mark], None]
 ) -> Iterator[tuple[str, Node]]:
-    """Yield place and entries of each row of a table in a text file; values have the unit of their column.
+    """Yield position and entries of each row of a table in a text file; values have the unit of their column.
 
     Columns are separated by a semicolon, tab, comma or bar. ``check_header`` adds a problem for a wrong name of a
-    column, or number with its unit ("" for a column of words), at a place; rows below a wrong header are not read.
-    Mistakes are added to ``problems``.
+    column, or number with its unit ("" for a column of words), at a position; rows below a wrong header are not
+    read. Mistakes are added to ``problems``.
     """
 
     def fail(mark: Mark, message: str, hint: str | None = None) -> None:

@@ -44,7 +44,7 @@ def test_missing_jobs_need_another_folder(read_only):
 )
 def test_files_are_written_elsewhere(read_only, command, remedy):
     stderr = type_(command, RESULTS, code=2)[1]
-    assert f"results/small is read-only for you: name another place, as in `{remedy}`" in stderr
+    assert f"results/small is read-only for you: name another path, as in `{remedy}`" in stderr
     assert type_(command, *remedy.split(), RESULTS)[0]
 
 

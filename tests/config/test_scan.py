@@ -247,7 +247,7 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.xlsx").touch()
     assert "ends in .csv, .h5 or .hdf5, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
     (tmp_path / "a.h5").write_text("no HDF5")
-    assert "`a.h5` is not an HDF5 file, or cut off" in refusal(tmp_path / "a.h5")
+    assert "`a.h5` is not an HDF5 file, or truncated" in refusal(tmp_path / "a.h5")
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
     assert "not a text file in UTF-8 (save it as UTF-8)" in refusal(tmp_path / "b.csv")
     assert "expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s (61,)" in refusal(
@@ -263,7 +263,7 @@ def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
     complete = write_hdf5(tmp_path / "whole.h5", bowl()).read_bytes()
     for content in (b"", bytes(range(256)) * 9, *(complete[: len(complete) * n // 9] for n in range(1, 9))):
         (tmp_path / "a.h5").write_bytes(content)
-        assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or cut off"
+        assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or truncated"
     assert "no points in this file" in refusal(write_hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
 
 

@@ -39,7 +39,7 @@ MAX_ECHO, MIN_ECHO = 60, 12  # limits of the characters of a file's first line q
 TRANSFERRED_FILES: dict[str, Path] = {}
 """Files of scans that were transferred to this machine with the jobs, by digest."""
 COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
-"""Head of a column: its name, and its unit in brackets."""
+"""Header of a column: its name, and its unit in brackets."""
 
 
 class ScanError(UserError, ValueError):
@@ -265,7 +265,7 @@ def _hdf5(name: str, content: bytes) -> Grid:
     except Unsafe as error:
         raise ScanError(str(error), HDF5_HINT) from None
     except (OSError, RuntimeError, KeyError):
-        raise ScanError(f"`{name}` is not an HDF5 file, or cut off") from None
+        raise ScanError(f"`{name}` is not an HDF5 file, or truncated") from None
     p = values["depth" if "depth" in values else "height"]
     p[np.isinf(p)] = np.nan
     return _ascending_grid(values["s"], values["z"], p)

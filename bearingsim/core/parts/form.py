@@ -25,7 +25,7 @@ RECESS_O, RECESS_V_O, RECESS_I, RECESS_V_I = lay.rows(
     lay.WORK + 9 * lay.ROW, "m, m/s, m, m/s", "ring rollers rest bent", "evaluation"
 )
 # with slip, at the outer and at the inner contact: recess of the race and its derivative with respect to the
-# angle, before that place of the coefficients and position in the piece; the same of the roller; rate of both
+# angle (first index of the coefficients and position in the piece); the same of the roller; rate of both
 RACE_O, RACE_SLOPE_O, ROLLER_O, ROLLER_SLOPE_O, RATE_O, RACE_I, RACE_SLOPE_I, ROLLER_I, ROLLER_SLOPE_I, RATE_I = (
     lay.rows(lay.JACOBIAN_WORK + lay.FIRST_LANE, "m, m, m, m, m/s", "planar spatial", "evaluation", count=2)
 )
@@ -108,7 +108,7 @@ def set_race(race: Any, angle: float, omega: float, Z: int, recess: int, rate: i
 @set_race.register(Race)
 def _set_race(race, angle, omega, Z, recess, rate, y, n):
     per_sector = race.pieces.shape[0]
-    # sector and piece are found side by side, so that neither waits for the other
+    # sector and piece are computed independently of each other, in parallel
     position, whole = angle * (Z * per_sector / FULL_TURN), floor(angle * (Z / FULL_TURN))
     sector_start = whole * per_sector
     m = min(max(floor(position) - sector_start, 0.0), per_sector - 1.0)
@@ -168,7 +168,7 @@ def _recess(form, row, y, j):
     return y[row + j]
 
 
-# rollers at angles of their own: the place in the table is found for all rollers at once, then read one by one
+# rollers with slip: the index in the table is computed in a vectorised loop, and the table read in a second one
 
 
 @generic(inline="early")
@@ -203,9 +203,9 @@ def _race_on_inner_side(side, form):
 
 @generic(inline="late", absent=None)
 def locate_on_race(
-    race: Any, angle: float, offset: float, Z: int, place: int, position: int, y: np.ndarray, j: int
+    race: Any, angle: float, offset: float, Z: int, index: int, position: int, y: np.ndarray, j: int
 ) -> None:
-    """Fill the rows ``place`` and ``position`` of roller ``j`` on a race.
+    """Fill the rows ``index`` and ``position`` of roller ``j`` on a race.
 
     angle: of the middle of pocket 0 on the race (rad); offset: of the contact from the middle of its own pocket
     (rad), less than their spacing.
@@ -213,7 +213,7 @@ def locate_on_race(
 
 
 @locate_on_race.register(Race)
-def _locate_on_race(race, angle, offset, Z, place, position, y, j):
+def _locate_on_race(race, angle, offset, Z, index, position, y, j):
     per_sector, columns = race.pieces.shape[0], race.pieces.shape[2]
     sector, rest = split(fraction_of_turn(angle) * Z, Z)
     rest = rest + offset * (Z / FULL_TURN)
@@ -222,58 +222,58 @@ def _locate_on_race(race, angle, offset, Z, place, position, y, j):
     rest = rest - shift
     rest = rest if 0.0 <= rest <= 1.0 else 0.0
     m, x = split(rest * per_sector, per_sector)
-    y[place + j], y[position + j] = m * (4 * columns) + (sector + shift + (j + 1)), x
+    y[index + j], y[position + j] = m * (4 * columns) + (sector + shift + (j + 1)), x
 
 
 @generic(inline="late", absent=None)
-def locate_on_roller(rollers: Any, angle: float, place: int, position: int, y: np.ndarray, j: int) -> None:
-    """Fill the rows ``place`` and ``position`` of roller ``j``, in contact at ``angle`` (rad) of its surface."""
+def locate_on_roller(rollers: Any, angle: float, index: int, position: int, y: np.ndarray, j: int) -> None:
+    """Fill the rows ``index`` and ``position`` of roller ``j``, in contact at ``angle`` (rad) of its surface."""
 
 
 @locate_on_roller.register(WavyRollers)
-def _locate_on_roller(rollers, angle, place, position, y, j):
+def _locate_on_roller(rollers, angle, index, position, y, j):
     count, columns = rollers.pieces.shape[0], rollers.pieces.shape[2]
     m, x = split(fraction_of_turn(angle) * count, count)
-    y[place + j], y[position + j] = m * (4 * columns) + j, x
+    y[index + j], y[position + j] = m * (4 * columns) + j, x
 
 
 @locate_on_roller.register(UnequalRollers)
-def _locate_on_unequal_roller(rollers, angle, place, position, y, j):
+def _locate_on_unequal_roller(rollers, angle, index, position, y, j):
     """Do nothing, because a round roller has the same radius at every angle."""
 
 
 @generic(inline="late", absent=None)
-def read_surface(surface: Any, Z: int, place: int, position: int, y: np.ndarray, n: int) -> None:
-    """Replace the rows ``place`` and ``position`` by recess (m) and its derivative by the angle (m)."""
+def read_surface(surface: Any, Z: int, index: int, position: int, y: np.ndarray, n: int) -> None:
+    """Replace the rows ``index`` and ``position`` by recess (m) and its derivative by the angle (m)."""
 
 
 @read_surface.register(Race)
-def _read_race(surface, Z, place, position, y, n):
+def _read_race(surface, Z, index, position, y, n):
     per_angle = Z * surface.pieces.shape[0] / FULL_TURN
-    read_pieces(surface.table, surface.pieces.shape[2], per_angle, place, position, y, n)
+    read_pieces(surface.table, surface.pieces.shape[2], per_angle, index, position, y, n)
     for j in range(n):
-        y[place + j] += surface.padding[j]
+        y[index + j] += surface.padding[j]
 
 
 @read_surface.register(WavyRollers)
-def _read_wavy_rollers(surface, Z, place, position, y, n):
+def _read_wavy_rollers(surface, Z, index, position, y, n):
     per_angle = surface.pieces.shape[0] / FULL_TURN
-    read_pieces(surface.table, surface.pieces.shape[2], per_angle, place, position, y, n)
+    read_pieces(surface.table, surface.pieces.shape[2], per_angle, index, position, y, n)
 
 
 @read_surface.register(UnequalRollers)
-def _read_unequal_rollers(surface, Z, place, position, y, n):
+def _read_unequal_rollers(surface, Z, index, position, y, n):
     for j in range(n):
-        y[place + j], y[position + j] = surface.recess[j], 0.0
+        y[index + j], y[position + j] = surface.recess[j], 0.0
 
 
 @inlined
-def read_pieces(table, columns, per_angle, place, position, y, n):
+def read_pieces(table, columns, per_angle, index, position, y, n):
     """Implement ``read_surface`` for a flat table of pieces; per_angle: dx per rad."""
     for j in range(n):
-        k, x = int(y[place + j]), y[position + j]
+        k, x = int(y[index + j]), y[position + j]
         c_0, c_1, c_2, c_3 = table[k], table[k + columns], table[k + 2 * columns], table[k + 3 * columns]
-        y[place + j] = c_0 + x * (c_1 + x * (c_2 + x * c_3))
+        y[index + j] = c_0 + x * (c_1 + x * (c_2 + x * c_3))
         y[position + j] = per_angle * (c_1 + x * (2.0 * c_2 + x * (3.0 * c_3)))
 
 
