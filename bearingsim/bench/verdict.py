@@ -39,7 +39,7 @@ def worst_error(row: Row, kind: str = TOTAL, quantities: Sequence[str] = QUANTIT
 
 
 def verdict(rows: Sequence[Row], accuracy: float, quantities: Sequence[str] = QUANTITIES) -> Verdict:
-    """Find the cheapest sufficient rows of a scene for an accuracy of some quantities."""
+    """Select the cheapest sufficient rows of a scene for an accuracy of some quantities."""
     floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in quantities}
     name = max(floors, key=floors.__getitem__)
     if not floors[name] <= accuracy:

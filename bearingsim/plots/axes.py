@@ -134,7 +134,7 @@ def styles_of_curves(
 ) -> dict[tuple[str, str], CurveStyle]:
     """Assign a style to each combination of the first `by` path and all others, the same in every panel.
 
-    Points over words on x are not joined by lines.
+    If the values on x are words, points are not joined by lines.
     """
     first_texts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
     second_texts = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))

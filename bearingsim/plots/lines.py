@@ -16,7 +16,7 @@ class Family(NamedTuple):
     line: str
     fundamental: Line
     modulation: Line | None = None
-    distance: str = ""
+    spacing_name: str = ""
 
     def name(self, k: int) -> str:
         """Return the name of the k-th line: `BPFO`, `3 BPFO`; of rollers `2 BSF`, `6 BSF`."""
@@ -62,7 +62,7 @@ def races_of_all(parameters: "pd.DataFrame") -> list[str]:
     return races(*parameters.filter(regex=r"\.race$").drop_duplicates().to_dict("records"))
 
 
-def fitting(parameters: "pd.DataFrame") -> list[str]:
+def fundamental_lines(parameters: "pd.DataFrame") -> list[str]:
     """List the fundamental line of each family present in some jobs; BPFO for healthy bearings."""
     return [FAMILIES[race].line for race in races_of_all(parameters) or ("outer",)]
 
@@ -97,16 +97,16 @@ def frequencies(line: Line, parameters: "pd.DataFrame") -> list[float]:
 
 
 def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
-    """Yield the lines up to ``highest`` (Hz) of the families of a job's defects, sidebands and their distance."""
+    """Yield the lines up to ``highest`` (Hz) of the families of a job's defects, sidebands and their spacing."""
     for race in races(parameters) or ["outer"]:
         family = FAMILIES[race]
         fundamental = frequency(family.fundamental, parameters)
         if family.modulation:
-            yield Mark(frequency(family.modulation, parameters), race, family.distance, 0, side=1)
+            yield Mark(frequency(family.modulation, parameters), race, family.spacing_name, 0, side=1)
         for k in range(1, int(highest / fundamental) + 1):
             yield Mark(k * fundamental, race, family.name(k), k)
             if family.modulation:
                 spacing = frequency(family.modulation, parameters)
                 for sign, side in (("-", -1), ("+", 1)):
-                    name = f"{family.name(k)} {sign} {family.distance}"
+                    name = f"{family.name(k)} {sign} {family.spacing_name}"
                     yield Mark(k * fundamental + side * spacing, race, name, k, side)

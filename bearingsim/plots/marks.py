@@ -141,7 +141,7 @@ def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
         family = lines.FAMILIES[race]
         if family.modulation:
             distances = {f"{lines.frequency(family.modulation, job.parameters):.4g} Hz" for job in steady}
-            text = f"± {family.distance}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
+            text = f"± {family.spacing_name}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
             entries.append(Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=text))
     if entries:
         legend = canvas.legends[0] if canvas.legends else None

@@ -8,7 +8,7 @@ from bearingsim.config import CHANNELS, FEATURES
 from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots.labels import COST, NONE, PlotError, printed, swept_text, unit_of, value_text
-from bearingsim.plots.lines import fitting, may_slip, races_of_all
+from bearingsim.plots.lines import fundamental_lines, may_slip, races_of_all
 from bearingsim.study import Figure, dimension, stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
@@ -134,7 +134,7 @@ def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
     also the slip.
     """
     parameters = results.parameters()
-    lines = [f"velocity@{line}" for line in fitting(parameters)]
+    lines = [f"velocity@{line}" for line in fundamental_lines(parameters)]
     features = [*lines, f"{lines[0]}-healthy"] if len(lines) == 1 else lines
     if may_slip(parameters) and not races_of_all(parameters):
         features.append("cage.slip.mean")
@@ -143,7 +143,7 @@ def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
 
 def default_phases(results: "Results") -> tuple[str, ...]:
     """Return the phase of the first defect line and that of its change from the healthy baseline."""
-    line = f"velocity@{fitting(results.parameters())[0]}"
+    line = f"velocity@{fundamental_lines(results.parameters())[0]}"
     return f"{line}.phase", f"{line}{HEALTHY_PHASE}"
 
 

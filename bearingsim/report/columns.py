@@ -33,7 +33,7 @@ def default_features(results: "Results", table: "pd.DataFrame") -> list[str]:
     from bearingsim.plots import lines
 
     parameters = results.parameters()
-    line_columns = [f"velocity@{line}" for line in lines.fitting(parameters)]
+    line_columns = [f"velocity@{line}" for line in lines.fundamental_lines(parameters)]
     slip_columns = ["cage.slip.mean"] if lines.may_slip(parameters) else []
     errors = [name for name in map(str, table) if name.startswith("error.")]
     band_columns = [name for name in map(str, table) if read_band(name) is not None]

@@ -44,7 +44,7 @@ class Discretisation:
             chosen = reference(cases[n]) if is_reference else computed(n, choice.candidate)
             other = remeshed(chosen, is_reference)
             trial = evidence.trials.get(trials_of(evidence.study, n, chosen)[0].id)
-            # instead of a case with friction, the cheaper one without is tried, which has the same nodes
+            # for a case with friction the trial has none, because this is cheaper and the nodes are the same
             if other is not None and trial is not None:
                 self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(other[0], trial), other[1])
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)

@@ -104,12 +104,12 @@ def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     if not 0.0 <= low < high <= fs / 2.0:
         raise ValueError(f"a band from {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
     weight = hann(len(series))
-    lines = np.fft.rfft((series - np.average(series, weights=weight)) * weight)
+    transform = np.fft.rfft((series - np.average(series, weights=weight)) * weight)
     frequencies = np.fft.rfftfreq(len(series), 1.0 / fs)
     inside = (frequencies >= low) & (frequencies <= high)
     if not inside.any():
         return float("nan")
-    power = np.abs(lines[inside]) ** 2
+    power = np.abs(transform[inside]) ** 2
     return float(np.sqrt(2.0 * power.sum() / (len(series) * np.sum(weight**2))))
 
 

@@ -47,7 +47,7 @@ def test_marks_of_defects_on_several_elements_are_ordered():
 
 
 def test_marks_of_healthy_bearing_are_at_bpfo():
-    assert lines.fitting(pd.DataFrame({"load": [1.0]})) == ["BPFO"]
+    assert lines.fundamental_lines(pd.DataFrame({"load": [1.0]})) == ["BPFO"]
     assert [mark.name for mark in lines.marks(NF308, 400.0)] == ["BPFO", "2 BPFO"]
 
 

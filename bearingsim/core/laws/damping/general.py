@@ -131,7 +131,7 @@ def _derivative(exponent, x):
 
 
 INTEGER_EXPONENTS = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
-"""Exponents with types of their own."""
+"""Exponents with a separate type, without ``pow``."""
 
 
 def power(m: float) -> Power0 | Power1 | Power2 | Power:
