@@ -1,12 +1,12 @@
 """Diagnosis of signals whose rhythm is known."""
 
-from math import exp, sqrt
+from math import exp, inf, sqrt
 
 import numpy as np
 import pytest
 
 from bearingsim.diagnosis import Lines, diagnose
-from bearingsim.diagnosis.combs import best_comb, envelope_spectra
+from bearingsim.diagnosis.combs import best_comb, comb_at, envelope_spectra, other_periodicities
 from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, local_median
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.diagnosis.size import DEPTH, ENTRY_DROP, outer_race_size
@@ -75,6 +75,16 @@ def test_a_sideband_of_the_line_of_another_bearing_names_no_race(true, side, ass
     assert result.findings[race].comb.score > result.threshold
     assert result.verdict == "other rhythm"
     assert result.strongest_other.frequency == pytest.approx(line, rel=2e-3)
+    assert result.is_sideband == (race == "inner")
+    assert not result._replace(verdict="none").is_sideband
+
+
+def test_a_record_full_of_lines_has_no_other_rhythm():
+    result = diagnosis(impacts(LINES.outer, slip=0.005))
+    other = result.detection._replace(strongest_other=result.detection.comb)
+    for crowded, has_other_rhythm in ((0.1, True), (0.3, False)):
+        changed = result._replace(verdict="none", detection=other._replace(crowded=crowded))
+        assert changed.has_other_rhythm is has_other_rhythm
 
 
 def test_tones_with_many_harmonics_are_no_defect():
@@ -117,6 +127,23 @@ def test_the_lesser_front_counts_and_both_have_one_fundamental():
     assert comb.score == min(comb.scores)
     for spectrum, score in zip(comb.heights, comb.scores, strict=True):
         assert np.log1p(spectrum).sum() == pytest.approx(score)
+
+
+@pytest.mark.parametrize("is_stronger", [False, True])
+def test_shaft_orders_and_relatives_of_a_line_are_no_other_periodicities(is_stronger):
+    """Sidebands of the shaft are, if they score higher than the line."""
+    spectra = envelope_spectra(np.random.default_rng(0).normal(size=51200), RATE, LINES)
+    score = 0.0 if is_stronger else 100.0
+    comb = comb_at(spectra, LINES.inner)._replace(scores=(score, score))
+    others = other_periodicities(spectra, LINES, "inner", comb, 0.02)
+
+    def score_at(frequency):
+        return others.scores[np.argmin(np.abs(others.fundamentals - frequency))]
+
+    relatives = [LINES.inner / 2.0, LINES.inner, *(LINES.inner + number * LINES.cage for number in (-2, -1, 1, 2))]
+    assert not any(map(score_at, [*relatives, 2.0 * SHAFT, 5.0 * SHAFT]))
+    sidebands = [LINES.inner + number * SHAFT for number in (-2, -1, 1)]
+    assert [score_at(frequency) > 0.0 for frequency in sidebands] == [is_stronger] * 3
 
 
 def test_heights_of_noise_have_the_median_1_and_are_exponential():
@@ -179,6 +206,16 @@ def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_
 
 def test_no_width_without_two_events():
     assert outer_race_size(impacts(LINES.outer, noise=0.02), RATE, PARTS, LINES.outer) is None
+
+
+def test_no_width_of_two_halves_that_differ_or_of_a_line_that_is_not_clear(monkeypatch):
+    impact = impacts(LINES.outer, noise=0.02)
+    signals = [impact + 0.5 * np.roll(impact, -round(share / LINES.outer * RATE)) for share in (0.2, 0.25)]
+    half = len(impact) // 2
+    assert outer_race_size(np.append(signals[0][:half], signals[1][half:]), RATE, PARTS, LINES.outer) is None
+    assert diagnosis(signals[0]).size is not None
+    monkeypatch.setattr("bearingsim.diagnosis.verdict.clear", lambda limit: inf)
+    assert diagnosis(signals[0]).size is None
 
 
 # Refusals

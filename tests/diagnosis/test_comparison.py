@@ -1,0 +1,35 @@
+"""Comparison of two signals in a common band."""
+
+import numpy as np
+import pytest
+
+from bearingsim.diagnosis.comparison import Signal, compare
+from tests.scenes.impacts import LINES, RATE, impacts
+
+BAND = (1000.0, 5120.0)
+
+
+def modulated(fundamental):
+    """Return a signal of 2 s, a carrier whose envelope has two harmonics of a line and a stronger one beside."""
+    t = np.arange(int(2 * RATE)) / RATE
+    parts = ((1.0, 0.2), (2.0, 0.02), (2.03, 0.08))
+    envelope = 1.0 + sum(height * np.cos(2.0 * np.pi * share * fundamental * t) for share, height in parts)
+    return Signal(envelope * np.cos(2.0 * np.pi * 3000.0 * t), RATE, LINES)
+
+
+@pytest.mark.parametrize("race", ["outer", "inner"])
+def test_harmonics_are_read_at_multiples_of_the_line(race):
+    """The square of the envelope has 0.404 at the line, 0.06 at twice the line and 0.16 beside it."""
+    signal = modulated(LINES.of_race(race))
+    rows = {row.name: row.simulated for row in compare(signal, signal, race, BAND, "m/s^2")}
+    assert rows["line over kinematic"] == pytest.approx(1.0, abs=1e-3)
+    assert rows["envelope, harmonic 2"] == pytest.approx(20.0 * np.log10(0.06 / 0.404), abs=0.05)
+
+
+@pytest.mark.parametrize(("race", "spacing"), [("outer", 0.2), ("inner", np.nan)])
+def test_entry_and_exit_are_read_on_the_outer_race_only(race, spacing):
+    line = LINES.of_race(race)
+    impact = impacts(line, noise=0.02)
+    signal = Signal(impact + 0.5 * np.roll(impact, -round(0.2 / line * RATE)), RATE, LINES)
+    [row] = [row for row in compare(signal, signal, race, BAND, "m/s^2") if row.key == "entry_to_exit_of_a_pass"]
+    assert row.simulated == pytest.approx(spacing, rel=0.05, nan_ok=True)
