@@ -220,7 +220,7 @@ def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
     steps = (b - a) / h if h else math.nan
     if not steps >= 0.0:
         raise EntryError(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")
-    if steps >= MAX_VALUES:
+    if steps > MAX_VALUES + 5:
         raise EntryError(step, f"a step of `{step.text}` gives more than {MAX_VALUES} values: use a larger step")
     count = math.floor(steps + 1e-9)
     return (start, *(number_node(a + i * h, unit, start) for i in range(1, count + 1)))

@@ -131,6 +131,12 @@ def check_effect(kind, option, before, canvas):
         ]
     elif option == "healthy":
         assert [line for line in ax.lines if line.get_gid() == "healthy"]
+    elif option == "by" and kind == "waterfall":
+        assert canvas.axes[0].get_ylabel() == "Defect length"
+    elif option == "by":
+        assert text_of(canvas)[:2] == ["load 150 N", "load 300 N"]
+    else:
+        raise AssertionError(f"nothing is checked of `{option}` of a {kind}")
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("load", "ring")])

@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 
 from bearingsim.report.charts import rounded
+from bearingsim.report.designs import design_chart
 from bearingsim.report.figures import collect
+from bearingsim.report.headline import feature_results
 from bearingsim.report.page import page_of
-from bearingsim.report.render import embedded, html
+from bearingsim.report.render import embedded, html, policy
+from bearingsim.study import Figure
+from tests.plots.test_plot_designs import SOBOL
 from tests.scenes.figure_results import FIGURES, STUDY, record, results
 
 __all__ = ["results"]
@@ -122,3 +126,55 @@ def test_step_errors_are_stated_once(results, monkeypatch, feature, errors, stat
     shown = page_of(results(f"{STUDY}figures: [{{y: {feature}, x: load}}]\n"))
     assert [result.error for result in shown.results] == errors
     assert shown.accuracy == statements
+
+
+def test_band_is_named_if_all_records_have_it(results):
+    figures = "figures: [{y: velocity.rms, x: load}]\n"
+    [rms] = page_of(results(STUDY + figures)).results
+    assert rms.name == "velocity.rms (0-4.1 kHz)"
+
+
+def test_band_is_not_named_if_records_differ(results):
+    text = STUDY.replace("model: [static, ring]", "sampling: [10240 Hz, 20480 Hz]")
+    [rms] = page_of(results(text + "figures: [{y: velocity.rms, x: load}]\n")).results
+    assert rms.name == "velocity.rms"
+
+
+def test_error_of_chaotic_jobs_without_a_standard_error_is_unknown(results):
+    opened = results(STUDY.replace("[static, ring]", "[ring]") + "figures: [{y: velocity@BPFO, x: load}]\n")
+    opened._table[["step_error.line", "chaotic", "velocity@BPFO-scatter"]] = 0.004, 1.0, np.nan
+    assert [result.error for result in feature_results(opened)] == ["numerical error unknown (chaotic)"]
+
+
+def test_phases_are_points(results):
+    phase = "figures: [{y: velocity@BPFO.phase, x: defect.length, kind: phase}]\n"
+    [chart, *_] = collect(results(STUDY + phase), ()).charts
+    assert (chart.kind, chart.panels[0].axis.phase) == ("points", True)
+
+
+def test_points_of_a_design_are_coloured_from_the_smallest_to_the_largest_value(results):
+    opened = results(SOBOL)
+    chart = design_chart(opened, Figure(y=("velocity@BPFO",), x="", kind="design"))
+    load = np.array(chart.x[0], dtype=float)
+    assert chart.shades[0] == pytest.approx((load - load.min()) / np.ptp(load), abs=1e-5)
+
+
+def test_signal_is_of_the_case_with_the_largest_line_and_sidebands_have_no_name(results):
+    text = STUDY.replace("shape: circular", "race: inner, shape: circular")
+    opened = results(text + "figures: [{y: velocity@BPFO, x: load}]\n")
+    [*_, spectrum] = collect(opened, ()).charts
+    assert spectrum.title.startswith("Envelope spectrum: length 9 mm, load 300 N")
+    names = {round(hertz): name for hertz, name in spectrum.marks}
+    assert (names[201], names[231], names[261]) == ("", "BPFI 231 Hz", "")
+
+
+def test_policy_allows_only_the_content_of_the_page():
+    """Digests of `a` and `b` by `printf a | openssl dgst -sha256 -binary | base64`."""
+    assert policy(["a"], ["b"]).split("; ") == [
+        "default-src 'none'",
+        "script-src 'sha256-ypeBEsobvcr6wjGzmiPcTaeG7/gUfE5yuYB3ha/uSLs='",
+        "style-src 'sha256-PiPoFgA5WUoziU9lZOGxNIu9egCI1CxKy3PurtWcAJ0='",
+        "img-src data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+    ]

@@ -1,6 +1,7 @@
 """Warnings beyond the range of validity of models, and refusals of unphysical values."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,15 @@ import pytest
 from bearingsim import store
 from bearingsim.config import Case
 from bearingsim.study import StudyError, load_study
-from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, omission_warnings, static_rating
+from bearingsim.study.ranges import (
+    SPEED_FACTOR,
+    coarseness,
+    contact_pressure,
+    frequency,
+    omission_warnings,
+    shortest_crossing,
+    static_rating,
+)
 from tests.conftest import Write
 from tests.scenes.commands import type_
 
@@ -28,6 +37,17 @@ def case(bearing: str, **values: object) -> Case:
 
 def warnings_of(write: Write, text: str) -> list[str]:
     return [note for note in load_study(write(BASE + text)).assumptions if note.startswith("warning: ")]
+
+
+@pytest.mark.parametrize("race", ["outer", "inner", "roller"])
+def test_a_width_is_crossed_in_the_same_time_on_each_element(race: str) -> None:
+    """A rolling element rolls on both races, so the speed at the contact is that of the cage on the outer race."""
+    defect = {"race": race, "shape": "circular", "length": "3 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+    cage = 0.5 * 60.0 * math.pi * (1.0 - 12.0 / 65.0)  # rad/s
+    damaged = case("nf308", defects=[defect])
+    assert shortest_crossing(damaged) == pytest.approx(0.8 / (cage * 38.5), rel=1e-12)
+    assert coarseness(damaged) == pytest.approx(8.0 / (shortest_crossing(damaged) * 10240.0), rel=1e-12)
+    assert coarseness(damaged.model_copy(update={"antialias": False})) == 0.0
 
 
 @pytest.mark.parametrize(
