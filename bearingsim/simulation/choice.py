@@ -17,7 +17,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
 from bearingsim.simulation.pricing import Cost, cost, price
 from bearingsim.simulation.repetition import may_repeat
-from bearingsim.simulation.settling import refuse_unsettled, resolve_settling
+from bearingsim.simulation.settling import has_free_cage, refuse_unsettled, resolve_settling
 
 STEP_FRACTIONS = (1.0, 0.5, 0.25, 0.125)
 """Fractions of the automatic step, tried in this order; half the step goes with a tenth of the tolerance."""
@@ -170,20 +170,14 @@ def margin(name: str) -> float:
 def can_step(case: Case, name: str) -> bool:
     """Check if a method suits the model of a case. An implicit method needs the derivatives of the model.
 
-    Friction is stiff and would limit the steps of an explicit adaptive method; methods of fixed step apply it with
-    a lag.
+    The friction of a free cage and its rollers is stiff and would limit the steps of an explicit adaptive method;
+    methods of fixed step apply it with a lag.
     """
     if METHODS[name].implicit:
         if case.surfaces is not None and MODELS[case.model].slips:
             return False
         return case.rig.ring is None and not any(missing_functions(case, implicit=True))
-    return not METHODS[name].adaptive or not MODELS[case.model].slips or is_frictionless(case)
-
-
-def is_frictionless(case: Case) -> bool:
-    """Check if friction is switched off in a case whose model has friction."""
-    on_races = getattr(case.friction, "law", "none") != "none"
-    return not on_races and (case.cage is None or case.cage.motion == "kinematic")
+    return not METHODS[name].adaptive or not has_free_cage(case)
 
 
 def _refuse_missing_functions(case: Case) -> None:

@@ -25,7 +25,7 @@ from bearingsim.simulation import channels, ending
 from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.repetition import LONGEST_PERIOD, MAX_STORED, may_repeat, searches_for_period
-from bearingsim.simulation.settling import extrapolation_passes, slow_modes
+from bearingsim.simulation.settling import extrapolation_passes, has_free_cage, slow_modes
 
 TABLE = Path(__file__).with_name("prices.csv")
 DEFAULT = ""
@@ -278,7 +278,6 @@ def counts(case: Case, size: Size) -> Counts:
     series_samples = size.total if size.read == size.total else size.computed * size.fine
     filtered = size.rows * PASSES_CHECKED * size.checked * size.fine
     filtered += SENSOR_ROWS * size.read + size.requested * series_samples if case.antialias else 0.0
-    has_free_cage = MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
     has_ramp = case.ramp is not None
     inspections = INSPECTED_LENGTH if case.until is not None else 0.0
     return Counts(
@@ -286,7 +285,7 @@ def counts(case: Case, size: Size) -> Counts:
         kept_pass=passes,
         tap=taps * (filtered + inspections * 2.0 * size.read),
         line_sample=size.read * (1.0 + inspections),
-        turning_sample=size.read if has_free_cage or has_ramp else 0.0,
+        turning_sample=size.read if has_free_cage(case) or has_ramp else 0.0,
         ramp_sample=size.read if has_ramp else 0.0,
         band_sample=size.total * _band_count(case),
         sample=float(size.samples * (size.requested + (size.rows if channels.stores_raw_values(case) else 0))),

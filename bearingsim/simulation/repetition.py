@@ -151,7 +151,7 @@ class Search:
         self.model = model
         self.compared_rows = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
         self.compared_rows = self.compared_rows[cells[self.compared_rows] != lay.SENSOR_A]
-        self.weights = np.zeros(12 * lay.ROW) if memoryless else length_factors(model)
+        self.weights = length_factors(model)
         self.lane = lay.lane_of(cells)
         self.lane_rows = set((cells - self.lane)[self.lane >= 0].tolist())
         self.min_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o

@@ -9,6 +9,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
+from bearingsim.config import Case
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, pricing, time_grid
@@ -135,6 +136,36 @@ def test_tolerance_leads_to_an_adaptive_method() -> None:
     assert result.method in result.prices
     assert all(METHODS[name].adaptive for name in result.prices)
     assert "tolerance" in result.reason
+
+
+@pytest.mark.parametrize(
+    ("name", "price", "chosen"),
+    [
+        ("dormand-prince", 0.99 / 1.2, "dormand-prince"),
+        ("dormand-prince", 1.01 / 1.2, "verlet"),
+        ("rodas", 0.99 / 2.0, "rodas"),
+        ("rodas", 1.01 / 2.0, "verlet"),
+    ],
+)
+def test_another_method_must_save_more_than_the_error_of_its_price(name: str, price: float, chosen: str) -> None:
+    """The error is larger for implicit than for explicit adaptive methods."""
+    prices = {"verlet": 1.0, name: price}
+
+    def cost(priced: Case) -> pricing.Cost:
+        return pricing.Cost(prices.get(str(priced.method), 9.0), 0.0, 0.0, 1, 0.0)
+
+    test_case = case(model="rollers", defect=SLOT | {"race": "inner"}, duration="0.1 s")
+    with mock.patch.object(choice, "_cost", cost):
+        assert choice.choice.__wrapped__(test_case).method == chosen
+
+
+@pytest.mark.parametrize("motion", ["free", "kinematic"])
+def test_explicit_adaptive_methods_need_a_cage_without_friction(motion: str) -> None:
+    test_case = case(model="planar", friction="none", cage={"motion": motion})
+    assert choice.can_step(test_case, "dop853") == (motion == "kinematic")
+    assert choice.can_step(test_case, "verlet")
+    assert choice.can_step(test_case, "rodas")
+    assert choice.can_step(case(model="rollers"), "dop853")
 
 
 def test_implicit_method_is_chosen_for_stiff_contacts() -> None:
