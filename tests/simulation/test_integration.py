@@ -1,0 +1,57 @@
+"""Ends of a run, and its restart from an extrapolated state."""
+
+import numpy as np
+import pytest
+
+from bearingsim.core import layout as lay
+from bearingsim.simulation import choice, integration
+from bearingsim.simulation.integration import Inspection, integrate
+from bearingsim.simulation.recording import RawRecord
+from bearingsim.simulation.run_setup import Setup, TooCostly, set_up
+from tests.scenes.short_cases import SLOT, case
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return set_up(choice.resolve(case(model="rollers", defect=SLOT, method="verlet", periodic=False)))
+
+
+def test_run_ends_after_the_largest_number_of_passes(setup: Setup) -> None:
+    assert integrate(setup, max_passes=3).repetition.computed == 3 < setup.grid.passes
+    assert integrate(setup).repetition.computed == setup.grid.passes
+
+
+def test_run_ends_at_the_first_inspection_that_suffices(setup: Setup) -> None:
+    inspected: list[int] = []
+
+    def suffices(raw: RawRecord) -> bool:
+        inspected.append(raw.repetition.computed)
+        return raw.repetition.computed >= 4
+
+    raw = integrate(setup, inspector=Inspection((2, 4, 6), suffices))
+    assert (inspected, raw.repetition.computed) == ([2, 4], 4)
+
+
+def test_run_without_a_period_is_too_costly_after_its_patience(setup: Setup) -> None:
+    with pytest.raises(TooCostly, match="no ball pass of 5 repeats another") as caught:
+        integrate(setup, patience=5)
+    assert not caught.value.periodic
+
+
+def test_periodic_run_is_not_too_costly() -> None:
+    periodic = set_up(choice.resolve(case(model="rollers", defect=SLOT, method="verlet")))
+    raw = integrate(periodic)
+    assert 1 < raw.repetition.computed < periodic.grid.passes
+    assert integrate(periodic, patience=raw.repetition.computed).repetition == raw.repetition
+
+
+def test_restart_from_a_new_state_equals_a_start_from_it(setup: Setup) -> None:
+    """Accelerations follow from the new positions and velocities, not from those before."""
+    y, motion = integration._start(setup, 0.0), slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
+    accelerations = slice(lay.ACCELERATION, lay.ACCELERATION + lay.STATE)
+    at_rest = y[accelerations].copy()
+    y[motion] *= 1.01
+    integration._restart_at(setup, 0.0, y)
+    new_start = integration._start(setup, 0.0, y[motion].reshape(2, 6, lay.ROW))
+    assert np.array_equal(y[accelerations], new_start[accelerations])
+    assert np.abs(y[accelerations] - at_rest).max() > 1.0
