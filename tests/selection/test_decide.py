@@ -15,6 +15,7 @@ from tests.scenes.study_text import Write
 from tests.scenes.trials import (
     FAR,
     RING,
+    SIXTH,
     SPATIAL,
     TEXT,
     TrialFunction,
@@ -96,6 +97,16 @@ def test_model_that_saves_less_than_its_compile_time_is_not_tried(
     if not tried:
         why = "cheaper models would save less CPU time than compiling them takes"
         assert {choice.why for choice in chosen} == {why}
+
+
+def test_candidate_of_the_same_model_is_tried_for_any_saving(write: Write, costs: dict[str, float]) -> None:
+    """Fewer slices need no other code."""
+    costs.update(dict.fromkeys(costs, 1.0), spatial=1e-3)
+    study, evaluate = accuracy_study(write, SPATIAL), trials_by_model(dict.fromkeys(costs, 1.0))
+    choosing = selection.ModelSelector(study, range(3), lambda case: 100.0)
+    result = {request.id: evaluate(request) for request in choosing.next_trials({})}
+    result |= {request.id: evaluate(request) for request in choosing.next_trials(result)}
+    assert {choice.candidate for choice in choosing.decide(result).choices.values()} == {SIXTH}
 
 
 def test_failing_candidate_is_not_chosen(write: Write, costs: dict[str, float]) -> None:

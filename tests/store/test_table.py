@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 from bearingsim import selection, store
@@ -34,6 +35,32 @@ def test_plan_names_the_chosen_models(write: Write) -> None:
 @pytest.mark.parametrize(("text", "nothing"), [("", False), ("uncertainty: none\n", True)])
 def test_plan_states_whether_nothing_is_uncertain(write: Write, text: str, nothing: bool) -> None:
     assert store.make_plan(accuracy_study(write, TEXT + text), [])["nothing_uncertain"] is nothing
+
+
+def test_table_has_each_part_of_the_error_once() -> None:
+    """`error.start` is a feature of each result, and a part of the error of a study with `accuracy`."""
+    choice = {"model": "ring", "why": "", "error": {"velocity@BPFO": 0.01}}
+    jobs = [{"job": name, "swept": {"load": load}, "variation": False} for name, load in (("a", 1.0), ("b", 2.0))]
+    accuracy = {
+        "within": 0.05,
+        "of": ["velocity@BPFO"],
+        "jobs": {"a": choice, "b": choice},
+        "curves": [],
+        "audits": [],
+    }
+    columns = {
+        "features/velocity@BPFO": [1.0, 2.0],
+        "features/error.start": [0.02, 0.03],
+        "healthy": "",
+        "unit": "u",
+    }
+    frame = pd.DataFrame(columns | {"status": "done", "reason": ""}, index=pd.Index(["a", "b"], name="job"))
+    table = store.table.table({"jobs": jobs, "accuracy": accuracy, "assumptions": []}, frame)
+    assert table.columns.is_unique
+    assert table["model"].tolist() == ["ring", "ring"]
+    assert table["error.start"].tolist() == [0.02, 0.03]
+    assert table["error.model"].tolist() == pytest.approx([0.01, 0.01])
+    assert table["error"].tolist() == pytest.approx([0.03, 0.04])
 
 
 def test_damaged_plan_is_refused(tmp_path: Path) -> None:

@@ -315,6 +315,14 @@ def test_too_large_sweep_is_refused(write: Write) -> None:
     assert "1002001 cases; at most 1000000" in str(problems(write(text))[0])
 
 
+@pytest.mark.parametrize("section", ["sweep: {%s}", "quick: {sweep: {%s}}"])
+def test_sweep_of_too_many_parameters_is_refused_at_its_key(write: Write, section: str) -> None:
+    entries = ", ".join(f"defects.1.length{n}: [1 mm]" for n in range(101))
+    problem = problems(write(BASE + section % entries + "\n"))[0]
+    assert "sweep: 101 parameters; at most 100 are possible" in str(problem)
+    assert (problem.line, problem.column) == (len(BASE.splitlines()) + 1, section.index("sweep") + 1)
+
+
 def test_figure_of_a_feature_without_a_model_is_refused(write: Write) -> None:
     """The figure would be empty: models below planar have no cage slip."""
     path = write(

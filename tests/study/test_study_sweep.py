@@ -1,6 +1,7 @@
 """Expansion of a sweep: order of cases, healthy cases, reduced grid, overrides."""
 
 import math
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -108,6 +109,17 @@ def test_scalars_are_read_as_text(write: Write) -> None:
     text = BASE + "contact: {damping: {law: general, coefficient: 1e-3, indentation_exponent: 2}}\n"
     damping = load_study(write(text)).cases()[0].contact.damping.model_dump()
     assert damping["coefficient"] == 0.001
+
+
+def test_files_named_by_a_sweep_are_files_of_the_study(write: Write) -> None:
+    """A change of any of them is a change of the study."""
+    path = write(BASE + "sweep: {bearing: [a.yaml, b.yaml], load: [150 N, 300 N]}\n")
+    bearing = (Path(__file__).parents[2] / "configs" / "bearings" / "nf308.yaml").read_text()
+    for name in ("a.yaml", "b.yaml"):
+        (path.parent / name).write_text(f"{bearing}# {name}\n")
+    files = load_study(path).files
+    digests = {files.get(str(path.parent / name)) for name in ("a.yaml", "b.yaml")}
+    assert len(digests - {None}) == 2
 
 
 def test_equal_cases_are_kept_once(write: Write) -> None:
