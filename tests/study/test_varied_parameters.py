@@ -1,6 +1,8 @@
 """Parameters of uncertainty: form of the surfaces, shaft, mass of the ring, edges."""
 
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -83,6 +85,7 @@ def test_other_parameters_change_one_value_each(write: Write) -> None:
         ),
         ("{shaft: [1e8 N/m, 2e8 N/m]}", "", "[1e8", "the inner ring is rigidly supported"),
         ("{ring_mass: [1 kg, 2 kg]}", "model: static\n", "[1 kg", "the results of static do not depend on it"),
+        ("{ring_mass: [1 kg, 2 kg]}", "rig: {ring: {bends: true}}\n", "[1 kg", "a flexible ring has its own mass"),
     ],
 )
 def test_what_cannot_act_is_refused(write: Write, text: str, more: str, caret: str, message: str) -> None:
@@ -97,3 +100,16 @@ def test_edges_of_no_defect_are_refused(write: Write) -> None:
     text = "\n".join(line for line in BASE.splitlines() if not line.startswith("defect"))
     with pytest.raises(StudyError, match="a case has no defect with edges"):
         load_study(write(f"{text}\nuncertainty: {{edge: [20 um, 80 um]}}\n"))
+
+
+def test_edges_of_a_scan_are_refused(write: Write) -> None:
+    scan = Path(__file__).parents[2] / "studies/scans/spall.csv"
+    text = re.sub("defect: .*", f"defect: {{shape: scan, file: {scan}}}", BASE)
+    with pytest.raises(StudyError, match="a scan already contains its edges"):
+        load_study(write(f"{text}uncertainty: {{edge: [20 um, 80 um]}}\n"))
+
+
+def test_a_missing_bracket_is_not_varied(write: Write) -> None:
+    assert (
+        varied_cases(write, "{bracket: [0.5, 2]}", "rig: {bracket_stiffness: 0 N/m, ring: {bends: true}}\n") == []
+    )
