@@ -145,10 +145,7 @@ class ModelSelector:
         compile_time = max(map(self.compiling, new_models), default=0.0)
         if compile_time == 0.0:
             return True
-        reference_costs = {n: price(reference(study_cases[n])) for n in cases}
-        if sum(reference_costs.values()) <= compile_time:  # pricing a candidate compiles parts of its model
-            return False
-        return sum(reference_costs[n] - price(case) for n, case in cases.items()) > compile_time
+        return sum(price(reference(study_cases[n])) - price(case) for n, case in cases.items()) > compile_time
 
     def _candidate_trials(
         self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction

@@ -59,7 +59,7 @@ class Attempt(NamedTuple):
     def patience(self) -> int:
         """Ball passes after which a run without a period is too costly; 0 for never."""
         case = self.case
-        if self.limit == inf or not (self.periodic and case.periodic and case.until is None and may_repeat(case)):
+        if self.limit == inf or not (self.periodic and case.until is None and may_repeat(case)):
             return 0
         patience, estimate = int(price("patience")), _cost(case)
         remaining_cost = estimate.non_periodic - patience * estimate.one_pass
