@@ -1,11 +1,13 @@
 """Studies with many jobs: estimates from a sample, and truncated tables."""
 
 import json
+from unittest import mock
 
 import pytest
 
 from bearingsim.cli import plan, tables
-from bearingsim.study import load_study
+from bearingsim.study import Study, load_study
+from bearingsim.text.announcer import Announcer
 from tests.scenes.commands import type_
 
 STUDY = """\
@@ -38,6 +40,16 @@ def test_cost_is_estimated_from_a_sample_of_jobs(study_file, monkeypatch):
     assert sampled.job_counts == complete.job_counts
     assert sampled.cpu_seconds == pytest.approx(complete.cpu_seconds, rel=0.3)
     assert sampled.bytes == complete.bytes
+
+
+@pytest.mark.parametrize(("step", "evaluated"), [("auto", [plan.ESTIMATING]), ("1 ms", [])])
+def test_assumptions_are_evaluated_while_the_estimate_is_announced(study_file, step, evaluated):
+    """They may compile code, which takes seconds; with refused jobs they are not printed."""
+    announcements, messages = Announcer(enabled=False), []
+    evaluation = mock.PropertyMock(side_effect=lambda: messages.append(announcements.message))
+    with mock.patch.object(Study, "assumptions", evaluation):
+        plan.plan_of(load_study(study_file, {"step": step}), 1, announcements)
+    assert messages == evaluated
 
 
 def test_sampled_estimate_is_reported(study_file):

@@ -1,5 +1,7 @@
 """Ends of a run, and its restart from an extrapolated state."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,19 @@ def test_periodic_run_is_not_too_costly() -> None:
     raw = integrate(periodic)
     assert 1 < raw.repetition.computed < periodic.grid.passes
     assert integrate(periodic, patience=raw.repetition.computed).repetition == raw.repetition
+
+
+def test_forces_before_the_start_are_no_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model without memory also gives samples before t = 0, for filters."""
+    record_steps = integration._record_steps
+
+    def record_large_force(setup: Setup, samples: Any, start: int, y: np.ndarray, *others: Any) -> None:
+        record_steps(setup, samples, start, y, *others)
+        y[lay.Q_O_MAX] = 1e9 if start < 0 else y[lay.Q_O_MAX]
+
+    monkeypatch.setattr(integration, "_record_steps", record_large_force)
+    raw = integrate(set_up(choice.resolve(case(model="static", defect=SLOT))))
+    assert 150.0 / 13.0 < raw.peaks.max() < 1e3
 
 
 def test_restart_from_a_new_state_equals_a_start_from_it(setup: Setup) -> None:

@@ -21,6 +21,7 @@ from bearingsim.simulation.repetition import (
     may_repeat,
     remaining_sum,
     rotated_rows,
+    searches_for_period,
 )
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
@@ -67,6 +68,16 @@ def test_cases_that_are_searched_for_a_period(fields: dict[str, Any]) -> None:
 )
 def test_cases_that_are_not_searched_for_a_period(fields: dict[str, Any]) -> None:
     assert not may_repeat(resolved(**fields))
+
+
+@pytest.mark.parametrize(
+    ("periodic", "step_check", "searched"),
+    [(True, True, True), (True, False, True), (False, True, True), (False, False, False), (True, "strict", False)],
+)
+def test_runs_that_begin_with_a_search(periodic: bool, step_check: bool | str, searched: bool) -> None:
+    """The period is used for the record or to check the step; a strict check compares the whole run."""
+    test_case = resolved(model="rollers", defect=SLOT, periodic=periodic, step_check=step_check)
+    assert searches_for_period(test_case) == searched
 
 
 def test_case_with_an_unknown_field_is_not_searched() -> None:
@@ -214,6 +225,12 @@ def first_attempt(test_case: Case) -> choice.Attempt:
     return first._replace(limit=min((attempt.price for attempt in others), default=inf) + choice.MIN_SAVING)
 
 
+def test_patience_ends_with_the_search_for_a_period() -> None:
+    attempt = first_attempt(case(**LONG))._replace(limit=1e-9)
+    assert attempt.patience > 0
+    assert attempt._replace(periodic=False).patience == 0
+
+
 @pytest.mark.parametrize("change", [{"until": "1 %"}, {"duration": "40 ms"}, {"method": "verlet"}])
 def test_cases_without_limited_patience(change: dict[str, Any]) -> None:
     """A record that may end early, a short record, and a given method."""
@@ -251,6 +268,20 @@ def test_changes_that_decay_within_a_pass_are_detected() -> None:
         return waves(p) + 1e-5 * np.random.default_rng(p).normal(size=STEPS) * (np.arange(STEPS) < 30)
 
     assert period_of(chattering) == (0, 40)
+
+
+def test_forces_are_compared_relative_to_the_range_of_all_rollers() -> None:
+    """Forces that differ by much of the range in an unloaded position, but not of the range of all, are equal."""
+    setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.outer_force"]))
+    cells = channels.recorded_cells(setup.case)
+    search, y = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS), lay.buffer(13, 0.0)
+    noise, periods = np.random.default_rng(0), []
+    for p in range(5):
+        forces = np.array([np.linspace(0.0, (j + p) % 13 != 5, STEPS) for j in range(13)])
+        forces[(5 - p) % 13] = 1e-12 * noise.random(STEPS)
+        window = np.vstack([waves(p), forces])
+        periods.append(search.add_pass(window, y, np.ones(5))[0])
+    assert periods == [0, 0, 1, 1, 1]
 
 
 def test_remaining_change_is_the_sum_of_a_geometric_series() -> None:

@@ -124,6 +124,7 @@ def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
     with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf") as data:
         assert data["features"].sel(feature="velocity@BPFO-healthy").dims == ("job",)
         assert data["feature_units"].sel(feature="velocity@BPFO") == "m/s"
+        assert all(data[name].dims == ("job",) for name in ("status", "reason", "healthy", "unit"))
 
 
 def test_plan_contains_the_study_and_its_jobs(tmp_path: Path, study: Any) -> None:

@@ -3,12 +3,14 @@
 
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import pytest
 
 from bearingsim.config import CHANNELS
 from bearingsim.config.fields import alternatives
-from bearingsim.study import Problem, StudyError, load_rolling_parts, load_study
+from bearingsim.study import Problem, StudyError, load_rolling_parts, load_study, plan
+from bearingsim.study.diagnose import case_of
 from tests.scenes.study_text import BASE, Write
 
 
@@ -321,6 +323,19 @@ def test_sweep_of_too_many_parameters_is_refused_at_its_key(write: Write, sectio
     problem = problems(write(BASE + section % entries + "\n"))[0]
     assert "sweep: 101 parameters; at most 100 are possible" in str(problem)
     assert (problem.line, problem.column) == (len(BASE.splitlines()) + 1, section.index("sweep") + 1)
+
+
+def test_few_invalid_combinations_of_a_large_sweep_are_built(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A long duration or a high speed is valid with any other value, so the sample is valid."""
+    monkeypatch.setattr(plan, "MAX_INVALID_CASES", 3)
+    durations = ["1 s", *(f"{3.0 + 0.1 * n} ms" for n in range(20)), "2 s"]
+    speeds = ["6000 rpm", *(f"{500 + n} rpm" for n in range(20)), "6100 rpm"]
+    path = write(BASE + f"sweep: {{duration: [{', '.join(durations)}], speed: [{', '.join(speeds)}]}}\n")
+    with mock.patch.object(plan, "case_of", wraps=case_of) as build:
+        assert "is shorter than one ball pass" in str(problems(path)[0])
+    assert build.call_count < 100 < len(durations) * len(speeds)
 
 
 def test_figure_of_a_feature_without_a_model_is_refused(write: Write) -> None:
