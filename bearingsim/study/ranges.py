@@ -51,16 +51,16 @@ def range_warnings(cases: Sequence[Case], features: Sequence[str]) -> Iterator[s
 
 def omission_warnings(cases: Sequence[Case]) -> Iterator[str]:
     """Yield a warning for each effect that cases request and their model omits, with the last case's reason."""
-    reasons: dict[tuple[str, str], list[str]] = {}
-    models: dict[tuple[str, str], str | None] = {}
+    omitting: dict[tuple[str, str], list[tuple[Case, str]]] = {}
     for case in cases:
         for need in hierarchy.omitted_needs(case):
-            reasons.setdefault((case.model, need.ability), []).append(need.reason)
-            models.setdefault((case.model, need.ability), hierarchy.simplest_model(case))
-    for (model, effect), texts in reasons.items():
-        count = f" ({len(texts)} of {len(cases)})" if len(texts) < len(cases) else ""
-        advice = f"; use `{models[model, effect]}`" if models[model, effect] not in (None, model) else ""
-        yield f"{WARNING}`{model}`{count} omits {effect}: {texts[-1]}{advice}"
+            omitting.setdefault((case.model, need.ability), []).append((case, need.reason))
+    for (model, effect), cases_and_reasons in omitting.items():
+        case, reason = cases_and_reasons[-1]
+        sufficient_model, number = hierarchy.simplest_model(case), len(cases_and_reasons)
+        count = f" ({number} of {len(cases)})" if number < len(cases) else ""
+        advice = f"; use `{sufficient_model}`" if sufficient_model not in (None, model) else ""
+        yield f"{WARNING}`{model}`{count} omits {effect}: {reason}{advice}"
 
 
 # Contact pressure, static rating

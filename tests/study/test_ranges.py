@@ -214,3 +214,11 @@ def test_each_warning_gives_the_worst_value_and_the_count() -> None:
     assert text.startswith("warning: `ring` (2 of 3) omits roller inertia: centrifugal force")
     assert text.endswith("; use `rollers`")
     assert len(text) <= 100
+
+
+def test_reason_and_remedy_of_a_warning_are_those_of_the_same_case() -> None:
+    fast = of_model("ring", {"speed": "9000 rpm"})
+    tilting = fast.model_copy(update={"defects": (fast.defects[0].model_copy(update={"offset": 1e-3}),)})
+    for cases, model in (([fast, tilting], "spatial"), ([tilting, fast], "rollers")):
+        (text,) = (text for text in omission_warnings(cases) if "omits roller inertia" in text)
+        assert text.endswith(f"; use `{model}`")
