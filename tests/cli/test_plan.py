@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import _group_refusals, _price, friction_scale
+from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale
 from bearingsim.cli.remarks import empty_figures
 from bearingsim.study import StudyError, load_study
 from tests.scenes.short_cases import case
@@ -38,6 +38,25 @@ def test_healthy_baseline_has_no_drop_into_a_defect(write: Write) -> None:
     defective, healthy = load_study(write(f"{BASE}model: rollers\n")).jobs()
     assert _price(defective).roller_drop > 0.0
     assert isnan(_price(healthy).roller_drop)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "count", "cpu_s", "wall_s"),
+    [
+        ([2.0, 2.0, 2.0], 3, 6.0, 3.0),
+        ([1.0, 1.0, 4.0], 3, 6.0, 4.0),  # the longest job
+        ([1.0, 1.0, 4.0], 6, 12.0, 6.0),  # half of the jobs are priced
+    ],
+)
+def test_run_takes_an_even_share_of_all_jobs_or_the_longest(
+    seconds: list[float], count: int, cpu_s: float, wall_s: float
+) -> None:
+    estimates = [SimpleNamespace(cpu_seconds=s, bytes=0.0, most_memory=0.0, most_seconds=3.0 * s) for s in seconds]
+    priced: Any = tuple(SimpleNamespace(estimate=estimate) for estimate in estimates)
+    jobs: Any = (None,) * count
+    plan = Plan(SimpleNamespace(), jobs, priced, (), (), (), requested_workers=2)  # type: ignore[arg-type]
+    assert (plan.cpu_seconds, plan.wall_seconds) == (cpu_s, wall_s)
+    assert plan.most_cpu_seconds == 3.0 * cpu_s
 
 
 @pytest.mark.parametrize(("value", "warned"), [("3 mm", True), ("800 um", False)])

@@ -177,6 +177,14 @@ def test_implicit_method_is_chosen_for_stiff_contacts() -> None:
     assert (result.reason, ratio > 1.0, 1e-8 < longest < 1e-7) == (reason, True, True)
 
 
+def test_step_is_shortened_to_an_eighth_at_its_price() -> None:
+    attempt = choice.attempts(case(model="rollers", defect=SLOT, duration="0.1 s"))[0]
+    half = attempt.shorter()
+    assert half is not None
+    assert (half.step_fraction, half.price) == (0.5, pytest.approx(2.0 * attempt.price))
+    assert half._replace(step_fraction=0.125).shorter() is None
+
+
 @pytest.mark.parametrize("model", ["static", "impulse"])
 def test_models_without_a_method_have_no_alternatives(model: str) -> None:
     assert choice.alternatives(case(model=model, defect=SLOT)) == []
@@ -203,6 +211,26 @@ def test_bending_of_a_flexible_ring_shortens_adaptive_steps() -> None:
     test_case = case(method="dormand-prince", defect=SLOT, rig=FLEXIBLE)
     result = pricing.adaptive_step(test_case, choice.limits(choice.with_method(test_case, "verlet")))
     assert 2.3e-6 < result < 2.1 * 2.3e-6
+
+
+WAVES = {"outer": {"spectrum": {"amplitude": "0.2 um"}}}
+
+
+@pytest.mark.parametrize(
+    ("fields", "possible"),
+    [
+        ({"model": "rollers"}, True),
+        ({"model": "rollers", "surfaces": WAVES}, True),
+        ({"model": "planar"}, True),
+        ({"model": "planar", "surfaces": WAVES}, False),
+        ({"model": "rollers", "defect": SLOT, "rig": FLEXIBLE}, False),
+    ],
+)
+def test_implicit_methods_need_the_derivatives_of_the_model(fields: dict[str, Any], possible: bool) -> None:
+    """Not on wavy surfaces with slip, nor with a flexible ring, nor with an extension that lacks them."""
+    assert choice.can_step(case(**fields), "rodas") == possible
+    with mock.patch.object(choice, "missing_functions", return_value=["no derivative"]):
+        assert not choice.can_step(case(**fields), "rodas")
 
 
 def test_a_flexible_ring_that_may_repeat_is_stepped_by_verlet() -> None:

@@ -15,6 +15,7 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, repetition
 from bearingsim.simulation.repetition import (
+    EXTREMES,
     RECORD_CLOSENESS,
     Repetition,
     Search,
@@ -145,8 +146,15 @@ def test_non_periodic_motion_is_computed_in_full() -> None:
 STEPS = 40
 
 
-def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[int, int]:
-    """Return the period of ``motion`` (from pass number to (9, STEPS)) and the passes needed to find it."""
+def period_of(
+    motion: Callable[[int], np.ndarray],
+    passes: int = 40,
+    peaks: Callable[[int], np.ndarray] = lambda p: np.ones(5),
+) -> tuple[int, int]:
+    """Return the period of ``motion`` (from pass number to (9, STEPS)) and the passes needed to find it.
+
+    peaks: returns ``EXTREMES`` by pass number.
+    """
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     search, y = (
         Search(channels.recorded_cells(setup.case), STEPS, setup.model, False, RECORD_CLOSENESS),
@@ -157,7 +165,7 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
         y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[
             :4, -1
         ]
-        result, _ = search.add_pass(window, y, np.ones(5))
+        result, _ = search.add_pass(window, y, peaks(p))
         if result:
             return result, p + 1
     return 0, passes
@@ -268,6 +276,27 @@ def test_changes_that_decay_within_a_pass_are_detected() -> None:
         return waves(p) + 1e-5 * np.random.default_rng(p).normal(size=STEPS) * (np.arange(STEPS) < 30)
 
     assert period_of(chattering) == (0, 40)
+
+
+@pytest.mark.parametrize(
+    ("name", "mean", "change", "result"),
+    [
+        ("outer_force.max", 1.0, 0.0, (1, 3)),
+        ("outer_force.max", 1.0, 1e-6, (0, 40)),
+        ("outer_force.max", 0.0, 1e-12, (0, 40)),
+        ("tilt.max", 1.0, 1e-3, (0, 40)),
+        ("tilt.max", 0.0, 1e-12, (1, 3)),  # rounding errors of a roller that does not tilt
+    ],
+)
+def test_largest_forces_and_tilts_must_repeat(
+    name: str, mean: float, change: float, result: tuple[int, int]
+) -> None:
+    noise = np.random.default_rng(0).random(40)
+
+    def peaks(p: int) -> np.ndarray:
+        return np.where(np.array([*EXTREMES]) == name, mean + change * noise[p], 1.0)
+
+    assert period_of(waves, peaks=peaks) == result
 
 
 def test_forces_are_compared_relative_to_the_range_of_all_rollers() -> None:

@@ -63,6 +63,17 @@ def test_table_has_each_part_of_the_error_once() -> None:
     assert table["error"].tolist() == pytest.approx([0.03, 0.04])
 
 
+def test_swept_values_replace_no_column_of_the_table() -> None:
+    """A plan that is not of this program may name a path like a column."""
+    jobs = [{"job": "a", "swept": {"load": 1.0, "status": "swept", "velocity.rms": 2.0}}]
+    frame = pd.DataFrame(
+        {"features/velocity.rms": [1e-3], "healthy": "", "unit": "u", "status": "done", "reason": ""}, index=["a"]
+    )
+    table = store.table.table({"jobs": jobs}, frame)
+    assert table.columns.is_unique
+    assert (table["load"][0], table["status"][0], table["velocity.rms"][0]) == (1.0, "done", 1e-3)
+
+
 def test_damaged_plan_is_refused(tmp_path: Path) -> None:
     study: Any = FakeStudy()
     plan = store.write_plan(tmp_path, study, study.jobs())
