@@ -7,8 +7,9 @@ import pytest
 
 from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, integration
-from bearingsim.simulation.integration import Inspection, integrate
+from bearingsim.simulation.integration import Inspection, Pace, integrate
 from bearingsim.simulation.recording import RawRecord
+from bearingsim.simulation.repetition import RECORD_CLOSENESS
 from bearingsim.simulation.run_setup import Setup, TooCostly, set_up
 from tests.scenes.short_cases import SLOT, case
 
@@ -58,6 +59,24 @@ def test_forces_before_the_start_are_no_extremes(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(integration, "_record_steps", record_large_force)
     raw = integrate(set_up(choice.resolve(case(model="static", defect=SLOT))))
     assert 150.0 / 13.0 < raw.peaks.max() < 1e3
+
+
+def test_run_begins_at_rest_unless_its_steady_motion_is_reached() -> None:
+    """Two ball passes are too few to extrapolate the steady motion of a heavy ring."""
+    fields = {
+        "model": "rollers",
+        "defect": SLOT,
+        "rig": {"ring_mass": "20 kg"},
+        "settle": "auto",
+        "method": "verlet",
+        "duration": "0.3 s",
+    }
+    heavy = set_up(choice.resolve(case(**fields)))
+    pace = Pace(max_cpu=60.0)
+    assert integration._find_steady_start(heavy, pace, None, RECORD_CLOSENESS, max_passes=2) is None
+    steady = integration._find_steady_start(heavy, pace, None, RECORD_CLOSENESS, max_passes=None)
+    assert steady is not None
+    assert steady.shape == (2, 6, lay.ROW)
 
 
 def test_restart_from_a_new_state_equals_a_start_from_it(setup: Setup) -> None:
