@@ -29,7 +29,6 @@ from typing import Any, Literal, TypeVar
 import numba
 from filelock import FileLock
 from numba.core import config, event
-from numba.core.codegen import get_host_cpu_features
 from numba.extending import overload
 
 from bearingsim import cpu_time
@@ -39,23 +38,6 @@ from bearingsim.core import linking, resolving
 
 numba_config: Any = config  # its attributes are created at run time
 resolving.cache_operator_signatures()
-
-WIDE_VECTORS, PREFERS_NARROW = "+avx512vbmi2", "prefer-256-bit"
-"""LLVM's names of instructions of processors that keep their clock with 512-bit vectors, and of its preference for
-256 bits on those of Intel."""
-
-
-def with_wide_vectors(features: str) -> str:
-    """Return LLVM's ``features`` of a processor with a preference for 512-bit vectors, if it has them.
-
-    Results are bit-for-bit identical. Gain: a tenth of a step of `rollers` and `planar`, a fifth of `spatial`
-    (docs/evidence/speed.md).
-    """
-    return f"{features},-{PREFERS_NARROW}" if WIDE_VECTORS in features.split(",") else features
-
-
-if numba_config.CPU_FEATURES is None:  # not set in the environment; read once, before the first compilation
-    numba_config.CPU_FEATURES = with_wide_vectors(get_host_cpu_features())
 
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "_nrt": False, **linking.OPTIONS}

@@ -12,7 +12,6 @@ from unittest import mock
 import numba
 import numpy as np
 import pytest
-from numba.core.codegen import get_host_cpu_features
 
 from bearingsim.core import advance as driver
 from bearingsim.core import jit
@@ -391,25 +390,3 @@ def test_add_may_reorder_but_propagates_nan() -> None:
     assert total(values) == pytest.approx(values.sum(), rel=1e-12)
     values[500] = np.nan
     assert total(values) == -1.0
-
-
-@pytest.mark.parametrize(
-    ("features", "is_wide"), [("+avx2,+avx512vbmi2", True), ("+avx2,-avx512vbmi2", False), ("", False)]
-)
-def test_wide_vectors_are_preferred_only_where_the_processor_has_them(features: str, is_wide: bool) -> None:
-    assert jit.with_wide_vectors(features) == features + ",-prefer-256-bit" * is_wide
-
-
-@pytest.mark.parametrize("given", [None, "", "+sse2"])
-def test_features_given_in_the_environment_are_used(given: str | None) -> None:
-    name = "NUMBA_CPU_FEATURES"
-    environment = {key: value for key, value in os.environ.items() if key != name}
-    script = "from bearingsim.core.jit import numba_config; print(numba_config.CPU_FEATURES)"
-    printed = subprocess.run(
-        [sys.executable, "-c", script],
-        env=environment | ({} if given is None else {name: given}),
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout.strip()
-    assert printed == (jit.with_wide_vectors(get_host_cpu_features()) if given is None else given)
