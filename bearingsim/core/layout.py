@@ -336,7 +336,7 @@ def free_rows(owner: str) -> dict[str, list[int]]:
 
 
 def aligned_zeros(size: int) -> np.ndarray:
-    """Return ``size`` zeros, aligned so that a vector of lanes lies in one line of the cache.
+    """Return zeros (size,), aligned so that a vector of lanes lies in one line of the cache.
 
     A vector that crosses two lines takes longer to load and store (docs/evidence/speed.md).
     """
