@@ -5,33 +5,37 @@ from docs.scripts.measurements import digits, percent, read
 
 MODELS = {
     "impulse": (
-        "outer ring, as an oscillator under impulses, in closed form",
+        "outer ring in x and y, an oscillator under impulses (closed form)",
         "no contact forces, no varying compliance, no clearance",
-        "only lines and sidebands of a defect are needed",
+        "spectral lines and sidebands of a defect",
     ),
     "static": (
-        "nothing: equilibrium at each cage angle",
+        "none: equilibrium at each cage angle",
         "no inertia, no damping",
-        "low speed; load sharing, varying compliance",
+        "low speed; load distribution, varying compliance",
     ),
-    "ring": ("outer ring, x and y", "rollers without mass follow the races", "lines of narrow or shallow defects"),
+    "ring": (
+        "outer ring in x and y",
+        "massless rollers follow the races",
+        "amplitudes of narrow or shallow defects",
+    ),
     "rollers": (
-        "+ each roller, radially",
-        "rollers roll, the cage turns at its kinematic speed",
+        "+ radial motion of each roller",
+        "pure rolling, the cage rotates at its kinematic speed",
         "impacts: forces, RMS, acceleration; a flexible ring",
     ),
     "planar": (
-        "+ angle and spin of each roller, cage, rotation and centres of rings",
+        "+ orbital angle and spin of each roller, cage, rotation and centres of rings",
         "rollers do not tilt; rings are rigid",
-        "slip, drag, cage forces, ramps, gravity, a shaft",
+        "slip, drag, cage forces, speed ramps, gravity, a shaft",
     ),
     "spatial": (
-        "+ axis and axial motion of each roller, tilt of rings and cage",
+        "+ tilt, skew and axial motion of each roller, tilt of rings and cage",
         "rings are rigid",
         "tilt, skew, off-centre defects, misalignment, profiles",
     ),
 }
-"""What moves in each model, what it assumes, and when it is to be used."""
+"""Degrees of freedom, assumptions and use of each model."""
 RESPONSES = ("periodic", "in full")
 """Responses of jobs in job_cost.csv."""
 SCENES = {
@@ -64,7 +68,15 @@ def models() -> str:
         times = [f"{seconds[name, r]:.2g}\N{NO-BREAK SPACE}s" if (name, r) in seconds else "" for r in RESPONSES]
         rows.append([f"`{name}`", *texts, step, *times])
     return table(
-        ("model", "moves", "assumes", "use for", "a step", *(f"1 s of signal, {r}" for r in RESPONSES)), rows
+        (
+            "model",
+            "degrees of freedom",
+            "assumptions",
+            "use for",
+            "one step",
+            *(f"1 s of signal, {response}" for response in RESPONSES),
+        ),
+        rows,
     )
 
 

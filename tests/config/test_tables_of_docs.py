@@ -129,7 +129,7 @@ def test_shapes_and_excitations_are_those_of_the_catalogue() -> None:
 
 
 def test_models_are_those_of_the_catalogue() -> None:
-    assert heads("choose.md", "| model | moves |") == list(MODELS)
+    assert heads("choose.md", "| model | degrees of freedom |") == list(MODELS)
 
 
 @pytest.mark.parametrize("model", MODELS)
