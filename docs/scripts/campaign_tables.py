@@ -97,7 +97,8 @@ def paper_literal() -> str:
             ]
         )
     errors = "(standard error)"
-    return table(("", "method, setting", f"line, µm/s {errors}", f"RMS, µm/s {errors}", "largest force, N"), rows)
+    headers = ("", "method, setting", f"BPFO amplitude, µm/s {errors}", f"RMS, µm/s {errors}", "largest force, N")
+    return table(headers, rows)
 
 
 def left_out() -> str:
