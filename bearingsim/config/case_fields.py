@@ -90,7 +90,7 @@ class CaseFields(Section):
     gravity: Switch = False
     """Switch of the weight of rollers and cage."""
     clearance: Clearance = 0.0
-    """Diametral radial clearance in operation: a length (negative: preload), or a class of ISO 5753-1."""
+    """Operating radial internal clearance (diametral): a length (negative: preload), or a class of ISO 5753-1."""
     defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_check_list)] = ()
     """Defects of the bearing. A single one may be given as `defect`; without any the bearing is healthy."""
     surfaces: Annotated[Surfaces | None, OPTIONAL] = None
