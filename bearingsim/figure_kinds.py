@@ -23,7 +23,8 @@ class Kind(NamedTuple):
     """Kind of figure.
 
     draw: module and function in ``bearingsim.plots``; options: keys of a figure of this kind; of_jobs: whether it
-    shows signals of single jobs rather than features of the results table; range: dimension of its option `range`.
+    shows signals of single jobs rather than features of the results table; range: dimension of its option `range`;
+    needs_record: whether it shows recorded channels.
     """
 
     draw: str
@@ -31,6 +32,7 @@ class Kind(NamedTuple):
     options: tuple[str, ...]
     of_jobs: bool = True
     range: Dimension | None = None
+    needs_record: bool = True
 
 
 KINDS = {
@@ -66,8 +68,8 @@ KINDS = {
         (*CURVES, "around", "range", "mean"), range="angle",
     ),
     "load": Kind("line_load.draw_load", "line load along a roller", (*SELECTION, "span")),
-    "pit": Kind("defect.draw_defects", "defects to scale", ("where",)),
-    "ring": Kind("ring.draw_rings", "outer ring in static equilibrium", ("where",)),
+    "pit": Kind("defect.draw_defects", "defects to scale", ("where",), needs_record=False),
+    "ring": Kind("ring.draw_rings", "outer ring in static equilibrium", ("where",), needs_record=False),
 }  # fmt: skip
 """Kinds of figures by name."""
 

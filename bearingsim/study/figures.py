@@ -148,8 +148,9 @@ def check_recorded(section: Node | None, cases: Iterable[Case], problems: list[P
                 problems.append(
                     problem(channel.mark, f"figures: the channel `{channel.text}` is not recorded", add)
                 )
-        if node is None and not recorded and figure.mapping["kind"].text not in ("pit", "ring"):
-            message = f"figures: a {figure.mapping['kind'].text} needs a recorded channel"
+        kind = figure.mapping["kind"].text
+        if node is None and not recorded and KINDS[kind].needs_record:
+            message = f"figures: a {kind} needs a recorded channel"
             problems.append(problem(figure.mark, message, "add `record: [ring.velocity]`"))
 
 
