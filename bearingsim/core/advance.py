@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.crossings import count_crossings
-from bearingsim.core.jit import absent, add, generic, jit
+from bearingsim.core.jit import absent, generic, jit
 from bearingsim.core.methods.interface import prepare, reach, stability_ratio, step
 from bearingsim.core.models.interface import (
     begin,
@@ -24,6 +24,7 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.outcomes import NO_BODY, NOT_FINITE, STEP_LIMIT_EXCEEDED, SUCCESS, TOO_DEEP, TOO_MUCH_ENERGY
 from bearingsim.core.parameters import lanes
+from bearingsim.core.sums import sum_addends
 
 RING_MOTION = tuple(
     block + axis for block in (lay.POSITION, lay.VELOCITY, lay.ACCELERATION) for axis in (lay.X, lay.Y)
@@ -81,10 +82,10 @@ def first_lane_above(row, bound, y, n):
 
     Lanes are first counted, because a count is vectorised and a search is not, and most calls find none.
     """
-    count = 0.0
+    count = 0
     for j in range(n):
-        count = add(count, 0.0 if y[row + j] <= bound else 1.0)
-    if count > 0.0:
+        count += 0 if y[row + j] <= bound else 1
+    if count > 0:
         for j in range(n):
             if not y[row + j] <= bound:
                 return j
@@ -107,9 +108,9 @@ def fill_approaches(model, y, n):
 @jit
 def radial_energy(bearing, y, n):
     """Return the kinetic energy (J) of the ring's motion and the rollers' radial motion."""
-    v2 = 0.0
     for j in range(n):
-        v2 = add(v2, y[lay.RADIAL_V + j] * y[lay.RADIAL_V + j])
+        y[lay.ADDENDS + j] = y[lay.RADIAL_V + j] * y[lay.RADIAL_V + j]
+    v2 = sum_addends(y, n)
     w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     return 0.5 * (bearing.m_r * v2 + bearing.m_o * (w_x * w_x + w_y * w_y))
 

@@ -151,8 +151,12 @@ COMPRESSION, COMPRESSION_V, SPRING_FORCE = declare(
 # STAGE: states that a method keeps between evaluations, declared by the methods
 STAGE, STAGE_STATES = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW, 56
 
+# addends of sums over lanes, from the loop that writes them to their sum (``core/sums.py``)
+ADDEND_ROWS = 12
+ADDENDS = full_rows(STAGE + STAGE_STATES * STATE, "of the sum", "all", "evaluation", count=ADDEND_ROWS)[0]
+
 # cells of a run: rollers that carry load
-(LOADED_ROLLERS,) = cells(STAGE + STAGE_STATES * STATE, "1", "all", "run")
+(LOADED_ROLLERS,) = cells(ADDENDS + ADDEND_ROWS * ROW, "1", "all", "run")
 # of a method: start and end of the current step, length of the next attempt; reason of a failure
 # (``core/outcomes.py``; 0: none) and the body concerned; steps taken and refused, evaluations of the model,
 # Newton iterations; crossings of defects counted

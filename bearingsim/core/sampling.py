@@ -11,7 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
+from bearingsim.core.vectors import dot
 
 DECIMATION_REACH = 4  # fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, the band of the
 # second stage (0.6 of a sampling rate at most a quarter as fast), and 85 dB above 0.85, which folds into it
@@ -51,15 +52,6 @@ def interpolation_kernel() -> np.ndarray:
     """Return one side of the third stage's kernel, TABLE entries per fine sample, with a zero after the end."""
     t = np.arange(INTERPOLATION_REACH * TABLE + 2) / TABLE
     return kaiser_sinc(t, 0.5, INTERPOLATION_REACH, 120.0)
-
-
-@jit
-def dot(a, b, n):
-    """Return the sum of a[k] b[k] over the first n."""
-    total = 0.0
-    for k in range(n):
-        total = add(total, a[k] * b[k])
-    return total
 
 
 @jit

@@ -25,6 +25,15 @@ def lane_sum(row, y, n):
 
 
 @inlined
+def sum_addends(y, n):
+    """Return the sum of the first ``n`` ADDENDS; those up to the next multiple of VECTOR_WIDTH are overwritten."""
+    n_lanes = max((n + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH, 1) * lay.VECTOR_WIDTH
+    for j in range(n, n_lanes):
+        y[lay.ADDENDS + j] = 0.0
+    return lane_sum(lay.ADDENDS, y, n_lanes)
+
+
+@inlined
 def sum_loads(first_cell, last_cell, y, n):
     """Sum the rollers' loads on rings and cage: cells ``first_cell`` to ``last_cell``, both included."""
     for cell in range(first_cell, last_cell + 1):

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 from unittest import mock
 
 import numba
-import numpy as np
 import pytest
+from numba.core.codegen import get_host_cpu_features
 
 from bearingsim.core import advance as driver
 from bearingsim.core import jit
@@ -377,16 +377,23 @@ def test_contact_laws_from_python_equal_the_compiled_ones(law: Any, delta: float
         assert force(law, delta, v) == pytest.approx(normal_force(law, delta, v), rel=1e-13, abs=1e-15)
 
 
-def test_add_may_reorder_but_propagates_nan() -> None:
-    @numba.njit(**jit.OPTIONS)
-    def total(values: np.ndarray) -> float:
-        result = 0.0
-        for k in range(len(values)):
-            result = jit_add(result, values[k])
-        return result if np.isfinite(result) else -1.0
+@pytest.mark.parametrize(
+    ("features", "is_wide"), [("+avx2,+avx512vbmi2", True), ("+avx2,-avx512vbmi2", False), ("", False)]
+)
+def test_wide_vectors_are_preferred_only_where_the_processor_has_them(features: str, is_wide: bool) -> None:
+    assert jit.with_wide_vectors(features) == features + ",-prefer-256-bit" * is_wide
 
-    jit_add = jit.add
-    values = np.random.default_rng(5).normal(size=1000)
-    assert total(values) == pytest.approx(values.sum(), rel=1e-12)
-    values[500] = np.nan
-    assert total(values) == -1.0
+
+@pytest.mark.parametrize("given", [None, "", "+sse2"])
+def test_features_given_in_the_environment_are_used(given: str | None) -> None:
+    name = "NUMBA_CPU_FEATURES"
+    environment = {key: value for key, value in os.environ.items() if key != name}
+    script = "from bearingsim.core.jit import numba_config; print(numba_config.CPU_FEATURES)"
+    printed = subprocess.run(
+        [sys.executable, "-c", script],
+        env=environment | ({} if given is None else {name: given}),
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.strip()
+    assert printed == (jit.with_wide_vectors(get_host_cpu_features()) if given is None else given)

@@ -16,7 +16,12 @@ from bearingsim.core import jit
 from bearingsim.own_folder import Distrusted, own_folder
 
 OTHER_USER = 65534
-ADD = "from bearingsim.core import jit; assert jit.add(1.0, 2.0) == 3.0; print(jit._CACHE)"
+CALL = """
+from bearingsim.core import jit
+from bearingsim.core.geometry.plane import small_angle
+assert small_angle(0.0) == 0.0
+print(jit._CACHE)
+"""
 as_root = pytest.mark.skipif(
     not hasattr(os, "getuid") or os.getuid() != 0, reason="only root can make files of another user"
 )
@@ -59,16 +64,16 @@ class FileOnUnpickling:
 
 @pytest.fixture(scope="module")
 def cache_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """Return the files of a cache with ``jit.add``."""
+    """Return the files of a cache with ``small_angle``."""
     cache = tmp_path_factory.mktemp("cache")
-    run_add(cache)
+    run_compiled(cache)
     return {str(file.relative_to(cache / "bearingsim")): file.read_bytes() for file in cache.rglob("*.nb?")}
 
 
-def run_add(cache: Path, **variables: str) -> subprocess.CompletedProcess:
-    """Add two numbers in a new process."""
+def run_compiled(cache: Path, **variables: str) -> subprocess.CompletedProcess:
+    """Call a compiled function in a new process."""
     environment = os.environ | {"BEARINGSIM_CACHE": str(cache)} | variables
-    process = subprocess.run([sys.executable, "-c", ADD], capture_output=True, text=True, env=environment)
+    process = subprocess.run([sys.executable, "-c", CALL], capture_output=True, text=True, env=environment)
     assert process.returncode == 0, process.stderr
     return process
 
@@ -85,7 +90,7 @@ def test_planted_code_runs_in_a_trusted_folder(cache_files: dict[str, bytes], tm
     """So the tests below can detect planted code."""
     plant(cache_files, tmp_path / "bearingsim", tmp_path / "run")
     (tmp_path / "bearingsim" / jit.source_digest()).chmod(0o700)
-    run_add(tmp_path)
+    run_compiled(tmp_path)
     assert (tmp_path / "run").exists()
 
 
@@ -122,7 +127,7 @@ def test_planted_code_of_another_user_is_not_run(
     shared: Path, cache_files: dict[str, bytes], planted: Callable, names: str
 ) -> None:
     planted(shared, lambda cache: plant(cache_files, cache, shared / "run"))
-    process = run_add(Path(), **{"BEARINGSIM_CACHE": "", names: str(shared)})
+    process = run_compiled(Path(), **{"BEARINGSIM_CACHE": "", names: str(shared)})
     assert not (shared / "run").exists()
     assert not Path(process.stdout.strip()).is_relative_to(shared)
     (line,) = process.stderr.splitlines()
@@ -135,7 +140,7 @@ def test_temporary_folder_of_another_user_is_not_used(shared: Path, cache_files:
     """The folder of the process is used instead."""
     first = shared / f"bearingsim-{os.getuid()}"
     as_other_user(lambda: plant(cache_files, first / "bearingsim", shared / "run"))
-    process = run_add(Path("/dev/null"), TMPDIR=str(shared))
+    process = run_compiled(Path("/dev/null"), TMPDIR=str(shared))
     assert not (shared / "run").exists()
     assert Path(process.stdout.strip()).parts[len(shared.parts)] not in ("bearingsim", first.name)
     assert [path.name for path in shared.iterdir()] == [first.name]
@@ -144,7 +149,7 @@ def test_temporary_folder_of_another_user_is_not_used(shared: Path, cache_files:
 @as_root
 def test_without_a_trusted_folder_nothing_is_cached(shared: Path) -> None:
     shared.chmod(0o777)
-    process = run_add(shared, TMPDIR=str(shared))
+    process = run_compiled(shared, TMPDIR=str(shared))
     assert process.stdout.strip() == "None"
     assert process.stderr.startswith("bearingsim: compiled code is not cached")
     assert list(shared.iterdir()) == []

@@ -23,7 +23,7 @@ from typing import Any
 from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
 from bearingsim.core.defects.jumps import next_jump
-from bearingsim.core.jit import add, generic, jit
+from bearingsim.core.jit import generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.differences import roller_arms, shared_arms
 from bearingsim.core.models.extremes import copy_forces, update_forces_within
@@ -36,6 +36,7 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS, TOO_SLOW
 from bearingsim.core.parameters import lanes
+from bearingsim.core.sums import sum_addends
 
 ADAPTIVE = "adaptive tableau rodas backward-euler generalized-alpha"  # owners of the rows of every adaptive method
 # states at the start and at the end of a step
@@ -166,14 +167,13 @@ def error_norm(method, error_q, error_v, y, n):
 
     Velocity errors are relative to the larger of the velocities at START and in the state's block.
     """
-    total = 0.0
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         v = lever * max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
         e_q = lever * y[error_q + j] / method.atol_q
         e_v = lever * y[error_v + j] / (method.atol_v + method.rtol * v)
-        total = add(total, e_q * e_q + e_v * e_v)
-    return sqrt(total)
+        y[lay.ADDENDS + j] = e_q * e_q + e_v * e_v
+    return sqrt(sum_addends(y, n))
 
 
 @jit
@@ -192,13 +192,12 @@ def limit_jump_error(error, h):
 def scaled_norm(method, q, v, y, n):
     """Return the norm of any position and velocity in the blocks at ``q`` and ``v``, relative to the velocities at
     START."""
-    total = 0.0
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         e_q = lever * y[q + j] / method.atol_q
         e_v = lever * y[v + j] / (method.atol_v + method.rtol * lever * abs(y[START_V + j]))
-        total = add(total, e_q * e_q + e_v * e_v)
-    return sqrt(total)
+        y[lay.ADDENDS + j] = e_q * e_q + e_v * e_v
+    return sqrt(sum_addends(y, n))
 
 
 # Lengths of steps

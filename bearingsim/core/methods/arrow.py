@@ -19,8 +19,9 @@ Matrices refer to a roller's absolute angle, theta = EPS + PHI_C; blocks of the 
 """
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.models.interface import degrees_of_freedom, state_width
+from bearingsim.core.sums import sum_addends
 
 PIVOTS = (
     lay.SYSTEM + lay.CORNER_BLOCK + lay.MAX_SHARED * lay.MAX_SHARED
@@ -116,13 +117,12 @@ def factorise(model, y):
         solve_rollers(per_roller, lay.border_column(lay.SYSTEM, 0, k), lay.MAX_SHARED * lay.ROW, y, n)
     for k in range(shared):
         for m in range(shared):
-            total = 0.0
             for j in range(n):
                 product = 0.0
                 for i in range(per_roller):
                     product += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[lay.border_column(lay.SYSTEM, i, m) + j]
-                total = add(total, product)
-            y[lay.corner_block(lay.SYSTEM, k, m)] -= total
+                y[lay.ADDENDS + j] = product
+            y[lay.corner_block(lay.SYSTEM, k, m)] -= sum_addends(y, n)
     factor_border(shared, y)
 
 
@@ -195,13 +195,12 @@ def solve(model, block, y):
         convert_angles(model, block, 1.0, y)
     solve_rollers(per_roller, block + lay.FIRST_LANE, lay.ROW, y, n)
     for k in range(shared):
-        total = 0.0
         for j in range(n):
             product = 0.0
             for i in range(per_roller):
                 product += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[block + i * lay.ROW + lay.FIRST_LANE + j]
-            total = add(total, product)
-        y[block + lay.shared_cell(k)] -= total
+            y[lay.ADDENDS + j] = product
+        y[block + lay.shared_cell(k)] -= sum_addends(y, n)
     solve_border(shared, block, y)
     for k in range(shared):
         x_k = y[block + lay.shared_cell(k)]
@@ -257,13 +256,13 @@ def multiply(model, matrix, source, target, y):
         total = 0.0
         for m in range(shared):
             total += y[lay.corner_block(matrix, k, m)] * y[source + lay.shared_cell(m)]
-        for i in range(per_roller):
-            shift = cage_angle if i == 1 else 0.0
-            for j in range(n):
-                total = add(
-                    total,
-                    y[lay.border_row(matrix, k, i) + j] * (y[source + i * lay.ROW + lay.FIRST_LANE + j] + shift),
-                )
-        y[target + lay.shared_cell(k)] = total
+        for j in range(n):
+            product = 0.0
+            for i in range(per_roller):
+                shift = cage_angle if i == 1 else 0.0
+                x = y[source + i * lay.ROW + lay.FIRST_LANE + j] + shift
+                product += y[lay.border_row(matrix, k, i) + j] * x
+            y[lay.ADDENDS + j] = product
+        y[target + lay.shared_cell(k)] = total + sum_addends(y, n)
     if has_relative_angles(model):
         convert_angles(model, target, -1.0, y)

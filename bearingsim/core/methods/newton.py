@@ -14,10 +14,11 @@ from math import isfinite, sqrt
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.methods.adaptive import LENGTH_SCALE, METHOD_STATES, START_V
 from bearingsim.core.methods.arrow import assemble_system, factorise, roller_lanes, solve
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
+from bearingsim.core.sums import sum_addends
 
 BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
     METHOD_STATES, "m, m/s, m/s^2, m/s^2, m/s^2, m/s^2", "backward-euler generalized-alpha", "step"
@@ -43,15 +44,14 @@ class Equation(NamedTuple):
 def step_norm(tolerance, equation, y, n):
     """Return the norm of the Newton step, its change of positions and velocities over the tolerance."""
     alpha, beta = equation.alpha, equation.beta
-    total = 0.0
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         q, v = abs(y[lay.POSITION + j]), max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
         x = abs(y[UNKNOWN + j])
         scale_q = lever * alpha / (tolerance.atol_q + ROUNDING * lever * (q + alpha * x))
         scale_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * v + ROUNDING * beta * x))
-        total = add(total, y[NEWTON_STEP + j] * y[NEWTON_STEP + j] * (scale_q * scale_q + scale_v * scale_v))
-    return sqrt(total)
+        y[lay.ADDENDS + j] = y[NEWTON_STEP + j] * y[NEWTON_STEP + j] * (scale_q * scale_q + scale_v * scale_v)
+    return sqrt(sum_addends(y, n))
 
 
 @jit

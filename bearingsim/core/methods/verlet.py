@@ -17,7 +17,7 @@ over which a force like delta^(1/9) is not smooth.
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, inlined, jit
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.methods.interface import MethodKind, prepare, stability_ratio, step
 from bearingsim.core.models.by_roller import drift, evaluate, kick
 from bearingsim.core.models.interface import state_width
@@ -65,10 +65,10 @@ def closes(delta, v, h):
 @jit
 def count_touch_downs(h, y, n):
     """Count the contacts that close within ``h`` (s). Vectorised, because few steps have any."""
-    count = 0.0
+    count = 0
     for j in range(n):
-        count = add(count, 1.0 if closes(y[lay.DELTA_O + j], y[lay.V_O + j], h) else 0.0)
-        count = add(count, 1.0 if closes(y[lay.DELTA_I + j], y[lay.V_I + j], h) else 0.0)
+        count += 1 if closes(y[lay.DELTA_O + j], y[lay.V_O + j], h) else 0
+        count += 1 if closes(y[lay.DELTA_I + j], y[lay.V_I + j], h) else 0
     return count
 
 
@@ -141,7 +141,7 @@ def _step(method, model, t, y):
     h, n = method.h, state_width(model)
     if y[lay.H_TAKEN] > 0.0:
         resume(y, n)
-    if count_touch_downs(h, y, lanes(model.bearing)) > 0.0:
+    if count_touch_downs(h, y, lanes(model.bearing)) > 0:
         begin_division(y, n)
         step_over_touch_downs(model, t, t + h, y)
         spread_acceleration(h, y, n)

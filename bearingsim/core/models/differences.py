@@ -10,9 +10,10 @@ column of a coordinate that cannot move is left empty, which saves its evaluatio
 from typing import Any
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, generic, jit
+from bearingsim.core.jit import generic, jit
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom
 from bearingsim.core.parameters import lanes
+from bearingsim.core.sums import lane_sum
 
 
 @jit
@@ -72,11 +73,10 @@ def store_state(roller_dof, model, y):
     for j in range(model.bearing.Z):
         y[lay.REFERENCE_STATE + lay.EPS_A + j] += y[lay.ACCELERATION + lay.PHI_C] if roller_dof > ORBIT else 0.0
     for c in range(lay.LOADS):
-        row, total = lay.roller_load(lay.F_X + c), 0.0
+        row = lay.roller_load(lay.F_X + c)
         for j in range(model.bearing.Z):
             y[row + lay.REFERENCE_ROLLER_LOADS - lay.ROLLER_LOADS + j] = y[row + j]
-            total = add(total, y[row + j])
-        y[lay.REFERENCE_LOADS + c] = total
+        y[lay.REFERENCE_LOADS + c] = lane_sum(row, y, lanes(model.bearing))
 
 
 @jit

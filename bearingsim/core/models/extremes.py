@@ -5,20 +5,20 @@ the parabola through the step's start, middle and end, if the force is smooth.
 """
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.parameters import lanes
 
 
 @jit
 def update_largest_forces(y, n):
     """Update the running maxima of each roller's forces, and the number of rollers that carry load."""
-    loaded = 0.0
+    loaded = 0
     for j in range(n):
         y[lay.Q_O_MAX + j] = max(y[lay.Q_O_MAX + j], y[lay.Q_O + j])
         y[lay.Q_I_MAX + j] = max(y[lay.Q_I_MAX + j], y[lay.Q_I + j])
         y[lay.Q_P_MAX + j] = max(y[lay.Q_P_MAX + j], abs(y[lay.Q_P + j]))
         mask = y[lay.COS + j] * y[lay.COS + j] + y[lay.SIN + j] * y[lay.SIN + j]  # 1, and 0 in a padded lane
-        loaded = add(loaded, mask if y[lay.Q_I + j] > 0.0 else 0.0)
+        loaded += 1 if mask * y[lay.Q_I + j] > 0.0 else 0
     y[lay.LOADED_ROLLERS] = loaded
 
 

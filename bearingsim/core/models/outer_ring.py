@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.plane import cos_sin
-from bearingsim.core.jit import add, inlined, jit
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.sums import sum_loads
+from bearingsim.core.sums import lane_sum, sum_loads
 
 
 class RingMotion(NamedTuple):
@@ -99,6 +99,10 @@ def accelerate_outer_ring(model, y):
     accelerate(model.bearing.m_o, f_x, f_y, y)
 
 
+# addends of the stiffnesses (N/m) and dampings (N s/m) of the ring
+K_XX, K_XY, K_YX, K_YY, C_XX, C_XY, C_YY = (lay.ADDENDS + n * lay.ROW for n in range(7))
+
+
 @jit
 def linearise_ring(model, K, C, y, n):
     """Fill the corner blocks: derivatives of the ring's acceleration with respect to its position and velocity.
@@ -107,13 +111,14 @@ def linearise_ring(model, K, C, y, n):
     delta = -u.e_r and v = -(u' - omega_c x u).e_r (N/m, N s/m).
     """
     support, per_mass, omega_c = model.support, 1.0 / model.bearing.m_o, model.bearing.omega_c
-    k_xx, k_xy, k_yx, k_yy, c_xx, c_xy, c_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         derivative_x, derivative_y = y[K + j] * c - y[C + j] * omega_c * s, y[K + j] * s + y[C + j] * omega_c * c
-        k_xx, k_xy = add(k_xx, c * derivative_x), add(k_xy, c * derivative_y)
-        k_yx, k_yy = add(k_yx, s * derivative_x), add(k_yy, s * derivative_y)
-        c_xx, c_xy, c_yy = add(c_xx, y[C + j] * c * c), add(c_xy, y[C + j] * c * s), add(c_yy, y[C + j] * s * s)
+        y[K_XX + j], y[K_XY + j] = c * derivative_x, c * derivative_y
+        y[K_YX + j], y[K_YY + j] = s * derivative_x, s * derivative_y
+        y[C_XX + j], y[C_XY + j], y[C_YY + j] = y[C + j] * c * c, y[C + j] * c * s, y[C + j] * s * s
+    k_xx, k_xy, k_yx, k_yy = lane_sum(K_XX, y, n), lane_sum(K_XY, y, n), lane_sum(K_YX, y, n), lane_sum(K_YY, y, n)
+    c_xx, c_xy, c_yy = lane_sum(C_XX, y, n), lane_sum(C_XY, y, n), lane_sum(C_YY, y, n)
     y[lay.corner_block(lay.POSITION_JACOBIAN, lay.X, lay.X)] = -per_mass * (k_xx + support.k_b)
     y[lay.corner_block(lay.POSITION_JACOBIAN, lay.X, lay.Y)] = -per_mass * k_xy
     y[lay.corner_block(lay.POSITION_JACOBIAN, lay.Y, lay.X)] = -per_mass * k_yx

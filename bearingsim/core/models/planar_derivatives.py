@@ -12,7 +12,7 @@ Friction is not lagged (``laws/friction/lag.py``), because implicit methods use 
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.cage import cage_constraint, orbit_drag
 from bearingsim.core.parts.cage_derivatives import (
@@ -30,6 +30,7 @@ from bearingsim.core.parts.races import (
     race_change,
 )
 from bearingsim.core.parts.shaft import damper_per_mass, mobility, spring_per_mass
+from bearingsim.core.sums import sum_addends
 
 RADIAL, ORBIT, SPIN = range(3)  # a roller's coordinates
 SHARED = 8
@@ -109,10 +110,9 @@ def write_shared_column(matrix, m, low, high, m_r, y, n):
     for k in range(SHARED):
         y[lay.corner_block(matrix, k, m)] = 0.0
     for k in range(low, high):
-        total = 0.0
         for j in range(n):
-            total = add(total, y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j])
-        y[lay.corner_block(matrix, k, m)] = m_r * y[lay.MOBILITY_SHARED + k] * total
+            y[lay.ADDENDS + j] = y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j]
+        y[lay.corner_block(matrix, k, m)] = m_r * y[lay.MOBILITY_SHARED + k] * sum_addends(y, n)
 
 
 @jit

@@ -12,7 +12,7 @@ import numpy as np
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.plane import small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
-from bearingsim.core.jit import add, generic, inlined
+from bearingsim.core.jit import generic, inlined
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.models.planar_forces import tangential_forces
 from bearingsim.core.parameters import lanes
@@ -34,6 +34,7 @@ from bearingsim.core.parts.form import (
     read_surface,
     stored,
 )
+from bearingsim.core.sums import sum_addends
 
 
 @generic(inline="late")
@@ -73,7 +74,6 @@ def _load_formed_contacts(form, model, common, y):
     read_surface(form.inner, b.Z, RACE_I, RACE_SLOPE_I, y, n)
     read_surface(form.rollers, b.Z, ROLLER_O, ROLLER_SLOPE_O, y, n)
     read_surface(form.rollers, b.Z, ROLLER_I, ROLLER_SLOPE_I, y, n)
-    torque = 0.0
     for j in range(n):
         spin_v = common.spin + y[lay.SPIN_V + j]
         tilt_o = recede(OuterSide(), form.outer, form.rollers, common.omega_o, spin_v, y, j)
@@ -85,9 +85,9 @@ def _load_formed_contacts(form, model, common, y):
         roller_o = stored(form.rollers, ROLLER_SLOPE_O, y, j)
         roller_i = stored(form.rollers, ROLLER_SLOPE_I, y, j)
         y[lay.DEFECT_TORQUE + j] = -(roller_o * Q_o + roller_i * Q_i)
-        torque = add(torque, -stored(form.outer, RACE_SLOPE_O, y, j) * Q_o)
+        y[lay.ADDENDS + j] = -stored(form.outer, RACE_SLOPE_O, y, j) * Q_o
         tangential_forces(model, common, tilt_o, tilt_i, y, j)
-    return torque
+    return sum_addends(y, n)
 
 
 @inlined

@@ -29,7 +29,7 @@ from bearingsim.core.defects.on_roller import (
     stiffness_over_defect,
 )
 from bearingsim.core.defects.pairs import HALF_WIDTH, Defects, passing_speed
-from bearingsim.core.jit import add, inlined, jit
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import (
     damping_bound,
     derivatives,
@@ -59,6 +59,7 @@ from bearingsim.core.models.outer_ring import (
 )
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.form import RECESS_I, RECESS_O, RECESS_V_I, RECESS_V_O, Smooth, fill_recesses, recess
+from bearingsim.core.sums import sum_addends
 
 # tangent stiffness and damping of a roller's two contacts in series
 K_RING, C_RING = lay.rows(lay.WORK + 5 * lay.ROW, "N/m, N s/m", "ring", "evaluation")
@@ -197,24 +198,22 @@ def _stiffness_per_mass(model, y, j):
 
     Without the bracket this is one to two times the largest eigenvalue.
     """
-    total = 0.0
     for i in range(lanes(model.bearing)):
         mask = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]  # 1, and 0 in a padded lane
         outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + i], 0.0), y[lay.V_O + i])
         inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + i], 0.0), y[lay.V_I + i])
-        total = add(total, mask * in_series(outer, inner))
-    return (total + model.support.k_b) / model.bearing.m_o
+        y[lay.ADDENDS + i] = mask * in_series(outer, inner)
+    return (sum_addends(y, lanes(model.bearing)) + model.support.k_b) / model.bearing.m_o
 
 
 @interface.damping_per_mass.register(Ring)
 def _damping_per_mass(model, y, j):
-    total = 0.0
     for i in range(lanes(model.bearing)):
         mask = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]
         outer = damping_bound(model.outer, max(y[lay.DELTA_O + i], 0.0), y[lay.V_O + i])
         inner = damping_bound(model.inner, max(y[lay.DELTA_I + i], 0.0), y[lay.V_I + i])
-        total = add(total, mask * in_series(outer, inner))
-    return (total + model.support.c_b) / model.bearing.m_o
+        y[lay.ADDENDS + i] = mask * in_series(outer, inner)
+    return (sum_addends(y, lanes(model.bearing)) + model.support.c_b) / model.bearing.m_o
 
 
 @interface.degrees_of_freedom.register(Ring)

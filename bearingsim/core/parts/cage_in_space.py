@@ -16,7 +16,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.orientation import Body, axis_acceleration, axis_precession_rate, body_at
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA
 from bearingsim.core.geometry.vectors import angular_velocity, combine, combine_three, cross, cross_components, dot
-from bearingsim.core.jit import absent, add, generic, jit
+from bearingsim.core.jit import absent, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -202,15 +202,11 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
 @jit
 def any_pocket_contact(play, half_length, y, n):
     """Check if any roller of half length ``half_length`` (m) touches its pocket."""
-    contacts = 0.0
+    contacts = 0
     for j in range(n):
-        contacts = add(
-            contacts,
-            1.0
-            if abs(y[lay.POCKET_OFFSET + j]) + half_length * abs(y[lay.POCKET_OFFSET_SLOPE + j]) > play
-            else 0.0,
-        )
-    return contacts > 0.0
+        max_offset = abs(y[lay.POCKET_OFFSET + j]) + half_length * abs(y[lay.POCKET_OFFSET_SLOPE + j])
+        contacts += 1 if max_offset > play else 0
+    return contacts > 0
 
 
 @jit

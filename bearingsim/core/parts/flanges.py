@@ -21,7 +21,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, side_rows, sign
 from bearingsim.core.geometry.vectors import combine, combine_three, cross, dot
-from bearingsim.core.jit import absent, add, generic, jit
+from bearingsim.core.jit import absent, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -80,7 +80,7 @@ def any_roller_near_flange(side, flanges, model, ring, y, n):
     """
     base, R_mean = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
     play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
-    count = 0.0
+    count = 0
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         d_r, d_t = R_mean + y[lay.RADIAL + j] - ring.x * c - ring.y * s, ring.x * s - ring.y * c
@@ -88,8 +88,8 @@ def any_roller_near_flange(side, flanges, model, ring, y, n):
         axial_offset += (y[lay.AXIAL + j] - ring.z) * ring.a_z
         a_r, a_t, a_z = y[base + lay.DIRECTION_R + j], y[base + lay.DIRECTION_T + j], y[base + lay.DIRECTION_Z + j]
         max_offset = abs(axial_offset) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
-        count = add(count, 0.0 if max_offset < play else 1.0)  # NaN counts as near
-    return count > 0.0
+        count += 0 if max_offset < play else 1  # NaN counts as near
+    return count > 0
 
 
 @jit
