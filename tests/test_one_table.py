@@ -32,7 +32,6 @@ OTHER_MEANINGS = {
     ("study/uncertainty.py", "ring"): "a field of the rig",
     ("plots/passage.py", "ring"): "the outer ring's channels",
     ("figure_kinds.py", "ring"): "a kind of figure",
-    ("study/figures.py", "ring"): "a kind of figure",
     ("plots/ring.py", "ring"): "a kind of figure",
     ("core/layout.py", "spatial"): "an owner of rows of the buffer",
 }
