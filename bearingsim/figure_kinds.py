@@ -23,8 +23,8 @@ class Kind(NamedTuple):
     """Kind of figure.
 
     draw: module and function in ``bearingsim.plots``; options: keys of a figure of this kind; of_jobs: whether it
-    shows signals of single jobs rather than features of the results table; range: dimension of its option `range`;
-    needs_record: whether it shows recorded channels.
+    is drawn from single jobs rather than from the results table; range: dimension of its option `range`;
+    needs_record: whether a kind drawn from jobs shows recorded channels.
     """
 
     draw: str

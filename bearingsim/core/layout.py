@@ -151,9 +151,9 @@ COMPRESSION, COMPRESSION_V, SPRING_FORCE = declare(
 # STAGE: states that a method keeps between evaluations, declared by the methods
 STAGE, STAGE_STATES = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW, 56
 
-# addends of sums over lanes, from the loop that writes them to their sum (``core/sums.py``)
-ADDEND_ROWS = 12
-ADDENDS = full_rows(STAGE + STAGE_STATES * STATE, "of the sum", "all", "evaluation", count=ADDEND_ROWS)[0]
+# addends of a sum over a state or of up to seven sums over lanes, valid until they are summed (``core/sums.py``)
+ADDEND_ROWS = 7
+ADDENDS = full_rows(STAGE + STAGE_STATES * STATE, "unit of the sum", "all", "evaluation", count=ADDEND_ROWS)[0]
 
 # cells of a run: rollers that carry load
 (LOADED_ROLLERS,) = cells(ADDENDS + ADDEND_ROWS * ROW, "1", "all", "run")

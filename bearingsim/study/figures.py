@@ -150,7 +150,7 @@ def check_recorded(section: Node | None, cases: Iterable[Case], problems: list[P
                 )
         kind = figure.mapping["kind"].text
         if node is None and not recorded and KINDS[kind].needs_record:
-            message = f"figures: a {kind} needs a recorded channel"
+            message = f"figures: `{kind}` needs a recorded channel"
             problems.append(problem(figure.mark, message, "add `record: [ring.velocity]`"))
 
 
