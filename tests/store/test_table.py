@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -13,6 +14,7 @@ from bearingsim.selection.choices import key
 from bearingsim.store import layouts
 from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import write_json
+from bearingsim.store.table import healthy_differences
 from tests.scenes.fake_studies import FakeStudy
 from tests.scenes.study_text import Write
 from tests.scenes.trials import TEXT, accuracy_study
@@ -81,3 +83,19 @@ def test_damaged_plan_is_refused(tmp_path: Path) -> None:
     write_json(tmp_path / "plan.json", plan | {"jobs": {}})
     with pytest.raises(Unreadable, match=r"^jobs"):
         store.read_plan(tmp_path)
+
+
+def test_changes_from_healthy_of_a_line_and_of_a_band() -> None:
+    """A line changes by the distance of complex amplitudes, a band by the difference of its values."""
+    columns = {
+        "healthy": ["intact", "absent", None],
+        "features/velocity@BPFO": [5.0, 1.0, 3.0],
+        "features/velocity@BPFO.phase": [0.0, 0.0, np.pi / 3.0],
+        "features/acceleration.rms@2000-10000Hz": [7.0, 1.0, 4.0],
+    }
+    changes = healthy_differences(pd.DataFrame(columns, index=["damaged", "alone", "intact"]))
+    line, band = "features/velocity@BPFO-healthy", "features/acceleration.rms@2000-10000Hz-healthy"
+    assert list(changes) == [line, band]
+    assert changes[line].iloc[0] == pytest.approx(np.sqrt(5.0**2 + 3.0**2 - 5.0 * 3.0))
+    assert changes[band].iloc[0] == 3.0
+    assert changes.iloc[1:].isna().all(axis=None)
