@@ -28,7 +28,8 @@ def lane_sum(row, y, n):
 def sum_addends(y, n):
     """Return the sum of the first ``n`` ADDENDS; those up to the next multiple of VECTOR_WIDTH are set
     to 0."""
-    n_lanes = max((n + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH, 1) * lay.VECTOR_WIDTH
+    vectors = max((n + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH, 1)  # `lane_sum` reads one even for n = 0
+    n_lanes = vectors * lay.VECTOR_WIDTH
     for j in range(n, n_lanes):
         y[lay.ADDENDS + j] = 0.0
     return lane_sum(lay.ADDENDS, y, n_lanes)

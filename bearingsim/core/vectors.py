@@ -1,9 +1,9 @@
 """Sums and products of rows in vector registers, eight doubles at once.
 
 numba's compiler vectorises a loop over lanes, but not a sum over harmonics (or rollers) for each lane, which
-requires the lanes to stay in registers during the loop, nor a sum over lanes, which it may not reorder. These
-loops are therefore written in LLVM IR (numba intrinsics). Eight doubles are one register of AVX-512, two of AVX2,
-four of SSE2 or NEON. The order of each sum is the same on all of them, and so is every bit of the result on
+requires the lanes to stay in registers during the loop, nor the product of two rows, whose sum it may not reorder.
+These loops are therefore written in LLVM IR (numba intrinsics). Eight doubles are one register of AVX-512, two of
+AVX2, four of SSE2 or NEON. The order of each sum is the same on all of them, and so is every bit of the result on
 processors with fused multiply-add.
 
 Gain: a run of `rollers` with a flexible ring takes 0.082 s of CPU time instead of 0.196 s with plain loops (x86-64

@@ -47,9 +47,10 @@ def test_addends_up_to_n_are_summed(n: int) -> None:
 
 @pytest.mark.parametrize("n", [0, 7, 16, 81, 131])
 def test_dot_adds_sixteen_partial_sums(n: int) -> None:
-    """Products of factors with 26 bits are exact, so fusing them changes nothing."""
-    a, b = np.random.default_rng(n).standard_normal((2, 140)).astype(np.float32).astype(float)
-    a, b = (np.round(factor * 2.0**20) / 2.0**20 for factor in (a, b))
+    """Products of factors with 24 bits are exact, fused or not; their sums depend on the order."""
+    rng = np.random.default_rng(n)
+    factors = rng.standard_normal((2, 140)) * 10.0 ** rng.uniform(-6.0, 6.0, (2, 140))
+    a, b = factors.astype(np.float32).astype(float)
     compiled = jit(lambda a, b, n: dot(a, b, n))
     assert compiled(a, b, n) == dot(a, b, n)
     assert dot(a, b, n) == pytest.approx(a[:n] @ b[:n], rel=1e-12)
