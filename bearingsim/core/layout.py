@@ -169,10 +169,12 @@ NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 
 (CPU_END,) = cells(
     LOADED_ROLLERS + 15, "s", "all", "run"
 )  # CPU time at which compiled loops end, 0: never (``clock.py``)
+# largest forces Q_O, Q_I, |Q_P| of any roller at the ends of an adaptive method's steps
+(LARGEST_AT_ENDS,) = cells(LOADED_ROLLERS + 2 * VECTOR_WIDTH, "N", "adaptive", "run", count=3)[:1]
 # for each of the first roller-defect pairs: 1 + number of the roller in it, or 0; crossings counted. Step over the
 # method's step limit for each monitored body. Larger approach of each roller to an undamaged race, for the monitor
 ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = full_rows(
-    LOADED_ROLLERS + 2 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
+    LOADED_ROLLERS + 3 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
 )
 # forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
 FORCES_AT_START, FORCES_AT_END = full_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]

@@ -266,6 +266,7 @@ def pop_peaks(y: np.ndarray) -> list[float]:
     peaks = [float(row.max(initial=0.0)) for row in rows]
     for row in rows:
         row[:] = 0.0
+    y[lay.LARGEST_AT_ENDS : lay.LARGEST_AT_ENDS + 3] = 0.0
     return peaks
 
 

@@ -26,7 +26,7 @@ from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.differences import roller_arms, shared_arms
-from bearingsim.core.models.extremes import copy_forces, update_forces_within
+from bearingsim.core.models.extremes import may_peak_within, store_forces_at_end, update_forces_within
 from bearingsim.core.models.interface import (
     accelerations,
     degrees_of_freedom,
@@ -300,16 +300,15 @@ def advance_once(method, model, y):
     if y[lay.NEXT_STOP] - y[lay.T_END] <= JUMP_GAP:
         cross_jump(method, model, y, n)
         store_step_end(model, y, n)
-        copy_forces(lay.FORCES_AT_START, y, rollers)
+        store_forces_at_end(y, rollers)
         return 1
     attempts = take_step(method, model, y, n)
     if y[lay.FAILED] == SUCCESS:
         store_step_end(model, y, n)
-        copy_forces(lay.FORCES_AT_END, y, rollers)
-        set_middle_state(model, y, n)
-        update_forces_within(y, rollers)
-        for k in range(3 * lay.ROW):
-            y[lay.FORCES_AT_START + k] = y[lay.FORCES_AT_END + k]
+        store_forces_at_end(y, rollers)
+        if may_peak_within(y, rollers):
+            set_middle_state(model, y, n)
+            update_forces_within(y, rollers)
     return attempts
 
 
@@ -370,7 +369,7 @@ def _prepare(method, model, t, y):
     y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN], y[lay.DENSE_READY], y[lay.LAST_ERROR] = t, t, 0.0, 0.0, 1.0
     y[lay.FAILED] = SUCCESS
     save_state(y, START_Q, n)
-    copy_forces(lay.FORCES_AT_START, y, lanes(model.bearing))
+    store_forces_at_end(y, lanes(model.bearing))
     y[lay.H_NEXT] = min(first_step(method, model, t, y, n), method.longest)
     save_state(y, END_Q, n)
     y[lay.NEXT_STOP] = next_jump(model, t, y)

@@ -22,16 +22,46 @@ def update_largest_forces(y, n):
     y[lay.LOADED_ROLLERS] = loaded
 
 
+PEAK_RATIO = 0.5  # of a force at a step's ends to the largest, below which no peak is expected; < SMOOTH_RATIO
 SMOOTH_RATIO = 0.7  # minimum ratio of the three values to the parabola's top for which the parabola is used
 
 
 @jit
-def copy_forces(row, y, n):
-    """Copy every roller's forces Q_O, Q_I, |Q_P| into the three rows from ``row`` on."""
+def store_forces_at_end(y, n):
+    """Store every roller's forces Q_O, Q_I, |Q_P| at the end of a step, where the next begins."""
+    start, end = lay.FORCES_AT_START, lay.FORCES_AT_END
     for j in range(n):
-        y[row + j] = y[lay.Q_O + j]
-        y[row + lay.ROW + j] = y[lay.Q_I + j]
-        y[row + 2 * lay.ROW + j] = abs(y[lay.Q_P + j])
+        y[start + j], y[end + j] = y[end + j], y[lay.Q_O + j]
+        y[start + lay.ROW + j], y[end + lay.ROW + j] = y[end + lay.ROW + j], y[lay.Q_I + j]
+        y[start + 2 * lay.ROW + j], y[end + 2 * lay.ROW + j] = y[end + 2 * lay.ROW + j], abs(y[lay.Q_P + j])
+
+
+@jit
+def may_peak_within(y, n):
+    """Check if a force within a step may exceed the largest force of any roller so far; update LARGEST_AT_ENDS.
+
+    It cannot where both ends are below PEAK_RATIO of that force. The parabola's top is at most 1/SMOOTH_RATIO of
+    both ends. A force in the middle above 1/PEAK_RATIO of both would belong to a contact shorter than the step,
+    which the error control does not accept.
+    """
+    near = 0
+    for i in range(3):
+        start, end, largest = (
+            lay.FORCES_AT_START + i * lay.ROW,
+            lay.FORCES_AT_END + i * lay.ROW,
+            lay.LARGEST_AT_ENDS + i,
+        )
+        bound = y[largest]
+        above = 0
+        for j in range(n):
+            above += 1 if y[end + j] > bound else 0
+        if above > 0:
+            for j in range(n):
+                y[largest] = max(y[largest], y[end + j])
+        bound = PEAK_RATIO * y[largest]
+        for j in range(n):
+            near += 1 if max(y[start + j], y[end + j]) > bound else 0
+    return near > 0
 
 
 @jit
