@@ -24,7 +24,8 @@ class Kind(NamedTuple):
 
     draw: module and function in ``bearingsim.plots``; options: keys of a figure of this kind; of_jobs: whether it
     is drawn from single jobs rather than from the results table; range: dimension of its option `range`;
-    needs_record: whether a kind drawn from jobs shows recorded channels.
+    channel: recorded channel that a kind drawn from jobs can show, suggested if none is recorded; empty if it
+    shows none.
     """
 
     draw: str
@@ -32,7 +33,7 @@ class Kind(NamedTuple):
     options: tuple[str, ...]
     of_jobs: bool = True
     range: Dimension | None = None
-    needs_record: bool = True
+    channel: str = "ring.velocity"
 
 
 KINDS = {
@@ -65,11 +66,13 @@ KINDS = {
     ),
     "roller": Kind(
         "roller.draw_roller", "channels of a roller over its angle",
-        (*CURVES, "around", "range", "mean"), range="angle",
+        (*CURVES, "around", "range", "mean"), range="angle", channel="roller.1.outer_force",
     ),
-    "load": Kind("line_load.draw_load", "line load along a roller", (*SELECTION, "span")),
-    "pit": Kind("defect.draw_defects", "defects to scale", ("where",), needs_record=False),
-    "ring": Kind("ring.draw_rings", "outer ring in static equilibrium", ("where",), needs_record=False),
+    "load": Kind(
+        "line_load.draw_load", "line load along a roller", (*SELECTION, "span"), channel="roller.1.outer_line_load"
+    ),
+    "pit": Kind("defect.draw_defects", "defects to scale", ("where",), channel=""),
+    "ring": Kind("ring.draw_rings", "outer ring in static equilibrium", ("where",), channel=""),
 }  # fmt: skip
 """Kinds of figures by name."""
 

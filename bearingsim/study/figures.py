@@ -142,16 +142,15 @@ def check_recorded(section: Node | None, cases: Iterable[Case], problems: list[P
     rollers = {roller for channel in names if (roller := roller_of(channel))}
     for figure in figures:
         node = figure.mapping.get("y")
-        for channel in (node.items or (node,)) if node is not None else ():
-            if channel.text not in names and roller_of(channel.text) not in rollers:
-                add = f"add it to `record`: `record: [{channel.text}]`"
-                problems.append(
-                    problem(channel.mark, f"figures: the channel `{channel.text}` is not recorded", add)
-                )
+        for item in (node.items or (node,)) if node is not None else ():
+            if item.text not in names and roller_of(item.text) not in rollers:
+                add = f"add it to `record`: `record: [{item.text}]`"
+                problems.append(problem(item.mark, f"figures: the channel `{item.text}` is not recorded", add))
         kind = figure.mapping["kind"].text
-        if node is None and not recorded and KINDS[kind].needs_record:
+        channel = KINDS[kind].channel
+        if node is None and not recorded and channel:
             message = f"figures: `{kind}` needs a recorded channel"
-            problems.append(problem(figure.mark, message, "add `record: [ring.velocity]`"))
+            problems.append(problem(figure.mark, message, f"add `record: [{channel}]`"))
 
 
 def _shows_signals(node: Node) -> bool:

@@ -258,6 +258,21 @@ def test_table_sorts_filters_and_legend_hides(tab, pages):
     assert tab.run(symbols) < before
 
 
+def test_ids_are_sorted_as_text(tab, pages):
+    """An id may look like a number, `1e5000`, or begin with one."""
+    tab.open(pages["swept"])
+    head, cells = (
+        "document.querySelector('#table th')",
+        "[...document.querySelectorAll('#table tbody tr td:first-child')]",
+    )
+    assert tab.run(f"{head}.textContent.trim()") == "job"
+    count = tab.run(f"{cells}.length")
+    ids = [f"{('b07c', '9e1d', '20f', '1e5', 'a1e5')[k % 5]}{k:03d}" for k in range(count)]
+    tab.run(f"{cells}.forEach((cell, k) => {{ cell.textContent = {json.dumps(ids)}[k]; }})")
+    tab.run(f"{head}.click()")
+    assert tab.run(f"{cells}.map((cell) => cell.textContent)") == sorted(ids)
+
+
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `make report-check` installs it")
 @pytest.mark.parametrize("dark", [False, True])
 def test_axe_reports_no_violation(tab, pages, dark):

@@ -346,3 +346,16 @@ def test_figure_of_a_feature_without_a_model_is_refused(write: Write) -> None:
     (problem,) = problems(path)
     assert "no model of the study computes `cage.slip.mean`" in str(problem)
     assert "`model: planar`" in str(problem)
+
+
+@pytest.mark.parametrize(
+    ("kind", "channel"),
+    [("series", "ring.velocity"), ("roller", "roller.1.outer_force"), ("load", "roller.1.outer_line_load")],
+)
+def test_figure_without_a_recorded_channel_suggests_one_that_it_draws(
+    write: Write, kind: str, channel: str
+) -> None:
+    (problem,) = problems(write(f"{BASE}model: spatial\nrecord: []\nfigures:\n  - {{kind: {kind}}}\n"))
+    assert f"`{kind}` needs a recorded channel" in str(problem)
+    assert f"`record: [{channel}]`" in str(problem)
+    load_study(write(f"{BASE}model: spatial\nrecord: [{channel}]\nfigures:\n  - {{kind: {kind}}}\n"))

@@ -217,7 +217,9 @@ function table() {
   const heads = [...document.querySelectorAll('#table th')];
   for (const [i, head] of heads.entries()) head.addEventListener('click', () => {
     const sign = head.ariaSort === 'ascending' ? -1 : 1;
-    const order = (a, b) => Number.parseFloat(a) - Number.parseFloat(b) || a.localeCompare(b);
+    const isNumber = head.classList.contains('number'); // an id may begin with digits
+    const difference = (a, b) => (isNumber ? Number.parseFloat(a) - Number.parseFloat(b) : 0);
+    const order = (a, b) => difference(a, b) || a.localeCompare(b);
     for (const other of heads) other.ariaSort = 'none';
     head.ariaSort = sign > 0 ? 'ascending' : 'descending';
     body.append(...rows.sort((a, b) => sign * order(cell(a, i), cell(b, i))));
