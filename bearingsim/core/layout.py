@@ -169,7 +169,8 @@ NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 
 (CPU_END,) = cells(
     LOADED_ROLLERS + 15, "s", "all", "run"
 )  # CPU time at which compiled loops end, 0: never (``clock.py``)
-# largest forces Q_O, Q_I, |Q_P| of any roller at the ends of an adaptive method's steps
+# largest forces Q_O, Q_I, |Q_P| of any roller in this ball pass where the steps of an adaptive method end; unlike
+# Q_O_MAX without recorded instants
 (LARGEST_AT_ENDS,) = cells(LOADED_ROLLERS + 2 * VECTOR_WIDTH, "N", "adaptive", "run", count=3)[:1]
 # for each of the first roller-defect pairs: 1 + number of the roller in it, or 0; crossings counted. Step over the
 # method's step limit for each monitored body. Larger approach of each roller to an undamaged race, for the monitor
@@ -177,7 +178,7 @@ ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = full_rows(
     LOADED_ROLLERS + 3 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
 )
 # forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
-FORCES_AT_START, FORCES_AT_END = full_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]
+FORCES_AT_START, FORCES_AT_END = full_rows(APPROACH_NOW + ROW, "N", "adaptive", "run", count=6)[::3]
 
 # arrow matrix (``methods/arrow.py``): rows of the rollers' own blocks, of the border's effect on a roller and of a
 # roller's effect on the border; cells of the border's own block

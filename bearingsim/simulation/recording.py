@@ -261,7 +261,7 @@ def samples_between_steps(case: Case, raw_values: np.ndarray) -> NoSamples | Sam
 
 
 def pop_peaks(y: np.ndarray) -> list[float]:
-    """Return the largest value of each of ``EXTREMES`` over all rollers since the last call, and reset them."""
+    """Return the largest value of each of ``EXTREMES`` over all rollers since the last call; reset it."""
     rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty if the model lacks them
     peaks = [float(row.max(initial=0.0)) for row in rows]
     for row in rows:

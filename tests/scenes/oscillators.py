@@ -12,6 +12,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import prepare, step
+from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     accelerations,
     degrees_of_freedom,
@@ -69,7 +70,7 @@ def undefined_after(end: float) -> Oscillator:
 state_width.register(Oscillator)(lambda model: lay.FIRST_LANE + 8)
 monitored.register(Oscillator)(lambda model: 1)
 degrees_of_freedom.register(Oscillator)(lambda model: (1, 0))
-update_extremes.register(Oscillator)(lambda model, y: None)
+update_extremes.register(Oscillator)(update_forces)
 next_jump.register(Oscillator)(lambda model, t, y: model.jump_time if t < model.jump_time else inf)
 
 
@@ -82,7 +83,8 @@ def _accelerations(model, t, y):
     if model.P != 0.0:
         a += model.P * cos(model.w * t)
     if model.floor != 0.0:
-        a += model.floor * max(-q, 0.0) ** model.n
+        y[lay.Q_O] = model.floor * max(-q, 0.0) ** model.n
+        a += y[lay.Q_O]
     y[lay.RADIAL_A] = a if t < model.until else model.after
 
 
@@ -149,6 +151,11 @@ def exact_state(K: float, C: float, t: float, q: float, v: float) -> np.ndarray:
     w, c = sqrt(K - C * C / 4.0), C / 2.0
     decay, cosine, sine = exp(-c * t), cos(w * t), cos(w * t - pi / 2.0)
     return decay * np.array([q * cosine + (v + c * q) / w * sine, v * cosine - (K * q + c * v) / w * sine])
+
+
+def bounce_force(model: Oscillator, v: float) -> float:
+    """Largest contact force (N) of a roller that hits the floor with ``v`` (m/s), its contact linear (n = 1)."""
+    return model.g + sqrt(model.g**2 + model.floor * v * v)
 
 
 def bounce_period(model: Oscillator, v: float) -> float:

@@ -1,7 +1,8 @@
 """Running maxima of the rollers' forces, updated once per step; the stages of a method within a step do not count.
 
 The steps of an adaptive method are so long that a force may peak between their ends. The peak is then taken from
-the parabola through the step's start, middle and end, if the force is smooth.
+the parabola through the step's start, middle and end, if the force is smooth and near the largest one of the ball
+pass. Only the largest force of all rollers therefore includes all peaks, not that of each roller.
 """
 
 from bearingsim.core import layout as lay
@@ -38,11 +39,13 @@ def store_forces_at_end(y, n):
 
 @jit
 def may_peak_within(y, n):
-    """Check if a force within a step may exceed the largest force of any roller so far; update LARGEST_AT_ENDS.
+    """Check if a force within a step may exceed the largest of any roller in this ball pass.
 
-    It cannot where both ends are below PEAK_RATIO of that force. The parabola's top is at most 1/SMOOTH_RATIO of
-    both ends. A force in the middle above 1/PEAK_RATIO of both would belong to a contact shorter than the step,
-    which the error control does not accept.
+    It is assumed not to where all forces at both ends are at most PEAK_RATIO of that force. The parabola's top is
+    at most 1/SMOOTH_RATIO of either end. A middle above 1/PEAK_RATIO of both ends requires a step of about two
+    thirds of a contact's duration (half a sine); none was accepted at any tolerance (docs/evidence/speed.md).
+    LARGEST_AT_ENDS is updated. It does not depend on recorded instants, so recording does not change which steps
+    are evaluated.
     """
     near = 0
     for i in range(3):

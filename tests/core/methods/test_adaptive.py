@@ -13,6 +13,7 @@ from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from tests.scenes.oscillators import (
     Oscillator,
+    bounce_force,
     bounce_period,
     bouncing_roller,
     counts,
@@ -69,17 +70,33 @@ def test_recording_does_not_change_the_steps(method):
     assert (frequent[9::10] == sparse).all()
 
 
+@pytest.mark.parametrize("model", [SWING, bouncing_roller(10.0, 400.0, 1.0)])
 @pytest.mark.parametrize("method", METHODS)
-def test_run_in_chunks_is_identical(method):
+def test_run_in_chunks_is_identical(method, model):
     """All states and the buffer are identical, because the buffer contains the complete state of a run."""
     tolerant_method = with_tolerance(method, 0.1, 1e-6)
-    expected, y = run(tolerant_method, SWING, 100)
+    expected, y = run(tolerant_method, model, 100)
     z, chunks = lay.buffer(1, 1.0), np.empty((100, 2))
-    start(tolerant_method, SWING, 0.0, 0.5, 0.2, z)
+    start(tolerant_method, model, 0.0, 0.5, 0.2, z)
     for begin, end in ((0, 7), (7, 8), (8, 63), (63, 100)):
-        take_steps(tolerant_method, SWING, begin, z, chunks[begin:end])
+        take_steps(tolerant_method, model, begin, z, chunks[begin:end])
     assert (chunks == expected).all()
     assert (y == z).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_largest_force_lies_between_the_ends_of_steps(method):
+    """A bouncing roller, whose few steps per contact end a per cent or more below the largest force."""
+    model, v = bouncing_roller(10.0, 400.0, 1.0), 1.0
+    _, y = run(with_tolerance(method, 1.0, 1e-3), model, 1, 0.0, -v)
+    assert y[lay.Q_O_MAX] == pytest.approx(bounce_force(model, v), rel=2e-3)
+
+
+def test_middle_of_a_step_is_evaluated_near_the_largest_force_only():
+    """Dormand and Prince's method: six evaluations for a step, one for each instant, two for the first step."""
+    _, y = run(with_tolerance(DormandPrince, 0.01, 1e-6), bouncing_roller(10.0, 400.0, 1.0), 100, 0.0, -1.0)
+    of_steps = 6 * (y[lay.STEPS_TAKEN] + y[lay.STEPS_REJECTED]) + 100 + 2
+    assert 0 < y[lay.EVALUATIONS] - of_steps < 0.7 * y[lay.STEPS_TAKEN]
 
 
 @pytest.mark.parametrize(("method", "order"), [(Dop853, 7), (DormandPrince, 4)])
