@@ -21,7 +21,8 @@ from bearingsim.store.choices import Choice
 class Discretisation:
     """Discretisation errors of chosen cases from trials.
 
-    mesh_pairs: by number, each case and the same case on another mesh at the same step; uniform_curves: curves of
+    mesh_pairs: by number, each case and the same case on another mesh at the same step; failed_cases: numbers of
+    the cases whose mesh can be changed and whose own trial failed; uniform_curves: curves of
     cases with the same candidate, model and defect shapes.
     """
 
@@ -32,12 +33,13 @@ class Discretisation:
         choices: Mapping[int, Choice],
         computed: Callable[[int, str], Case],
     ) -> None:
-        """Find the cases that have another mesh.
+        """Find the cases whose mesh can be changed.
 
         computed: returns a case, by number, with a candidate's settings.
         """
         self.evidence, cases = evidence, evidence.study.cases()
         self.mesh_pairs: dict[int, MeshPair] = {}
+        self.failed_cases: set[int] = set()
         kinds: dict[int, tuple] = {}
         for n, choice in choices.items():
             is_reference = choice.candidate in (REFERENCE, WITH_FRICTION)
@@ -45,7 +47,9 @@ class Discretisation:
             other = remeshed(chosen, is_reference)
             trial = evidence.trials.get(trials_of(evidence.study, n, chosen)[0].id)
             # for a case with friction the trial has none, because this is cheaper and the nodes are the same
-            if other is not None and trial is not None:
+            if other is not None and trial is None:
+                self.failed_cases.add(n)
+            elif other is not None:
                 self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(other[0], trial), other[1])
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.uniform_curves = [
@@ -68,6 +72,9 @@ class Discretisation:
 
     def errors(self, n: int) -> dict[str, float | None]:
         """Return the error of a case by feature, None if unknown; empty for a case without another mesh."""
+        assert self.evidence.study.goal is not None
+        if n in self.failed_cases:
+            return dict.fromkeys(self.evidence.study.goal.of)
         if n not in self.mesh_pairs:
             return {}
         if n in self.tried:

@@ -319,6 +319,15 @@ def test_discretisation_error_is_unknown_if_trial_fails(write: Write, costs: dic
     assert [choice.nodes for choice in result] == [{"velocity@BPFO": None}] * 3
 
 
+def test_discretisation_error_is_unknown_if_the_case_fails(write: Write, costs: dict[str, float]) -> None:
+    """The job may succeed later, because the trial failed for a reason of the machine."""
+    evaluate = by_nodes(0.0)
+    result = choose(
+        accuracy_study(write, BOWL), lambda request: None if request.case.load == 300.0 else evaluate(request)
+    )
+    assert [choice.nodes["velocity@BPFO"] is None for choice in result] == [False, True, False]
+
+
 @pytest.mark.parametrize(
     ("shape", "varies"),
     [("rectangular", False), ("triangular", False), ("circular", True), ("elliptical", True), ("spall", True)],
