@@ -47,9 +47,11 @@ class Discretisation:
             other = remeshed(chosen, is_reference)
             trial = evidence.trials.get(trials_of(evidence.study, n, chosen)[0].id)
             # for a case with friction the trial has none, because this is cheaper and the nodes are the same
-            if other is not None and trial is None:
+            if other is None:
+                continue
+            if trial is None:
                 self.failed_cases.add(n)
-            elif other is not None:
+            else:
                 self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(other[0], trial), other[1])
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.uniform_curves = [

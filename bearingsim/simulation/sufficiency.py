@@ -137,7 +137,7 @@ def _harmonic(name: str) -> int:
 
 
 def batch_error(values: np.ndarray) -> float:
-    """Estimate the standard error of the mean of at least ``MIN_BATCHES`` successive values (n,).
+    """Estimate the standard error of the mean of successive values (n,); infinite below MIN_BATCHES.
 
     The result is the largest for batches of 1, 2, 4 ... values. Twice the variance from batches of one size, minus
     that from batches of half the size, has no first-order bias by correlation between batches. The error is scaled
@@ -145,7 +145,8 @@ def batch_error(values: np.ndarray) -> float:
     """
     from scipy.special import stdtrit
 
-    n, size, largest, previous = len(values), 1, 0.0, 0.0
+    n, size, previous = len(values), 1, 0.0
+    largest = 0.0 if n >= MIN_BATCHES else inf
     while (count := n // size) >= MIN_BATCHES:
         means = values[n - count * size :].reshape(count, size).mean(axis=1)
         variance = size * float(np.var(means, ddof=1))

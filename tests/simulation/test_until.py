@@ -100,6 +100,11 @@ def test_a_record_without_until_is_not_inspected() -> None:
     assert [*ending.inspection_passes(case(**FREE_CAGE))] == []
 
 
+def test_batch_error_of_too_few_values_is_unknown() -> None:
+    assert batch_error(np.ones(3)) == np.inf
+    assert batch_error(np.ones(4)) == 0.0
+
+
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
 def test_batch_error_includes_correlation(correlation: float) -> None:
     """Two standard errors cover the mean of a first-order autoregression in at least 95 % of the samples."""
