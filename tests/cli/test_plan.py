@@ -59,6 +59,16 @@ def test_run_takes_an_even_share_of_all_jobs_or_the_longest(
     assert plan.most_cpu_seconds == 3.0 * cpu_s
 
 
+def test_refused_jobs_of_a_sample_count_for_its_share_of_all_jobs() -> None:
+    """Of eight jobs four are in the sample: three priced, one refused. The others are expected to be like them."""
+    estimate = SimpleNamespace(cpu_seconds=1.0, bytes=10.0, most_memory=0.0, most_seconds=3.0)
+    priced: Any = (SimpleNamespace(estimate=estimate),)
+    jobs: Any = (None,) * 8
+    refusals: Any = ((None, "a step of 2 us"),)
+    plan = Plan(SimpleNamespace(), jobs, priced, priced, priced, refusals, requested_workers=1)  # type: ignore[arg-type]
+    assert (plan.scale, plan.cpu_seconds, plan.most_cpu_seconds, plan.bytes) == (2.0, 6.0, 18.0, 60)
+
+
 @pytest.mark.parametrize(("value", "warned"), [("3 mm", True), ("800 um", False)])
 def test_check_warns_of_a_figure_without_cases(write: Write, value: str, warned: bool) -> None:
     figures = f"figures: [{{y: velocity@BPFO, x: load, where: {{defect.width: {value}}}}}]\n"

@@ -123,14 +123,27 @@ def test_a_regular_motion_whose_steps_are_refused_is_tested_for_chaos_again() ->
     assert not last.regular
 
 
-@pytest.mark.parametrize("change", [{}, {"until": "1 %"}, {"periodic": False}, {"step": "1 us"}])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"until": "1 %"},
+        {"periodic": False},
+        {"step": "1 us"},
+        {"defect": SLOT},  # may be periodic
+        {"defect": SLOT, "periodic": False},
+    ],
+)
 def test_an_attempt_is_priced_alike_at_first_and_later(change: dict[str, Any]) -> None:
     for attempt in choice.attempts(case(**INNER | change)):
         assert attempt.price > 0.0
         assert attempt.repriced(1.0, periodic=True).price == pytest.approx(attempt.price)
         assert attempt.repriced(0.5, periodic=True).price == pytest.approx(2.0 * attempt.price)
         in_full = attempt.repriced(1.0, periodic=False)
-        assert in_full.price >= attempt.repriced(1.0, periodic=True).price
+        if "defect" in change:  # with an expensive method a short record is cheaper than its search for a period
+            assert attempt.case.method != "verlet" or in_full.price > 2.0 * attempt.price
+        else:
+            assert in_full.price >= attempt.repriced(1.0, periodic=True).price
         assert in_full._replace(limit=1e-9).patience == 0
 
 
