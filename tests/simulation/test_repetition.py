@@ -319,6 +319,19 @@ def test_remaining_change_is_the_sum_of_a_geometric_series() -> None:
     assert remaining_sum(3.0, 1.0) == remaining_sum(3.0, 1.5) == math.inf
 
 
+def test_all_rollers_have_one_range() -> None:
+    """Each roller passes only its part of the circumference in a ball pass."""
+    setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.outer_force"]))
+    cells = channels.recorded_cells(setup.case)
+    search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
+    recording = np.zeros((len(search.compared_rows), STEPS))
+    forces = np.flatnonzero(lay.lane_of(cells[search.compared_rows]) >= 0)
+    recording[forces] = np.linspace(10.0, 20.0, len(forces))[:, np.newaxis]
+    ranges = search._ranges(recording)[search.compared_rows[forces]]
+    assert len(forces) == 13
+    assert ranges == pytest.approx(np.full(13, 10.0))
+
+
 @pytest.mark.parametrize("part", [0.0, 0.95])
 @pytest.mark.parametrize("passes", [0, 1, 2, 3])
 def test_number_of_stored_passes_is_limited_by_memory(
