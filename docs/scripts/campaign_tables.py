@@ -124,15 +124,15 @@ def film() -> str:
         "z > 1.8: entrainment": z > 1.8,
     }
     cells = [[name, *ratio_cells(rows.ratio[chosen])] for name, chosen in ranges.items()]
-    cells.append(["the minimum of the two terms instead", *ratio_cells(rows.hard_min_ratio)])
+    cells.append(["the smaller of the two limiting formulas instead", *ratio_cells(rows.hard_min_ratio)])
     own = rows[rows.c_own_solved > 0]
     ratios = own.c_own_closed / own.c_own_solved
     share = f"{np.mean(np.abs(np.log(ratios)) < np.log(3)):.0%} within a factor 3".replace("%", " %")
     cells.append([f"natural frequency, where the solution has damping ({len(own)})", share, quantiles(ratios)])
     central, least = rows.h_solved_um / rows.h_moes_um, rows.least_solved_um / rows.least_moes_um
-    cells.append(["Moes' film: solution over formula, central", "", quantiles(central)])
-    cells.append(["the same, minimum", "", quantiles(least)])
-    return table(("", "within a factor 1.25", "5 %, 50 %, 95 %"), cells)
+    cells.append(["central film thickness, solution over Moes' formula", "", quantiles(central)])
+    cells.append(["minimum film thickness, solution over Moes' formula", "", quantiles(least)])
+    return table(("", "within a factor 1.25", "5, 50 and 95 % quantiles"), cells)
 
 
 def ratio_cells(ratios: pd.Series) -> tuple[str, str]:
