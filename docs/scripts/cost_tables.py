@@ -43,7 +43,7 @@ SCENES = {
     "0.8 mm slot": "0.8 mm slot",
     "0.8 mm slot, inner": "the same on the inner race",
     "0.8 mm slot, roller": "the same on a roller",
-    "9 mm bowl": "9 mm bowl",
+    "9 mm bowl": "9 mm circular defect",
 }
 LAWS = {
     "chi": "`hunt-crossley`",
@@ -53,7 +53,7 @@ LAWS = {
     "m3 = 2": "`general`, m3 = 2",
     "m3 = 1.5": "`general`, m3 = 1.5",
     "m1 = 1.2": "`constant`, m1 = 1.2",
-    "m1 = 1.2, m3 = 1.5": "both",
+    "m1 = 1.2, m3 = 1.5": "`constant`, m1 = 1.2, with `general`, m3 = 1.5",
 }
 
 
