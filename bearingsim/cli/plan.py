@@ -121,7 +121,7 @@ class Plan:
 
 
 ESTIMATING = "estimating the cost of the jobs"
-COMPILING = f"compiling code for the estimate, some seconds: {COMPILATION_REMARK}"
+COMPILING = f"compiling code for the estimate (some seconds; {COMPILATION_REMARK})"
 
 
 def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILENT) -> Plan:

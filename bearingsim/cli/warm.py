@@ -16,7 +16,7 @@ def compile_solver(study: Path | None, announcements: Announcer) -> str:
     """
     from bearingsim.catalogue import DEFAULT_MODEL, REFERENCE
     from bearingsim.config import Case
-    from bearingsim.runner.progress import compiling
+    from bearingsim.runner.progress import compilation_callback
     from bearingsim.selection.candidates import with_friction
     from bearingsim.simulation import warm
     from bearingsim.study import load_study
@@ -28,5 +28,5 @@ def compile_solver(study: Path | None, announcements: Announcer) -> str:
             Case.model_validate(CASE | {"model": model}) for model in (DEFAULT_MODEL, REFERENCE)
         )
         cases = [default_case, reference, with_friction(reference) or reference]
-    warm(cases, compiling(announcements))
+    warm(cases, compilation_callback(announcements))
     return ", ".join(f"`{model}`" for model in dict.fromkeys(case.model for case in cases))

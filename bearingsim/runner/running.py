@@ -27,7 +27,7 @@ from bearingsim.runner.packing import (
     workers_in_memory,
 )
 from bearingsim.runner.pool import outcomes
-from bearingsim.runner.progress import compiling
+from bearingsim.runner.progress import compilation_callback
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import MissingChoices, TrialsInterrupted, choose_models
 from bearingsim.runner.stopping import flag_for_workers, stop_switch
@@ -193,13 +193,13 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
             _announce_cost(todo, workers, options.progress)
             _track(works, cluster.outcomes(works), tally, options.progress)
         return
-    with announcer(options.progress) as patience:
-        patience.begin("estimating the cost of the jobs")
+    with announcer(options.progress) as announcements:
+        announcements.begin("estimating the cost of the jobs")
         todo = affordable_jobs()
         notes += [*todo.notes, *worker_note(todo.costs, workers)]
         workers = workers_in_memory(todo.costs, workers)
         works = _make_works(setting, todo, workers, plan.holdings.units)
-        _warm(root, options.engine, todo.jobs, patience)
+        _warm(root, options.engine, todo.jobs, announcements)
     _announce_cost(todo, workers, options.progress)
     _track(works, outcomes(works, workers), tally, options.progress)
 
@@ -308,10 +308,10 @@ def _make_works(setting: _Setting, todo: AffordableJobs, workers: int, known_uni
     return works
 
 
-def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Announcer) -> None:
+def _warm(root: Path, engine: Engine, todo: Sequence["Job"], announcements: Announcer) -> None:
     """Compile before workers start; log errors, because the job that needs the code raises them again."""
     try:
-        load(engine.warm)([job.case for job in todo], compiling(patience))
+        load(engine.warm)([job.case for job in todo], compilation_callback(announcements))
     except Exception as error:
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 

@@ -15,7 +15,7 @@ from bearingsim import selection, store
 from bearingsim.errors import UserError
 from bearingsim.runner.commands import command
 from bearingsim.runner.pool import DeathCounter, map_unordered
-from bearingsim.runner.progress import compiling, progress
+from bearingsim.runner.progress import compilation_callback, progress
 from bearingsim.runner.stopping import stop_requested
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
@@ -120,8 +120,8 @@ def _run_trials(
     provenance = store.provenance(study)
     deaths = DeathCounter(root, "while models were tried")
     while todo := _missing_trials(root, requested, study):
-        with announcer(shown) as patience, suppress(Exception):  # the trial raises the error again
-            load(engine.warm)([trial.case for trial in todo], compiling(patience))
+        with announcer(shown) as announcements, suppress(Exception):  # the trial raises the error again
+            load(engine.warm)([trial.case for trial in todo], compilation_callback(announcements))
         arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
         costs = {trial.id: min(price(trial.case), 1e6) for trial in todo}
         try:

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from bearingsim.text.terminal import say
 
 ANNOUNCEMENT_DELAY_S = 2.0  # s, delay before an announcement
-COMPILATION_REMARK = "once for each kind of model, method and contact law"
-"""Remark on the time of compilation, for announcements."""
+COMPILATION_REMARK = "needed once, then cached"
+"""Remark on the time of compilation, once for each kind of model, method and contact law, for announcements."""
 
 
 class Announcer:

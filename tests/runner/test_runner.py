@@ -5,6 +5,7 @@ import io
 import json
 import math
 import os
+import re
 import sys
 import time
 from dataclasses import replace
@@ -144,21 +145,40 @@ def test_a_long_start_is_explained(
 ) -> None:
     monkeypatch.setattr(announcer, "ANNOUNCEMENT_DELAY_S", 0.05)
     with announcer.announcer(shown) as start:
-        announce = progress.compiling(start)
+        announce = progress.compilation_callback(start)
         announce(1, 5, 7.0)
         announce(2, 5, 22.0)
         assert "compiling" not in capsys.readouterr().err
         time.sleep(0.3)
     output = capsys.readouterr().err
-    assert ("compiling 2 of 5, about 22 s" in output) == is_said
-    assert "compiling 1 of 5" not in output
+    assert ("compiling the solver, 2 of 5 (about 22 s; needed once, then cached)" in output) == is_said
+    assert "1 of 5" not in output
 
 
 def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> None:
     with progress._bar(4, 4.0) as report:
         report(1, 0, 1.0)
         report(2, 1, 3.0)
-    assert "4/4 jobs, 1 failed" in capsys.readouterr().err
+    output = capsys.readouterr().err
+    assert "4/4 jobs, 1 failed" in output
+    assert re.search(r"elapsed \S+ remaining \S+", output)
+
+
+def test_last_progress_line_is_printed_within_the_interval(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress.progress(None, 3, 3.0) as report:
+        report(1, 0, 1.0)
+        report(2, 0, 2.0)
+    assert capsys.readouterr().err == "3/3 jobs\n"
+
+
+def test_progress_line_has_no_remaining_time_once_the_estimate_is_used_up() -> None:
+    lines: list[str] = []
+    with progress._lines(3, 3.0, 0.0, lines.append) as report:
+        report(1, 0, 1.0)
+        report(1, 0, 2.5)
+        report(0, 1, 1.0)
+    assert lines[0].startswith("1/3 jobs, about ")
+    assert lines[1:] == ["2/3 jobs", "3/3 jobs, 1 failed"]
 
 
 def test_a_notebook_has_one_line_that_is_rewritten(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,11 +8,11 @@ from bearingsim.text.announcer import announcer
 
 
 def test_long_operation_is_announced_once(capsys: pytest.CaptureFixture[str]) -> None:
-    with announcer(seconds=0.05) as patience:
+    with announcer(seconds=0.05) as announcements:
         for what in ("first", "second", "third", "second"):
-            patience.begin(what)
+            announcements.begin(what)
             if what != "first":
-                patience.timer.join()
+                announcements.timer.join()
     assert capsys.readouterr().err.split() == ["second", "third"]
 
 
@@ -20,7 +20,7 @@ def test_long_operation_is_announced_once(capsys: pytest.CaptureFixture[str]) ->
 def test_short_or_disabled_operation_is_not_announced(
     enabled: bool | None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with announcer(enabled, seconds=10.0 if enabled is None else 0.0) as patience:
-        patience.begin("short")
+    with announcer(enabled, seconds=10.0 if enabled is None else 0.0) as announcements:
+        announcements.begin("short")
     time.sleep(0.01)
     assert capsys.readouterr().err == ""
