@@ -292,7 +292,7 @@ def _packages() -> tuple[str, ...]:
     """Return the packages of all extensions, and of the code that they register."""
     tables: tuple[dict[str, Any], ...] = (MODELS, METHODS, SHAPES, FEATURES, *LAWS.values())
     registered = [reference for table in tables for entry in table.values() for reference in references(entry)]
-    values = [entry.value for entry in extensions.installed()]
+    values = [entry.value for entry in extensions.enabled()]
     return tuple(
         sorted({extensions.package(reference) for reference in (*values, *filter(is_foreign, registered))})
     )

@@ -1,12 +1,13 @@
-"""Extensions: installed packages that add entries to the catalogue.
+"""Extensions, that is, installed packages that register models, methods, laws, shapes and features.
 
 A package declares an entry point in the group ``bearingsim.extensions`` (docs/extending.md). An extension that
-fails to load is listed in ``BROKEN``. Results can then still be read, but every command that computes calls
-``refuse_broken`` first, because a part of the catalogue is missing.
+fails to load or registers an invalid entry is listed in ``BROKEN``. Results can then still be read, but every
+command that computes calls ``raise_if_broken`` first, because some of the registered entries are missing.
 """
 
 import os
 from functools import cache
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
@@ -17,13 +18,13 @@ if TYPE_CHECKING:
 GROUP = "bearingsim.extensions"
 """Group of the entry points."""
 SKIP = "BEARINGSIM_SKIP_EXTENSIONS"
-"""Environment variable: names of entry points to skip, separated by commas."""
+"""Environment variable with the names of the entry points to skip, comma-separated."""
 BROKEN: dict[str, str] = {}
-"""Error message of each extension that fails to load, by the name of its entry point."""
+"""Error message of each extension that fails to load or registers an invalid entry, by ``owner``."""
 
 
 class BrokenExtension(UserError):
-    """An extension fails to load, or its code fails."""
+    """Error of an extension that cannot be loaded or whose code fails."""
 
 
 def skipped() -> set[str]:
@@ -32,48 +33,76 @@ def skipped() -> set[str]:
 
 
 @cache
-def installed() -> "tuple[EntryPoint, ...]":
+def enabled() -> "tuple[EntryPoint, ...]":
     """Return the entry points of all extensions except the skipped ones, sorted by name."""
-    from importlib.metadata import entry_points  # a tenth of `--help`, which needs none
+    from importlib.metadata import entry_points  # a tenth of the time of `--help`, which needs no extension
 
     entries = (entry for entry in entry_points(group=GROUP) if entry.name not in skipped())
     return tuple(sorted(entries, key=lambda entry: entry.name))
 
 
 def package(reference: str) -> str:
-    """Return the top-level package of ``package.module:name``."""
-    return reference.partition(":")[0].partition(".")[0].strip()
+    """Return the top-level package of an object reference ``package.module:name``.
+
+    The format is that of the entry points specification (packaging.python.org).
+    """
+    return _module_parts(reference)[0]
+
+
+def _module_parts(reference: str) -> list[str]:
+    """Return the dotted parts of the module of an object reference."""
+    return reference.partition(":")[0].strip().split(".")
 
 
 def owner(reference: str) -> str:
-    """Return the name of the extension whose package defines ``reference``, or else the name of the package."""
-    root = package(reference)
-    return next((entry.name for entry in installed() if package(entry.value) == root), root)
+    """Return the name of the extension that defines an object reference, or else the name of its package.
+
+    If a package has several entry points, it is the one whose module has the longest common path with that of the
+    reference.
+    """
+    parts, root = _module_parts(reference), package(reference)
+
+    def common_parts(entry: "EntryPoint") -> int:
+        pairs = zip(parts, _module_parts(entry.value), strict=False)
+        return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+    entries = [entry for entry in enabled() if package(entry.value) == root]
+    return max(entries, key=common_parts).name if entries else root
 
 
 def reason(error: BaseException) -> str:
-    """Return the type and the first line of an error."""
+    """Return the type of an error and the first line of its message."""
     text = str(error).strip().partition("\n")[0]
     return f"{type(error).__name__}: {text}".rstrip(": ")
 
 
 def load() -> None:
-    """Import the module of each extension, which registers its entries; list those that fail in ``BROKEN``."""
-    for entry in installed():
+    """Import the module of each extension, which registers its entries; record failures in ``BROKEN``."""
+    for entry in enabled():
         try:
             entry.load()
         except (Exception, SystemExit) as error:  # any failure of another package
-            leave_out(entry.name, f"the extension `{entry.name}` ({entry.value}) does not load: {reason(error)}")
+            record_failure(
+                entry.name, f"the extension `{entry.name}` ({entry.value}) does not load: {reason(error)}"
+            )
 
 
-def leave_out(name: str, message: str) -> None:
-    """List an extension in ``BROKEN``; message: error message. Only the first error of an extension is kept."""
+def record_failure(name: str, message: str) -> None:
+    """Store the error message of an extension in ``BROKEN``; a message stored earlier is kept."""
     BROKEN.setdefault(name, message)
 
 
-def refuse_broken() -> None:
-    """Raise BrokenExtension if an extension failed to load, because its entries are missing."""
-    if BROKEN:
+def raise_if_broken() -> None:
+    """Raise BrokenExtension if an extension is in ``BROKEN``, because its entries are missing.
+
+    The advice to skip names entry points only: code of another package cannot be skipped by its name.
+    """
+    if not BROKEN:
+        return
+    noun = "extension" if len(BROKEN) == 1 else "extensions"
+    if BROKEN.keys() <= {entry.name for entry in enabled()}:
         names = ",".join(sorted(skipped() | BROKEN.keys()))
-        sentences = "\n".join(BROKEN.values())
-        raise BrokenExtension(f"{sentences}; fix it, or set {SKIP}={names} to compute without it")
+        advice = f"Correct the {noun}, or skip the {noun}: {SKIP}={names}"
+    else:
+        advice = f"Correct or uninstall the {noun}."
+    raise BrokenExtension("\n".join([*BROKEN.values(), advice]))

@@ -46,7 +46,7 @@ def no_extensions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 def install(monkeypatch: pytest.MonkeyPatch, value: str) -> None:
     """Name a module in an entry point called `mine`."""
     entry = EntryPoint("mine", value, extensions.GROUP)
-    monkeypatch.setattr(extensions, "installed", lambda: (entry,))
+    monkeypatch.setattr(extensions, "enabled", lambda: (entry,))
 
 
 @pytest.mark.parametrize("kind", BROKEN)
@@ -98,9 +98,11 @@ def test_a_feature_with_a_name_of_the_program_is_left_out(monkeypatch) -> None:
 def test_no_job_is_computed_without_a_broken_extension(write, monkeypatch) -> None:
     """Neither by this process nor by a worker; other skipped extensions remain skipped."""
     monkeypatch.setenv(extensions.SKIP, "other")
-    extensions.leave_out("mine", "it is broken")
-    extensions.leave_out("mine", "in two ways")
-    message = "^it is broken; fix it, or set BEARINGSIM_SKIP_EXTENSIONS=mine,other to compute without it$"
+    install(monkeypatch, "flawed")
+    extensions.record_failure("mine", "it is broken")
+    extensions.record_failure("mine", "in two ways")
+    advice = "Correct the extension, or skip the extension: BEARINGSIM_SKIP_EXTENSIONS=mine,other"
+    message = f"^it is broken\n{advice}$"
     with pytest.raises(extensions.BrokenExtension, match=message):
         load_study(write("study: own\n"))
     with pytest.raises(extensions.BrokenExtension, match=message):
@@ -109,11 +111,28 @@ def test_no_job_is_computed_without_a_broken_extension(write, monkeypatch) -> No
         simulate(case(model="static"))
 
 
-def test_skipped_extensions_are_not_installed(monkeypatch) -> None:
+def test_code_of_another_package_cannot_be_skipped(monkeypatch) -> None:
+    """The name of a package is no entry point, so the variable would have no effect."""
+    install(monkeypatch, "flawed")
+    assert extensions.owner("features:rms") == "features"
+    extensions.record_failure("mine", "a")
+    extensions.record_failure("features", "b")
+    with pytest.raises(extensions.BrokenExtension, match=r"^a\nb\nCorrect or uninstall the extensions\.$"):
+        extensions.raise_if_broken()
+
+
+def test_owner_is_the_entry_point_nearest_to_the_code(monkeypatch) -> None:
+    entries = tuple(EntryPoint(name, f"flawed.{name}", extensions.GROUP) for name in ("laws", "models"))
+    monkeypatch.setattr(extensions, "enabled", lambda: entries)
+    owners = [extensions.owner(reference) for reference in ("flawed.models.ring:Ring", "flawed.laws", "flawed:A")]
+    assert owners == ["models", "laws", "laws"]
+
+
+def test_skipped_extensions_are_not_enabled(monkeypatch) -> None:
     entries = [EntryPoint(name, name, extensions.GROUP) for name in ("b", "a", "c")]
     monkeypatch.setattr("importlib.metadata.entry_points", lambda group: entries)
     monkeypatch.setenv(extensions.SKIP, " b , d,")
-    assert [entry.name for entry in extensions.installed.__wrapped__()] == ["a", "c"]
+    assert [entry.name for entry in extensions.enabled.__wrapped__()] == ["a", "c"]
 
 
 CODE = {

@@ -247,8 +247,8 @@ def test_study_without_the_extension_runs(broken: Path) -> None:
         assert (code, stderr) == (0, f"{REASON} (skipped)\n" if words != ("--help",) else ""), words
         assert stdout, words
     for words in COMPUTING:
-        advice = "fix it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"
-        assert outputs[words] == (2, "", f"{REASON}; {advice}\n"), words
+        advice = "Correct the extension, or skip the extension: BEARINGSIM_SKIP_EXTENSIONS=toys"
+        assert outputs[words] == (2, "", f"{REASON}\n{advice}\n"), words
 
 
 IDS = "from bearingsim import load_study\nprint(*(job.id for job in load_study('own.yaml').jobs()))"

@@ -189,7 +189,7 @@ def _extension_features(builtin: Mapping[str, Feature]) -> dict[str, Feature]:
     for name in catalogue.FEATURES.keys() & builtin.keys():
         extension = extensions.owner(catalogue.FEATURES[name].compute)
         message = f"the extension `{extension}` registers the feature `{name}`, which already exists: rename it"
-        extensions.leave_out(extension, message)
+        extensions.record_failure(extension, message)
     return {
         name: Feature(entry.unit, entry.long_name)
         for name, entry in catalogue.FEATURES.items()

@@ -116,7 +116,7 @@ def installation() -> dict[str, str]:
     from bearingsim.catalogue import extension_digest
     from bearingsim.core import MODEL_VERSION
 
-    extensions.refuse_broken()
+    extensions.raise_if_broken()
     threads = {os.environ.get(name, "not limited") for name in blas_threads.NAMES}
     return {
         "Python": platform.python_version(),

@@ -128,7 +128,7 @@ def try_out(
 
 def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
     """Make the attempts at a case, always the cheapest next; return the first result that passes its checks."""
-    extensions.refuse_broken()
+    extensions.raise_if_broken()
     failures: dict[str, SimulationError] = {}
     queue = _attempts(case)
     while queue:

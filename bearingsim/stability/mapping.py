@@ -24,7 +24,7 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     Reports progress on stderr. Finished rows survive an interruption. Raises BrokenExtension, and the errors of
     ``store.claim``.
     """
-    extensions.refuse_broken()
+    extensions.raise_if_broken()
     claim(folder, "a map", "bearingsim stability", "results/stability-2")
     path = folder / FILE_NAME
     _compile(models, methods, grid, jobs)

@@ -41,7 +41,7 @@ def load_study(
     validated. A sample of the cases is validated first, so that most problems are reported without building all
     cases. Raises StudyError with every problem, and BrokenExtension.
     """
-    extensions.refuse_broken()
+    extensions.raise_if_broken()
     file = _open(FilePath(path), overrides or {})
     settings = _settings(file)
     samples = [plan.sample_cases() for plan in file.plans]

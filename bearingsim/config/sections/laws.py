@@ -75,5 +75,5 @@ def _section(reference: str) -> type[Section] | None:
             return section
         owner = extensions.owner(reference)
         message = f"`{reference}` of the extension `{owner}` is not a subclass of bearingsim.config.fields.Section"
-    extensions.leave_out(extensions.owner(reference), message)
+    extensions.record_failure(extensions.owner(reference), message)
     return None
