@@ -1,4 +1,4 @@
-"""Ticks of the axes of features: plain numbers, as dense as their labels permit."""
+"""Ticks of numeric axes: decimal numbers (``labels.number_text``), as dense as their labels permit."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -12,19 +12,18 @@ from bearingsim.plots.style import RC
 if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
-EVEN, EVEN_COUNT = (
-    3.0,
-    4,
-)  # below this ratio of limits a log axis gets linear ticks, and their largest number of intervals
+MAX_LINEAR_RATIO = 3.0  # ratio of limits below which a log axis gets linear ticks
+MAX_LINEAR_INTERVALS = 4  # largest number of intervals between linear ticks on a log axis
 MANTISSAS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
-"""Mantissas of ticks on a log axis, by the ratio of limits up to which they are not too many."""
-COUNTS = (7, 5, 4, 3, 2, 1)  # largest numbers of intervals between linear ticks, tried in turn
-DIGIT = 0.65  # width of a digit over the font size
-GAP_POINTS = 4.0  # minimum distance of two labels
+"""Pairs of the largest ratio of axis limits and the tick mantissas used up to it, densest first."""
+INTERVAL_COUNTS = (7, 5, 4, 3, 2, 1)  # largest numbers of intervals between linear ticks, tried in turn
+DIGIT_WIDTH = 0.65  # em, of a digit in DejaVu Sans (0.636), with a margin
+LINE_HEIGHT = 1.2  # em, of a label
+GAP_POINTS = 4.0  # points, minimum distance of two labels
 
 
 class FittingLocator(Locator):
-    """Ticks of the first of some locators, from dense to sparse, whose labels do not overlap."""
+    """Locator that uses the densest of several locators, given in this order, whose labels do not overlap."""
 
     def __init__(self, locators: Sequence[Locator]) -> None:
         self.locators = locators
@@ -38,49 +37,64 @@ class FittingLocator(Locator):
             locator.set_axis(axis)
 
     def __call__(self) -> Any:
-        """Return the ticks within the limits of the axis."""
-        low, high = sorted(self._axis.get_view_interval())
+        """Return the ticks within the limits of the axis.
+
+        If the labels of no locator fit, these are the first and the last tick of the sparsest.
+        """
+        transform = self._axis.get_transform().transform
+        low, high = sorted(transform(np.array(self._axis.get_view_interval())))
         margin = 1e-9 * (high - low)
-        choices = [
-            [value for value in np.atleast_1d(locator()) if low - margin <= value <= high + margin]
-            for locator in self.locators
-        ]
-        choices = [values for values in choices if len(values) > 1] or [choices[-1]]
-        return next((values for values in choices if self._fit(values)), choices[-1][:: len(choices[-1]) - 1 or 1])
+        candidates = []
+        for locator in self.locators:
+            values = np.atleast_1d(locator())
+            positions = transform(values)
+            candidates.append(values[(positions >= low - margin) & (positions <= high + margin)])
+        candidates = [values for values in candidates if len(values) > 1] or [candidates[-1]]
+        sparsest = candidates[-1]
+        return next((values for values in candidates if self._fit(values)), sparsest[:: len(sparsest) - 1 or 1])
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
         """Return the ticks of the densest locator between two limits."""
         return self.locators[0].tick_values(vmin, vmax)
 
-    def _fit(self, values: Sequence[float]) -> bool:
-        """Check if the labels of sorted values do not overlap."""
+    def _fit(self, values: np.ndarray) -> bool:
+        """Check if the labels of sorted values (n,) do not overlap."""
         axis = self._axis
         size, box, transform = float(RC["xtick.labelsize"]), axis.axes.bbox, axis.get_transform().transform
-        is_upright = axis.axis_name == "y"
+        is_vertical = axis.axis_name == "y"
         low, high = transform(np.array(axis.get_view_interval()))
-        points = (box.height if is_upright else box.width) * 72.0 / axis.figure.dpi / abs(high - low)
-        lengths = [1.2 if is_upright else DIGIT * len(labels.number_text(value)) for value in values]
+        points_per_unit = (box.height if is_vertical else box.width) * 72.0 / axis.figure.dpi / abs(high - low)
+        lengths = [
+            LINE_HEIGHT if is_vertical else DIGIT_WIDTH * len(labels.number_text(value)) for value in values
+        ]
         widths = size * 0.5 * np.add(lengths[1:], lengths[:-1]) + GAP_POINTS
-        return bool(np.all(points * np.abs(np.diff(transform(np.array(values)))) >= widths))
+        return bool(np.all(points_per_unit * np.abs(np.diff(transform(values))) >= widths))
 
 
 def log_ticks(axis: "Axis", low: float, high: float) -> None:
-    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over a smaller range."""
-    span = high / low
-    decades: list[Locator] = [LogLocator(subs=mantissas) for most, mantissas in MANTISSAS if span < most]
+    """Set the ticks of a log axis from ``low`` > 0 to ``high``: decimal numbers, denser over a smaller range."""
+    ratio = high / low
+    dense: list[Locator] = [LogLocator(subs=mantissas) for max_ratio, mantissas in MANTISSAS if ratio < max_ratio]
     sparse: list[Locator] = [LogLocator(numticks=count) for count in (4, 3, 2)]
-    is_even = span < EVEN
-    axis.set_major_locator(FittingLocator(_linear(EVEN_COUNT) if is_even else [*decades, *sparse]))
-    axis.set_minor_locator(NullLocator() if is_even else LogLocator(subs="auto"))
+    has_linear_ticks = ratio < MAX_LINEAR_RATIO
+    axis.set_major_locator(
+        FittingLocator(_linear_locators(MAX_LINEAR_INTERVALS) if has_linear_ticks else [*dense, *sparse])
+    )
+    axis.set_minor_locator(NullLocator() if has_linear_ticks else LogLocator(subs="auto"))
     axis.set_major_formatter(lambda value, _: labels.number_text(value))
     axis.set_minor_formatter(NullFormatter())
 
 
 def linear_ticks(axis: "Axis", values: Sequence[float] = ()) -> None:
-    """Set the ticks of a linear axis: at ``values``, if any and if their labels fit, else at round numbers."""
-    axis.set_major_locator(FittingLocator([*([FixedLocator(values)] if len(values) else []), *_linear(COUNTS[0])]))
+    """Set the ticks of a linear axis: at ``values``, if any and if their labels fit, else at round numbers.
+
+    values: ascending, in the unit of the axis.
+    """
+    at_values = [FixedLocator(values)] if len(values) else []
+    axis.set_major_locator(FittingLocator([*at_values, *_linear_locators(INTERVAL_COUNTS[0])]))
     axis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
-def _linear(most: int) -> list[Locator]:
-    return [MaxNLocator(count, steps=[1, 2, 2.5, 5, 10]) for count in COUNTS if count <= most]
+def _linear_locators(max_intervals: int) -> list[Locator]:
+    """Return locators with at most ``max_intervals`` intervals, densest first."""
+    return [MaxNLocator(count, steps=[1, 2, 2.5, 5, 10]) for count in INTERVAL_COUNTS if count <= max_intervals]
