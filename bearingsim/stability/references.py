@@ -1,8 +1,8 @@
-"""SciPy's integrators on the compiled models, as independent references.
+"""Independent reference solutions: SciPy's integrators with the compiled models.
 
 The state vector is x = (positions, velocities) of the moving coordinates, with derivatives from the compiled
-accelerations. The solver has no information on defects or contact events. Its own success status is used, and a
-run that ends early is not a reference.
+accelerations. The solver has no information on defects or contact events, so it may step over a defect and report
+success; for references its step is limited (``Tolerances.longest``). A run that ends early is not a reference.
 """
 
 import time
@@ -22,11 +22,11 @@ from bearingsim.stability.scene import TIMES
 from bearingsim.stability.traces import STALL, TOO_SLOW, Trace
 
 SCIPY = {"scipy-lsoda": "LSODA", "scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-dop853": "DOP853"}
-"""SciPy's solvers by their names in the map."""
+"""SciPy's solver classes, by their names in the stability map."""
 
 
 class CpuLimitExceeded(Exception):
-    """Error of a solver that exceeds its CPU time."""
+    """Error of a solver that exceeds its limit of CPU time."""
 
 
 def moving_coordinates(model: Any) -> np.ndarray:
@@ -37,13 +37,13 @@ def moving_coordinates(model: Any) -> np.ndarray:
 
 
 def pack(y: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Copy the state of a buffer into a vector (2 n,)."""
+    """Return the state of a buffer as a vector (2 n,): positions, then velocities, of the ``coordinates`` (n,)."""
     return np.concatenate([y[lay.POSITION + coordinates], y[lay.VELOCITY + coordinates]])
 
 
 @jit
 def unpack(x: np.ndarray, coordinates: np.ndarray, y: np.ndarray) -> None:
-    """Copy the vector ``x`` into the state of the buffer."""
+    """Copy the vector ``x`` (2 n,) of ``pack`` into the state of the buffer ``y``."""
     n = len(coordinates)
     for i in range(n):
         y[lay.POSITION + coordinates[i]] = x[i]
@@ -54,7 +54,7 @@ def unpack(x: np.ndarray, coordinates: np.ndarray, y: np.ndarray) -> None:
 def state_rate(
     model: Any, t: float, x: np.ndarray, coordinates: np.ndarray, y: np.ndarray, out: np.ndarray
 ) -> None:
-    """Compute dx/dt (2 n,) into ``out``."""
+    """Compute dx/dt (2 n,) of the state ``x`` at time ``t`` (s) into ``out``; y: work buffer, overwritten."""
     n = len(coordinates)
     unpack(x, coordinates, y)
     accelerations(model, t, y)
@@ -64,13 +64,14 @@ def state_rate(
 
 
 class StateRate:
-    """Right-hand side dx/dt for SciPy; raises ``CpuLimitExceeded`` after ``limit`` (s of CPU)."""
+    """Right-hand side dx/dt for SciPy; raises ``CpuLimitExceeded`` after ``limit`` (s of CPU time)."""
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
         self.model, self.y, self.coordinates = model, y.copy(), moving_coordinates(model)
         fill_length_scales(model, self.y)
         x = np.zeros(2 * len(self.coordinates))
-        state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))  # compiles, or loads
+        # compile (or load from the cache) before timing
+        state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))
         self.start_time, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
@@ -88,30 +89,40 @@ class StateRate:
         return time.thread_time() - self.start_time
 
 
-def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit: float) -> Trace:
-    """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, with at most ``limit`` s of CPU
-    time.
+def solve(name: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit: float) -> Trace:
+    """Integrate a test case with a solver of ``SCIPY``, from the state in the buffer ``y`` at t = 0 to the last of
+    ``TIMES``, in at most ``limit`` s of CPU time.
 
-    tolerances: as for the methods of this package, with one rtol for positions and velocities. A solver may report
-    success although it stepped over a defect.
+    tolerances: those of this package's methods, but rtol also applies to positions, and SciPy's norm of the error
+    (except in LSODA) is an RMS over the 2 n components instead of the root of their sum of squares, so it accepts
+    errors larger by sqrt(2 n). The trace has the velocity of the ring and the loaded contacts at ``TIMES``.
     """
     right_hand_side = StateRate(model, y, limit)
     length_scales = right_hand_side.y[LENGTH_SCALE + right_hand_side.coordinates]
     atol = np.concatenate([tolerances.atol_q / length_scales, tolerances.atol_v / length_scales])
     columns: list[np.ndarray] = []
-    with np.errstate(all="ignore"), warnings.catch_warnings():  # failures are reported in the row
+    with np.errstate(all="ignore"), warnings.catch_warnings():  # failures are reported in the returned trace
         warnings.simplefilter("ignore")
         failure, reason, steps = march(
-            SCIPY[solver], right_hand_side, pack(y, right_hand_side.coordinates), atol, tolerances, columns, TIMES
+            SCIPY[name], right_hand_side, pack(y, right_hand_side.coordinates), atol, tolerances, columns, TIMES
         )
     cpu, calls = right_hand_side.cpu, right_hand_side.calls
     states = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(length_scales), 0))
     velocity = states[len(length_scales) : len(length_scales) + 2]
-    return Trace(1, velocity, loaded_contacts(right_hand_side, states), failure, reason, steps, 0, calls, 0, cpu)
+    return Trace(
+        stride=1,
+        velocity=velocity,
+        contacts=loaded_contacts(right_hand_side, states),
+        failure=failure,
+        reason=reason,
+        steps=steps,
+        evaluations=calls,
+        cpu=cpu,
+    )
 
 
 def march(
-    name: str,
+    class_name: str,
     right_hand_side: StateRate,
     x_0: np.ndarray,
     atol: np.ndarray,
@@ -120,13 +131,14 @@ def march(
     times: np.ndarray,
     on_step: Callable[[integrate.OdeSolver], None] = lambda solver: None,
 ) -> tuple[str, str, int]:
-    """Step to the last of ``times`` (s), appending the states there, (2 n, k) per step, to ``columns``.
+    """Step to the last of ``times`` (s); append the states (2 n, k) at the k times in each step to ``columns``.
 
-    on_step: called with the solver after each step. Returns failure, reason, number of steps.
+    class_name: of a solver in ``scipy.integrate``; x_0, atol: (2 n,); on_step: called with the solver after each
+    step. Returns failure and reason ("" on success), and the number of steps. Non-finite states count as stalled.
     """
     steps, stop = 0, 0
     try:
-        solver = getattr(integrate, name)(
+        solver = getattr(integrate, class_name)(
             right_hand_side, 0.0, x_0, times[-1], rtol=tolerances.rtol, atol=atol, max_step=tolerances.longest
         )
         while solver.status == "running":
@@ -139,14 +151,17 @@ def march(
             if stop > start:
                 columns.append(solver.dense_output()(times[start:stop]))
     except CpuLimitExceeded:
-        return TOO_SLOW, f"not done after {right_hand_side.limit:g} s", steps
+        return TOO_SLOW, f"not finished after {right_hand_side.limit:g} s of CPU time", steps
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
-        return STALL, str(error), steps  # infinities in the Jacobian
+        return STALL, str(error), steps  # mostly infinities in the Jacobian
     return "", "", steps
 
 
 def loaded_contacts(right_hand_side: StateRate, states: np.ndarray) -> np.ndarray:
-    """Evaluate whether each roller is loaded at the outer race, (Z, samples)."""
+    """Evaluate whether each roller is loaded at the outer race, (Z, samples).
+
+    states: (2 n, samples) at ``TIMES``. The buffer of ``right_hand_side`` is overwritten.
+    """
     loaded = np.empty((right_hand_side.model.bearing.Z, states.shape[1]), dtype=bool)
     rates = np.empty(len(states))
     for sample in range(states.shape[1]):
