@@ -55,7 +55,7 @@ def with_friction(case: Case) -> Case | None:
 
 
 def remeshed(case: Case, is_reference: bool = True) -> tuple[Case, float] | None:
-    """Return a case on another mesh, and the ratio of its discretisation error to the resulting change.
+    """Return a case with another mesh, and the ratio of its discretisation error to the resulting change.
 
     Nodes along defects are doubled. In a reference, harmonics are doubled as well, and slices are halved, because
     twice as many would exceed their limit. An error of first order is twice the change by doubling, or equal to

@@ -93,7 +93,7 @@ def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve])
 
 
 def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
-    """Return the cases at both ends of a curve, and the case with its largest value.
+    """Return the first and last case of a curve, in the order of the study, and the case with its largest value.
 
     values: for each case, objects with a ``value`` by feature; empty for a case with a failed trial.
     """

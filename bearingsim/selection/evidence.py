@@ -15,7 +15,7 @@ from bearingsim.study import Study
 
 
 class MeshPair(NamedTuple):
-    """Case, the same case on another mesh, and the ratio of its discretisation error to their difference."""
+    """Case, the same case with another mesh, and the ratio of its discretisation error to their difference."""
 
     case: Case
     remeshed_case: Case
@@ -50,16 +50,18 @@ class Evidence:
         trial = self.trials.get(trials_of(self.study, n, reference(self.study.cases()[n]))[0].id)
         return 0 if trial is None else trial.turns
 
-    def node_errors(self, n: int, other: MeshPair) -> dict[str, float | None]:
-        """Return the discretisation errors for case number ``n``, by feature; None if unknown.
+    def discretisation_errors(self, n: int, meshes: MeshPair) -> dict[str, float | None]:
+        """Return the relative discretisation errors for case number ``n``, by feature; None if unknown.
 
         No scatter is added for a periodic motion, because one period describes it completely.
         """
         assert self.study.goal is not None
-        values, remeshed_values = self._values(n, other.case), self._values(n, other.remeshed_case, other.case)
+        values, remeshed_values = self._values(n, meshes.case), self._values(n, meshes.remeshed_case, meshes.case)
         if not values or not remeshed_values:
             return dict.fromkeys(self.study.goal.of)
-        trials = [self.trials[trials_of(self.study, n, case)[0].id] for case in (other.case, other.remeshed_case)]
+        trials = [
+            self.trials[trials_of(self.study, n, case)[0].id] for case in (meshes.case, meshes.remeshed_case)
+        ]
         is_periodic = all(trial is not None and trial.repeats for trial in trials)
         errors = {
             name: abs(values[name].value - remeshed_values[name].value)
@@ -67,7 +69,7 @@ class Evidence:
             else error(values[name], remeshed_values[name])
             for name in values
         }
-        shares = {name: other.factor * _relative(share, self.scales[name][n]) for name, share in errors.items()}
+        shares = {name: meshes.factor * _relative(share, self.scales[name][n]) for name, share in errors.items()}
         return {name: share if share < inf else None for name, share in shares.items()}
 
     def _values(self, n: int, case: Case, baseline_case: Case | None = None) -> dict[str, Value]:

@@ -1,8 +1,9 @@
-"""Discretisation errors of chosen cases: nodes along defects, slices, harmonics.
+"""Discretisation errors of cases with the chosen models: nodes along defects, slices, harmonics.
 
-A trial on another mesh costs as much as one of the case itself. Along a curve the error varies with the defect,
-so only both ends and the case with the largest value are tried. A case in between gets the larger error of its
-neighbours.
+A trial with another mesh costs as much as the original trial. The error is assumed to vary smoothly along a curve,
+so only the ends of a curve and its maximum are computed with another mesh. A case in between gets the largest
+error of the nearest remeshed cases on all its curves. Ends and neighbours are those in the order of the study's
+cases, so in a sweep that is not sorted, and in a design, they may lie anywhere on the curve.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,11 +20,11 @@ from bearingsim.store.choices import Choice
 
 
 class Discretisation:
-    """Discretisation errors of chosen cases from trials.
+    """Discretisation errors of cases with the chosen models, from trials.
 
-    mesh_pairs: by number, each case and the same case on another mesh at the same step; failed_cases: numbers of
-    the cases whose mesh can be changed and whose own trial failed; uniform_curves: curves of
-    cases with the same candidate, model and defect shapes.
+    mesh_pairs: by case number, the case and the same case with another mesh at the same time step (``MeshPair``);
+    failed_cases: numbers of the cases whose mesh can be changed and whose own trial is missing or failed;
+    uniform_curves: parts of curves whose cases have the same candidate, model and defect shapes.
     """
 
     def __init__(
@@ -31,64 +32,76 @@ class Discretisation:
         evidence: Evidence,
         curves: Sequence[Curve],
         choices: Mapping[int, Choice],
-        computed: Callable[[int, str], Case],
+        case_with: Callable[[int, str], Case],
     ) -> None:
-        """Find the cases whose mesh can be changed.
+        """Select the cases whose mesh can be changed.
 
-        computed: returns a case, by number, with a candidate's settings.
+        curves: of the study (``curves.curves``); choices: by case number; case_with: function of case number and
+        candidate name, returns the case with the candidate's settings.
         """
         self.evidence, cases = evidence, evidence.study.cases()
         self.mesh_pairs: dict[int, MeshPair] = {}
         self.failed_cases: set[int] = set()
-        kinds: dict[int, tuple] = {}
+        groups: dict[int, tuple] = {}
         for n, choice in choices.items():
             is_reference = choice.candidate in (REFERENCE, WITH_FRICTION)
-            chosen = reference(cases[n]) if is_reference else computed(n, choice.candidate)
-            other = remeshed(chosen, is_reference)
+            # also for a case with friction the trial without it is used: it is cheaper, and the mesh is the same
+            chosen = reference(cases[n]) if is_reference else case_with(n, choice.candidate)
+            mesh_change = remeshed(chosen, is_reference)
             trial = evidence.trials.get(trials_of(evidence.study, n, chosen)[0].id)
-            # for a case with friction the trial has none, because this is cheaper and the nodes are the same
-            if other is None:
+            if mesh_change is None:
                 continue
             if trial is None:
                 self.failed_cases.add(n)
             else:
-                self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(other[0], trial), other[1])
-                kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
+                remeshed_case, factor = mesh_change
+                self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(remeshed_case, trial), factor)
+                groups[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.uniform_curves = [
-            Curve(curve.feature, tuple(n for n in curve.cases if kinds.get(n) == kind))
+            Curve(curve.feature, tuple(n for n in curve.cases if groups.get(n) == group))
             for curve in curves
-            for kind in dict.fromkeys(kinds[n] for n in curve.cases if n in kinds)
+            for group in dict.fromkeys(groups[n] for n in curve.cases if n in groups)
         ]
 
     @cached_property
-    def tried(self) -> dict[int, None]:
-        """Cases that are tried: the extremes of each curve, and cases on no curve."""
+    def remeshed_cases(self) -> dict[int, None]:
+        """Numbers (ascending keys) of the cases computed with another mesh: extremes of each curve, and all cases
+        on no curve."""
         on_curve = {n for curve in self.uniform_curves for n in curve.cases}
-        ends = [n for curve in self.uniform_curves for n in extremes(curve, self.evidence.reference_values)]
-        return dict.fromkeys(sorted({*ends, *(n for n in self.mesh_pairs if n not in on_curve)}))
+        extreme_cases = [
+            n for curve in self.uniform_curves for n in extremes(curve, self.evidence.reference_values)
+        ]
+        return dict.fromkeys(sorted({*extreme_cases, *(n for n in self.mesh_pairs if n not in on_curve)}))
 
     def trials(self) -> list[TrialRequest]:
-        """Return the trials on other meshes that are still to be computed."""
-        trials = [trials_of(self.evidence.study, n, self.mesh_pairs[n].remeshed_case)[0] for n in self.tried]
+        """Return the missing trials with another mesh, in ascending order of the cases."""
+        trials = [
+            trials_of(self.evidence.study, n, self.mesh_pairs[n].remeshed_case)[0] for n in self.remeshed_cases
+        ]
         return unique([trial for trial in trials if trial.id not in self.evidence.trials])
 
     def errors(self, n: int) -> dict[str, float | None]:
-        """Return the error of a case by feature, None if unknown; empty for a case without another mesh."""
+        """Return the discretisation error of a case by feature, relative to ``curves.scales``.
+
+        None if a trial failed; empty, which counts as no error, if the mesh cannot be changed.
+        """
         assert self.evidence.study.goal is not None
         if n in self.failed_cases:
             return dict.fromkeys(self.evidence.study.goal.of)
         if n not in self.mesh_pairs:
             return {}
-        if n in self.tried:
-            return self.evidence.node_errors(n, self.mesh_pairs[n])
+        if n in self.remeshed_cases:
+            return self.evidence.discretisation_errors(n, self.mesh_pairs[n])
         neighbours = {
-            other for curve in self.uniform_curves if n in curve.cases for other in self._neighbours(n, curve)
+            number for curve in self.uniform_curves if n in curve.cases for number in self._neighbours(n, curve)
         }
-        errors = [self.evidence.node_errors(other, self.mesh_pairs[other]) for other in sorted(neighbours)]
+        errors = [
+            self.evidence.discretisation_errors(number, self.mesh_pairs[number]) for number in sorted(neighbours)
+        ]
         return {name: largest([values[name] for values in errors]) for name in errors[0]}
 
     def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:
-        """Return the nearest tried cases before and after case ``n`` on a curve."""
+        """Return the nearest remeshed cases before and after case ``n`` on a curve, in the order of the study."""
         position = curve.cases.index(n)
-        before = next(other for other in reversed(curve.cases[:position]) if other in self.tried)
-        return before, next(other for other in curve.cases[position:] if other in self.tried)
+        preceding = next(number for number in reversed(curve.cases[:position]) if number in self.remeshed_cases)
+        return preceding, next(number for number in curve.cases[position:] if number in self.remeshed_cases)
