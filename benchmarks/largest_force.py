@@ -15,7 +15,7 @@ import numpy as np
 
 from bearingsim.config import Case
 from bearingsim.simulation import choice
-from bearingsim.simulation.comparison import FORCE
+from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.start_error import PARTS, error_of_largest
@@ -63,7 +63,7 @@ def compare_records(fields: dict[str, Any]) -> Coverage:
     """Compute a scene, and compare its records."""
     setup = set_up(choice.resolve(Case.model_validate(fields)))
     case, grid = setup.case, setup.grid
-    forces = integrate(setup).peaks[int(case.settle_s * grid.rate) + 1 :, FORCE]
+    forces = integrate(setup).peaks[int(case.settle_s * grid.rate) + 1 :, PEAK_FORCE_COLUMN]
     rollers = case.bearing.rollers
     short, long = (coverage(forces, int(duration * grid.rate), rollers) for duration in RECORDS_S)
     rig = fields["rig"]

@@ -1,6 +1,7 @@
-"""Comparison of two runs of the same motion in line, RMS, largest force and all recorded channels.
+"""Comparison of two runs of the same motion: lines of the defects, RMS, largest force, and recorded channels.
 
-A periodic motion is compared over one period, any other over the ball passes of a pilot.
+A periodic motion is compared over one period (recorded channels partly over more, see ``period_signals``), a
+non-periodic motion over the ball passes of a pilot run.
 """
 
 from math import ceil, floor
@@ -20,16 +21,18 @@ from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.run_setup import Setup
 
 WIDE_BAND_SHARE = 0.5
-"""Fraction of the change of the wide-band RMS that replaces a smaller change of the record's, small by chance."""
-FORCE = list(EXTREMES).index("outer_force.max")
+"""Part of the change of the wide-band RMS that is a lower bound for the change of the recorded RMS, which may be
+small by chance (chosen, not measured)."""
+PEAK_FORCE_COLUMN = list(EXTREMES).index("outer_force.max")
+"""Column of the largest outer contact force (N) in ``RawRecord.peaks``."""
 
 
 class Changes(NamedTuple):
     """Relative changes from one run to another.
 
-    line: largest change of the defects' lines; rms: larger of the change of the record's RMS and
-    ``WIDE_BAND_SHARE`` of that of the wide-band RMS; force: change of the largest outer force; record: largest
-    change of any recorded channel.
+    line: largest change of the complex amplitude of a defect's line; rms: larger of the change of the record's RMS
+    and ``WIDE_BAND_SHARE`` of that of the wide-band RMS; force: change of the largest outer force; record: largest
+    change of the RMS of any recorded channel.
     """
 
     line: float
@@ -42,9 +45,11 @@ class RunSignals(NamedTuple):
     """Signals of a run over the ball passes that are compared.
 
     fine_velocity: (n,) velocity (m/s) along the sensor at fine samples; recorded_velocity: (m,) the same velocity
-    as recorded, low-passed or raw; low_passed: (C, m) all low-passed rows (motion along the sensor, requested
-    channels); raw_values: (P, k) all raw rows at the sampling instants; lines: (L, parts) contribution of each
-    part to the complex amplitudes of the defects' lines; force: largest outer contact force (N).
+    as recorded, low-passed or raw; low_passed: (C, m) low-passed rows (motion along the sensor, requested
+    channels) in SI, empty without anti-aliasing; raw_values: (P, k) unfiltered rows at the sampling instants in
+    SI: contact forces, or all rows without anti-aliasing; lines: (L, p) contribution of each of p ball passes (of
+    the whole period if p = 1) to the complex amplitude of each defect's line (m/s); force: largest outer contact
+    force (N).
     """
 
     fine_velocity: np.ndarray
@@ -56,12 +61,15 @@ class RunSignals(NamedTuple):
 
 
 def compare(run: RunSignals, reference: RunSignals) -> Changes:
-    """Return the changes of a run relative to a reference run."""
+    """Return the changes of a run relative to the values of a reference run.
+
+    The change of a line is relative to at least ``QUIET_LINE`` of the standard deviation of the recorded velocity.
+    """
     min_amplitude = QUIET_LINE * float(np.std(reference.recorded_velocity)) or 1.0
     return Changes(
         line=float(
             max(
-                line_change(a, b) / max(abs(b.sum()), min_amplitude)
+                line_difference(a, b) / max(abs(b.sum()), min_amplitude)
                 for a, b in zip(run.lines, reference.lines, strict=True)
             )
         ),
@@ -80,15 +88,20 @@ def compare(run: RunSignals, reference: RunSignals) -> Changes:
 
 
 def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
-    """Return the relative change of an RMS about the mean; of a nearly constant series, relative to its peak."""
-    size = max(float(np.std(reference)), QUIET_LINE * float(np.abs(reference).max()))
-    return float(abs(np.std(series) - np.std(reference)) / (size or 1.0))
+    """Return the change of the standard deviation (AC RMS) of a series (n,).
+
+    The change is relative to the standard deviation of the reference, or to ``QUIET_LINE`` of its peak if that is
+    larger (nearly constant series).
+    """
+    scale = max(float(np.std(reference)), QUIET_LINE * float(np.abs(reference).max()))
+    return float(abs(np.std(series) - np.std(reference)) / (scale or 1.0))
 
 
 def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
-    """Return the relative change of the RMS about the mean of raw values, sampled at the same instants.
+    """Return the relative change of the RMS of raw values (k,), sampled at the same instants.
 
-    Samples lie on the flanks of an impact by chance, and another step shifts the impact. Changes of single values
+    The mean of the reference is subtracted from both series, so a change of the mean is included. Whether a sample
+    falls on the flank of an impact is random, because the step size shifts the impact. Changes of single values
     may cancel in the sum by chance, so the change is at least their root sum of squares.
     """
     reference_squares, squares = ((series - np.mean(reference)) ** 2 for series in (reference, values))
@@ -99,8 +112,12 @@ def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
     )
 
 
-def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
-    """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann, kinematic cage)."""
+def pass_contributions(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
+    """Return the contribution (passes,) of each ball pass to the complex amplitude of a line, in the series' unit.
+
+    name: key of ``LINES``; series: (passes * fine_per_pass + 1,) fine samples. Hann's window covers all passes;
+    the phase angles are those of a kinematic cage.
+    """
     start = recording.first_sample(setup.case, setup.grid)
     angles = spectral_lines.sample_angles(setup.model, setup.grid, start, np.zeros(len(series)))
     phase = angles.phase(LINES[name], setup.case.bearing.rollers)
@@ -110,26 +127,29 @@ def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.n
     return np.add.reduceat(contributions, np.arange(0, len(phase) - 1, (len(phase) - 1) // passes)[:passes])
 
 
-def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
-    """Return the difference of two lines from the contributions of each pass.
+def line_difference(parts: np.ndarray, reference: np.ndarray) -> float:
+    """Return the absolute difference of two complex amplitudes, given as contributions (passes,) of ball passes.
 
     Errors that change sign from pass to pass may cancel in a few passes by chance, so the difference is at least
-    their root sum of squares, its expected value.
+    their root sum of squares, which is the RMS of their sum if they are independent. Unit: that of the
+    contributions.
     """
     difference = parts - reference
     return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
-def steady_time(setup: Setup, raw: RawRecord) -> float:
-    """Return the time (s) from which a periodic motion is steady."""
+def periodic_start(setup: Setup, raw: RawRecord) -> float:
+    """Return the time (s) since the start of the run from which the motion is periodic; only for period > 0."""
     return (raw.repetition.computed - raw.repetition.period) / setup.grid.rate
 
 
-def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
-    """Return the compared signals of a periodic motion, over a period or, if rollers are recorded, a cage turn.
+def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignals:
+    """Return the compared signals of a periodic motion.
 
-    Raw rows are compared over the whole record from ``steady`` (s) on, because one period has samples at only a
-    few of its phases.
+    Velocity, line and largest force are compared over one period, low-passed rows over one cage revolution if
+    channels of single rollers are recorded, else over one period. Raw rows are compared over the whole record from
+    ``start_time`` (s) on, because few sampling instants fall within one period. The only line is BPFO, since the
+    passes of other defects do not repeat.
     """
     case, grid, model = setup.case, setup.grid, setup.model
     M, period = grid.fine_per_pass, raw.repetition.period
@@ -139,7 +159,7 @@ def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
     filtered = raw.low_passed.read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    raw_values = raw.raw_values[:, max(0, ceil((steady - case.settle_s) * case.sampling)) :]
+    raw_values = raw.raw_values[:, max(0, ceil((start_time - case.settle_s) * case.sampling)) :]
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines.mean(axis=1, keepdims=True), raw.peaks[-period:]
     )
@@ -154,7 +174,11 @@ def _collect_signals(
     lines: np.ndarray,
     peaks: np.ndarray,
 ) -> RunSignals:
-    """Collect the compared signals. filtered, raw_values: all recorded rows, low-passed (or None) and raw."""
+    """Collect the compared signals.
+
+    fine: (n,) unfiltered velocity; filtered: (C, m) all recorded rows low-passed, None without anti-aliasing;
+    raw_values: (C, k) all recorded rows at the sampling instants; peaks: (passes, ``EXTREMES``).
+    """
     rows = raw_values if filtered is None else filtered
     sensor_motion = {quantity: spectral_lines.sensor_series(case, rows, quantity) for quantity in MOTION}
     motion = np.stack([*sensor_motion.values()])
@@ -169,23 +193,24 @@ def _collect_signals(
             raw_values[channel_rows[raw_mask]],
         )
     return RunSignals(
-        fine, sensor_motion["velocity"], filtered_rows, raw_rows, lines, float(peaks[:, FORCE].max())
+        fine, sensor_motion["velocity"], filtered_rows, raw_rows, lines, float(peaks[:, PEAK_FORCE_COLUMN].max())
     )
 
 
 def fault_lines(case: Case) -> list[str]:
-    """Return the lines of a case's defects; BPFO for a healthy bearing, which vibrates at it as well."""
+    """Return the lines of a case's defects; BPFO for a healthy bearing, which also vibrates at BPFO, due to
+    varying compliance."""
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
 def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
-    """Return the compared signals of a pilot over its ``passes`` ball passes after settling."""
+    """Return the compared signals of a pilot run over its ``passes`` ball passes after settling."""
     case, grid = setup.case, setup.grid
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
     filtered = raw.low_passed.read(start, length) if case.antialias else None
     raw_values = raw.raw_values[:, : floor(passes / grid.rate * case.sampling) + 1]
-    lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
+    lines = np.stack([pass_contributions(setup, name, passes, fine) for name in fault_lines(case)])
     settling_passes = floor(case.settle_s * grid.rate + 1e-6)
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines, raw.peaks[settling_passes : settling_passes + passes]

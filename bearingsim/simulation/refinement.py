@@ -14,7 +14,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.simulation import channels, choice
-from bearingsim.simulation.comparison import steady_time
+from bearingsim.simulation.comparison import periodic_start
 from bearingsim.simulation.integration import Run
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import begins_with_pilot, price
@@ -141,7 +141,7 @@ def _refine_on_orbit(attempt: choice.Attempt, coarse: Setup, raw: RawRecord) -> 
     starts before the run is steady and before its modes have decayed.
     """
     case, setup = coarse.case, _until_periodic(coarse)
-    is_steady = steady_time(setup, raw) <= case.settle_s or decay_time(case) <= case.settle_s
+    is_steady = periodic_start(setup, raw) <= case.settle_s or decay_time(case) <= case.settle_s
     while raw.repetition.period > 0:
         finer, finer_raw = finer_orbit(setup, raw)
         check = check_on_orbit((setup, raw), (finer, finer_raw))
@@ -163,7 +163,7 @@ def _refine_on_pilots(attempt: choice.Attempt, coarse: Setup, begun: BegunRuns) 
     force 1.4 % off changed by 0.06 %. The first step is not used if it is limited by stability.
     """
     is_stable = attempt.step_fraction < 1.0 or coarse.step_fraction == INITIAL_FACTOR
-    case, step_fraction, factor = Inspections(coarse).earliest.case, coarse.step_fraction, 1.0
+    case, step_fraction, factor = Inspections(coarse).shortest_setup.case, coarse.step_fraction, 1.0
     previous: FinerPilot | None = None
 
     def refinement(fraction: float, check: StepCheck) -> Refinement:

@@ -189,11 +189,13 @@ def _unrefined(attempt: choice.Attempt) -> tuple[Inspections, RawRecord, StepChe
     setup = set_up(case, attempt.step_fraction)
     inspections = Inspections(setup)
     if not searches_for_period(setup.case):
-        check = step_check.verify_step(inspections.earliest)
+        check = step_check.verify_step(inspections.shortest_setup)
         return inspections, integrate(setup, inspector=inspections), check
     until_periodic = replace(setup, case=setup.case.model_copy(update={"periodic": True}))
     raw = integrate(until_periodic, patience=attempt.patience, inspector=inspections)
-    check = step_check.verify_step(until_periodic if raw.repetition.period > 0 else inspections.earliest, raw)
+    check = step_check.verify_step(
+        until_periodic if raw.repetition.period > 0 else inspections.shortest_setup, raw
+    )
     if not case.periodic and raw.repetition.period > 0:
         del raw  # frees its memory before the full run
         raw = integrate(setup, inspector=inspections)  # at the step checked on a period
@@ -231,7 +233,7 @@ def _try_out(
     if may_end:
         max_passes = max(max_passes, min(inspections.passes))
         raw = integrate(setup, max_passes=max_passes, inspector=inspections, begun=begun)
-        passes = min(passes, recording.whole_passes(inspections.ended_setup(raw).case, setup.grid))
+        passes = min(passes, recording.whole_passes(inspections.setup_of_record(raw).case, setup.grid))
     else:
         raw = integrate(setup, max_passes=max_passes, inspector=inspection)
     if inspection is not None and raw.repetition.computed in inspection.passes:
@@ -240,7 +242,7 @@ def _try_out(
     if not (needs_record and _completes_record(inspections, raw, may_end)):
         return result, None
     if check is None:
-        check = step_check.verify_step(setup if result.repeats else inspections.earliest, raw)
+        check = step_check.verify_step(setup if result.repeats else inspections.shortest_setup, raw)
     return result, _record(inspections, raw, check, start)
 
 
@@ -265,7 +267,7 @@ def _trial_inspection(
 
 def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: Usage) -> Record:
     """Return the record of a run."""
-    full_setup, setup = inspections.setup, inspections.ended_setup(raw)
+    full_setup, setup = inspections.setup, inspections.setup_of_record(raw)
     case = setup.case
     rows = channels.requested_rows(case, raw.cells)
     samples = recording.sample_rows(case, setup.grid, raw, rows)
@@ -280,7 +282,7 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
     if is_random or check.chaotic:
         errors = accuracy.standard_errors(case, setup.model, setup.grid, raw, pass_lines)
     values |= _check_features(
-        check, _pass_ratio(inspections.earliest, setup), errors if check.chaotic else no_errors
+        check, _pass_ratio(inspections.shortest_setup, setup), errors if check.chaotic else no_errors
     )
     values |= _start_features(start_errors(setup, raw, errors if is_random else no_errors))
     if case.step_check == "strict" and not (check.chaotic or has_free_cage(case)):

@@ -15,7 +15,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.core.geometry.motion import is_steady
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
-from bearingsim.simulation.comparison import FORCE, fault_lines
+from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN, fault_lines
 from bearingsim.simulation.recording import RawRecord, Windows, windows
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import slowest_decay
@@ -86,7 +86,7 @@ def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
         ]
     )
     sources = raw.repetition.source(round(record_windows.start / M) + np.arange(n))
-    return Passes(lines, np.mean(filtered.reshape(n, M) ** 2, axis=1), raw.peaks[sources, FORCE])
+    return Passes(lines, np.mean(filtered.reshape(n, M) ** 2, axis=1), raw.peaks[sources, PEAK_FORCE_COLUMN])
 
 
 def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:

@@ -27,7 +27,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
-from bearingsim.simulation.comparison import RunSignals, compare, orbit_signals, pilot_signals, steady_time
+from bearingsim.simulation.comparison import RunSignals, compare, period_signals, periodic_start, pilot_signals
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pilot
 from bearingsim.simulation.recording import RawRecord
@@ -207,14 +207,14 @@ def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord
     """Return the step check of a periodic motion, from one period at each step.
 
     None if the finer run is not periodic, or if raw values are recorded and the record ends before both runs are
-    steady.
+    periodic.
     """
     if fine[1].repetition.period == 0:
         return None
-    steady = max(steady_time(*coarse), steady_time(*fine))
-    if channels.stores_raw_values(coarse[0].case) and steady >= run_time(coarse[0].case):
+    start_time = max(periodic_start(*coarse), periodic_start(*fine))
+    if channels.stores_raw_values(coarse[0].case) and start_time >= run_time(coarse[0].case):
         return None
-    return StepCheck(*compare(*(orbit_signals(setup, run, steady) for setup, run in (coarse, fine))))
+    return StepCheck(*compare(*(period_signals(setup, run, start_time) for setup, run in (coarse, fine))))
 
 
 def max_finer_passes(raw: RawRecord) -> int:

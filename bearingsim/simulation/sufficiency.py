@@ -1,11 +1,11 @@
-"""Standard errors of the requested features of a record, which ends when they reach the accuracy `until`.
+"""Standard errors of the requested features of a record. The record ends when they reach the accuracy `until`.
 
 A feature is computed over pairs of successive units (``ending.unit``) that overlap by half, as in ``trial.py``; a
-multiple of BPFO with other lines present is computed from ball passes. The standard error of the mean is estimated
-by batch means. If values are correlated, it increases with the batch size, so batches are doubled in size and the
-largest error is used (batch means: Jones, Haran, Caffo and Neath 2006, J. Am. Stat. Assoc. 101, 1537; their bias:
-Vats and Flegal 2022, Biometrika 109, 735; stopping at a relative width: Flegal and Gong 2015, Stat. Sinica 25,
-655).
+harmonic of BPFO in a record that also has other lines is computed from single ball passes. The standard error of
+the mean is estimated by batch means. If values are positively correlated, it increases with the batch size, so
+batches are doubled in size and the largest error is used (batch means: Jones, Haran, Caffo and Neath 2006, J. Am.
+Stat. Assoc. 101, 1537; their bias: Vats and Flegal 2022, Biometrika 109, 735; stopping at a relative width: Flegal
+and Gong 2015, Stat. Sinica 25, 655).
 """
 
 from collections.abc import Sequence
@@ -25,15 +25,16 @@ from bearingsim.simulation.recording import RawRecord, first_sample, whole_passe
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensor_samples
 
-MIN_BATCHES = 4
-TWO_SIGMA = 0.97725  # probability of a deviation below two sigma
-HANN = 1.5  # ratio of the variance of a mean under Hann's window to that of a plain mean
+MIN_BATCHES = 4  # smallest number of batches, for at least three degrees of freedom in Student's t (chosen)
+TWO_SIGMA = 0.97725  # one-sided probability of two sigma of the normal distribution
+HANN_VARIANCE_RATIO = 1.5  # variance of a mean under Hann's window over that of a plain mean, of white noise
 
 
 class Inspections:
-    """Inspections of a run whose record ends at the accuracy `until`.
+    """Accuracy checks of a run that ends early when the accuracy `until` is reached.
 
-    passes: ball passes of the run after which it is inspected; empty without `until`.
+    passes: numbers of computed ball passes (settling included) at which the accuracy is checked; empty without
+    `until`; record_passes: number of ball passes of the record, by number of computed ball passes.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -45,46 +46,54 @@ class Inspections:
         self.errors: dict[int, StandardErrors] = {}
 
     def ends(self, raw: RawRecord) -> bool:
-        """Check if a run is accurate enough."""
+        """Return whether the standard errors of a run's record are at most `until`."""
         return self.record_errors(raw).largest <= (self.setup.case.until or 0.0)
 
     @property
-    def earliest(self) -> Setup:
-        """Setup with the shortest record, from which the step check takes its pilot."""
+    def shortest_setup(self) -> Setup:
+        """Setup with the shortest possible record; the step check uses it for its pilot run."""
         return self._with_passes(min(self.record_passes.values())) if self.record_passes else self.setup
 
-    def ended_setup(self, raw: RawRecord) -> Setup:
-        """Return the setup of a run's record, shortened if an inspection has ended it."""
-        computed = raw.repetition.computed
-        if raw.repetition.period > 0 or computed not in self.record_passes:
+    def setup_of_record(self, raw: RawRecord) -> Setup:
+        """Return the setup whose duration is that of the record, which an accuracy check may have ended early.
+
+        If the last check needs all ball passes of the run, the record has the duration of this check, which is
+        less than two ball passes shorter, whether or not the accuracy is reached.
+        """
+        passes = raw.repetition.computed
+        if raw.repetition.period > 0 or passes not in self.record_passes:
             return self.setup
-        return self._with_passes(self.record_passes[computed])
+        return self._with_passes(self.record_passes[passes])
 
     def _with_passes(self, passes: int) -> Setup:
         update = {"duration": passes / self.setup.grid.rate}
         return replace(self.setup, case=self.setup.case.model_copy(update=update))
 
     def record_errors(self, raw: RawRecord) -> StandardErrors:
-        """Return the standard errors of a run's record; NaN without `until`."""
+        """Return the largest relative standard errors of a run's record; NaN without `until`."""
         if self.setup.case.until is None:
             return StandardErrors(nan, nan)
-        computed = raw.repetition.computed
-        if computed not in self.errors:
-            self.errors[computed] = standard_errors(self.ended_setup(raw), raw)
-        return self.errors[computed]
+        passes = raw.repetition.computed
+        if passes not in self.errors:
+            self.errors[passes] = largest_standard_errors(self.setup_of_record(raw), raw)
+        return self.errors[passes]
 
 
 def monitored_features(case: Case) -> list[str]:
-    """List the features whose accuracy ends a record: line of each defect, RMS, and the features of the case.
+    """List the features that must reach the accuracy `until`: defect lines, velocity RMS, and those of the case.
 
-    Lines of the acceleration are replaced by those of the velocity, because they differ by a constant factor.
+    Lines of the acceleration are replaced by those of the velocity, which differ by a factor that is constant, or
+    nearly so with a free cage.
     """
     names = (*(f"velocity@{line}" for line in fault_lines(case)), "velocity.rms", *case.features)
     return list(dict.fromkeys(name.replace("acceleration@", "velocity@") for name in names))
 
 
-def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
-    """Estimate the largest standard errors of the watched lines and RMS values; infinite for too few passes."""
+def largest_standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
+    """Estimate the largest relative standard errors of the monitored lines and RMS values.
+
+    They are 0 for a periodic motion, and infinite for too few ball passes.
+    """
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
     errors = feature_errors(setup, raw, monitored_features(setup.case))
@@ -96,34 +105,35 @@ def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
 
 
 def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
-    """Estimate the relative standard errors of the features of a non-periodic record, by name."""
+    """Estimate the relative standard errors of the ``requested`` features of a non-periodic record, by name.
+
+    They are relative to the features' values, for a line to at least ``QUIET_LINE`` of the standard deviation of
+    the unfiltered signal. Infinite for too short a record, and for lines that it does not resolve.
+    """
     case, grid = setup.case, setup.grid
     passes = whole_passes(case, grid)
     start, length = first_sample(case, grid), passes * grid.fine_per_pass + 1
     spans = trial.turn_spans(passes, float(ending.unit(case)), grid.fine_per_pass)
     if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
-    fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
+    fine_samples = cache(partial(sensor_samples, case, raw, start=start, count=length))
+    low_passed_samples = cache(partial(sensor_samples, case, raw.low_passed, start=start, count=length))
     angles = angles_of_record(case, setup.model, grid, raw, start, length)
     window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
-    lines, powers = trial.feature_parts(
-        setup,
-        window_features,
-        fine,
-        cache(partial(sensor_samples, case, raw.low_passed, start=start, count=length)),
-        angles,
-        spans,
-    )
-    pass_lines = {} if len(window_features) == len(requested) else lines_of_passes(case, setup.model, grid, raw)
-    for name in set(requested).difference(window_features) if pass_lines else ():
+    lines, powers = trial.feature_parts(setup, window_features, fine_samples, low_passed_samples, angles, spans)
+    pass_features = [name for name in dict.fromkeys(requested) if name not in window_features]
+    pass_lines = lines_of_passes(case, setup.model, grid, raw) if pass_features else {}
+    for name in pass_features if pass_lines else ():
         lines_by_pass = pass_lines[name.partition("@")[0]][_harmonic(name) - 1]
         weights = signals.pass_weights(len(lines_by_pass), neighbours=True)
         lines[name] = np.append(np.average(lines_by_pass, weights=weights), lines_by_pass)
     errors = {}
     for name, parts in lines.items():
-        min_amplitude = 0.0 if read_band(name) else QUIET_LINE * float(np.std(fine(name.partition("@")[0])))
+        min_amplitude = (
+            0.0 if read_band(name) else QUIET_LINE * float(np.std(fine_samples(name.partition("@")[0])))
+        )
         in_phase = (parts * np.exp(-1j * np.angle(parts[0]))).real
-        variance_ratio = HANN if has_other_lines(case) else 1.0
+        variance_ratio = HANN_VARIANCE_RATIO if has_other_lines(case) else 1.0  # else a line is a plain mean
         errors[name] = variance_ratio**0.5 * batch_error(in_phase[1:]) / (max(abs(parts[0]), min_amplitude) or 1.0)
     for name, parts in powers.items():
         errors[name] = 0.5 * batch_error(parts[1:]) / (parts[0] or 1.0)
@@ -131,17 +141,18 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
 
 
 def _harmonic(name: str) -> int:
-    """Return the multiple of BPFO of a line of the motion, 0 for any other feature."""
+    """Return the order of a BPFO harmonic of the motion, 0 for any other feature."""
     line = LINES.get(name.partition("@")[2])
     return 0 if line is None or read_band(name) else line.outer
 
 
 def batch_error(values: np.ndarray) -> float:
-    """Estimate the standard error of the mean of successive values (n,); infinite below MIN_BATCHES.
+    """Estimate the standard error of the mean of successive values (n,), in their unit.
 
     The result is the largest for batches of 1, 2, 4 ... values. Twice the variance from batches of one size, minus
-    that from batches of half the size, has no first-order bias by correlation between batches. The error is scaled
-    by Student's t so that two standard errors have the confidence of two sigma.
+    that from batches of half the size, has no first-order bias due to correlation between batches (Vats and Flegal
+    2022). The error is scaled by Student's t so that two standard errors have the confidence of two sigma. It is
+    infinite for fewer than MIN_BATCHES values.
     """
     from scipy.special import stdtrit
 

@@ -19,7 +19,7 @@ from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, Line, read_band
 from bearingsim.simulation import recording, spectral_lines
-from bearingsim.simulation.comparison import FORCE
+from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.features import band_of
 from bearingsim.simulation.pilot import PILOT_FRACTION, ROUNDING, elements_with_deviations, longest_turn
 from bearingsim.simulation.recording import RawRecord
@@ -150,7 +150,7 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     series = partial(spectral_lines.sensor_series, case)
     lines, powers = feature_parts(setup, requested, partial(series, fine), partial(series, rows), angles, spans)
     start_pass = ceil(start / grid.fine_per_pass)
-    peaks = raw.peaks[:, FORCE]
+    peaks = raw.peaks[:, PEAK_FORCE_COLUMN]
     sources = [
         int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(start_pass, start_pass + passes)
     ]

@@ -72,7 +72,7 @@ def test_a_finer_run_ends_after_two_passes_if_the_coarse_one_shows_how_fast_it_s
     assert short.repetition.contraction == raw.repetition.contraction
     long = integrate(fine, start=step_check.rewound_state(coarse, raw))
     assert long.repetition.computed > 2
-    changes = comparison.compare(*(comparison.orbit_signals(fine, run, 0.0) for run in (short, long)))
+    changes = comparison.compare(*(comparison.period_signals(fine, run, 0.0) for run in (short, long)))
     assert max(changes) < 1e-5
     slow = dataclasses.replace(raw, repetition=raw.repetition._replace(contraction=0.9))
     assert step_check.finer_orbit(coarse, slow)[1].repetition.computed > 2

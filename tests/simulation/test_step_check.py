@@ -157,10 +157,10 @@ def test_correlated_passes_increase_the_scatter() -> None:
     assert step_check.scatter(correlated, passes)[0] > 2.5 * step_check.scatter(independent, passes)[0]
 
 
-def test_line_change_is_at_least_the_root_sum_of_squares() -> None:
+def test_line_difference_is_at_least_the_root_sum_of_squares() -> None:
     reference, errors = np.ones(4, dtype=complex), np.array([0.1, -0.1, 0.1, -0.1])
-    assert comparison.line_change(reference + errors, reference) == pytest.approx(0.2)
-    assert comparison.line_change(reference + np.abs(errors), reference) == pytest.approx(0.4)
+    assert comparison.line_difference(reference + errors, reference) == pytest.approx(0.2)
+    assert comparison.line_difference(reference + np.abs(errors), reference) == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize(("signal", "share"), [("fine_velocity", 0.5), ("recorded_velocity", 1.0)])

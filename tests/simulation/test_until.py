@@ -151,5 +151,5 @@ def test_the_step_is_checked_on_a_part_of_the_shortest_record() -> None:
         Inspections(set_up(resolve(case(**FREE_CAGE, duration="1 s", **options)), 1.0))
         for options in ({"until": "1 %"}, {})
     )
-    assert early.earliest.case.duration * 530.0 == pytest.approx(65.0)
-    assert full.earliest is full.setup
+    assert early.shortest_setup.case.duration * 530.0 == pytest.approx(65.0)
+    assert full.shortest_setup is full.setup
