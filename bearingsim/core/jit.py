@@ -11,8 +11,8 @@ Four names are used everywhere else:
 
 A product and an addition may be fused; every other operation keeps its IEEE meaning (full ``fastmath`` makes
 ``isfinite(nan)`` true). The compiler therefore reorders no sum: those over rollers have a fixed order that suits
-vectors (``sums.py``, ``vectors.py``), so results do not depend on the width of the processor's vectors (but on
-whether it has fused multiply-add).
+vectors (``core/sums.py``, ``core/vectors.py``), so results do not depend on the width of the processor's vectors
+(but on whether it has fused multiply-add).
 
 The cache folder is named by a digest of the sources of the core and of the packages that extend it, because numba
 checks only the file of the function itself and would load stale code after a change in a callee. (The core needs

@@ -50,7 +50,7 @@ from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, accelerations
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.models.planar_derivatives import planar_jacobian
-from bearingsim.core.models.planar_forces import tangential_forces
+from bearingsim.core.models.planar_forces import roller_forces
 from bearingsim.core.models.planar_form import add_form, load_contacts, load_formed_contacts
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import accelerate_cage, cage_constraint, pocket_stiffness, sum_pocket_forces
@@ -69,8 +69,8 @@ class Planar(NamedTuple):
 
     outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: law of friction at the races
     (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
-    e_0, acting on rollers and cage (a ring's weight is part of its load); lag: lag of the friction, s
-    (``friction/lag.py``); form: form of the surfaces (``parts/form.py``).
+    e_0, acting on rollers and cage (a ring's weight is part of its load); lag: time after which the slip of
+    the implicit friction is evaluated, s (``friction/lag.py``); form: form of the surfaces (``parts/form.py``).
     """
 
     bearing: Bearing
@@ -210,7 +210,7 @@ def correct_for_defect(model, common, d, j, s, t, y):
     y[lay.DEFECT_TORQUE + j] -= torque if on_roller else 0.0
     normal_slope_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
     normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
-    tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j)
+    roller_forces(model, common, normal_slope_o, normal_slope_i, y, j)
     return (-torque if outer and not on_roller else 0.0) + (form_torque if outer else 0.0)
 
 

@@ -53,7 +53,7 @@ def clear_changes(low, high, y, n):
 
 @jit
 def mobilities(model, y, n):
-    """Fill the accelerations of rollers and shared bodies under unit forces and torques."""
+    """Fill the rows MOBILITY_*: inverse masses and inverse moments of inertia of rollers and shared bodies."""
     b, cage, m_o = model.bearing, model.cage, model.bearing.m_o
     R_mean, cage_factor = 0.5 * (b.R_o + b.R_i), cage_constraint(cage, 1.0)
     for j in range(n):

@@ -14,7 +14,7 @@ from bearingsim.core.geometry.plane import small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import generic, inlined
 from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.models.planar_forces import tangential_forces
+from bearingsim.core.models.planar_forces import roller_forces
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.form import (
     RACE_I,
@@ -53,7 +53,7 @@ def _load_contacts_smooth(form, model, common, y, j):
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     y[lay.DEFECT_TORQUE + j] = 0.0
-    tangential_forces(model, common, 0.0, 0.0, y, j)
+    roller_forces(model, common, 0.0, 0.0, y, j)
 
 
 @load_contacts.register(Form)
@@ -86,7 +86,7 @@ def _load_formed_contacts(form, model, common, y):
         roller_i = stored(form.rollers, ROLLER_SLOPE_I, y, j)
         y[lay.DEFECT_TORQUE + j] = -(roller_o * Q_o + roller_i * Q_i)
         y[lay.ADDENDS + j] = -stored(form.outer, RACE_SLOPE_O, y, j) * Q_o
-        tangential_forces(model, common, tilt_o, tilt_i, y, j)
+        roller_forces(model, common, tilt_o, tilt_i, y, j)
     return sum_addends(y, n)
 
 

@@ -93,13 +93,13 @@ def _radial_stop_derivatives_rollers(guide, offset, speed):
 
 @generic
 def cage_mobility(cage: Any) -> tuple[float, float]:
-    """Return the angular acceleration of the cage under a unit torque (1/(kg m^2)), and the acceleration of its
-    centre under a unit force (1/kg)."""
+    """Return the inverse of the cage's moment of inertia (1/(kg m^2)) and that of its mass (1/kg), each 0 where
+    the motion is prescribed."""
 
 
 @generic
 def centre_mobility(guide: Any, m: float) -> float:
-    """Return the acceleration (1/kg) of the centre of a cage of mass ``m`` (kg) under a unit force."""
+    """Return the inverse (1/kg) of the mass ``m`` (kg) of a cage, 0 if its centre is fixed."""
 
 
 @centre_mobility.register(Centred)

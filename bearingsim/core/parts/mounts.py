@@ -99,8 +99,8 @@ def _accelerate_mounted_ring_elastic(mount, ring, f_z, m_x, m_y, m_z, y, z, tilt
 
 @generic(absent=(0.0, 0.0, 0.0))
 def mount_mobility(mount: Any) -> tuple[float, float, float]:
-    """Return the ring's axial acceleration under a unit force (1/kg), that of its axis under a unit moment
-    (1/(kg m^2)), and I_a (kg m^2)."""
+    """Return the inverse of the ring's mass (1/kg) and of its transverse moment of inertia (1/(kg m^2)), and its
+    axial moment of inertia I_a (kg m^2)."""
 
 
 @generic(absent=(0.0, 0.0, 0.0, 0.0))

@@ -9,14 +9,15 @@ from bearingsim.core.jit import absent, generic
 
 @absent
 class RigidShaft(NamedTuple):
-    """Fixed centre of the inner ring."""
+    """Rigid support of the inner ring, whose centre is fixed."""
 
 
 class ElasticShaft(NamedTuple):
     """Support of the inner ring by a spring and a damper, with a rotating unbalance.
 
-    m: mass of inner ring and shaft (kg); k: N/m; c: N s/m; unbalance: mass times its distance from the axis
-    (kg m), at ``angle`` (rad) from the load line at t = 0. Displacements count from the position under the load.
+    m: mass of inner ring and shaft (kg); k: stiffness (N/m); c: damping (N s/m); unbalance: mass times
+    eccentricity (kg m), at ``angle`` (rad) from the load direction e_0 towards e_90 at t = 0. Displacements are
+    relative to the static equilibrium position under the load.
     """
 
     m: float
@@ -30,19 +31,19 @@ class ElasticShaft(NamedTuple):
 def accelerate_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
     """Write the acceleration of the inner ring from the forces in the cells F_X_I, F_Y_I.
 
-    theta_i, omega_i, alpha_i: angle (rad), speed (rad/s) and angular acceleration (rad/s^2) of the ring.
+    model: its ``support`` has the load; theta_i, omega_i, alpha_i: angle (rad), speed (rad/s) and angular
+    acceleration (rad/s^2) of the ring, positive from e_0 to e_90; y: buffer (``core/layout.py``), updated in
+    place.
     """
 
 
 @accelerate_inner_ring.register(ElasticShaft)
 def _accelerate_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
     """Implement ``accelerate_inner_ring`` by equation (P11) of docs/planar.md."""
-    support, angle = model.support, theta_i + shaft.angle
+    load, angle = model.support, theta_i + shaft.angle
     c, s = cos(angle), sin(angle)
-    f_x = y[lay.F_X_I] + support.F - shaft.k * y[lay.POSITION + lay.X_I] - shaft.c * y[lay.VELOCITY + lay.X_I]
-    f_y = (
-        y[lay.F_Y_I] + support.F_across - shaft.k * y[lay.POSITION + lay.Y_I] - shaft.c * y[lay.VELOCITY + lay.Y_I]
-    )
+    f_x = y[lay.F_X_I] + load.F - shaft.k * y[lay.POSITION + lay.X_I] - shaft.c * y[lay.VELOCITY + lay.X_I]
+    f_y = y[lay.F_Y_I] + load.F_across - shaft.k * y[lay.POSITION + lay.Y_I] - shaft.c * y[lay.VELOCITY + lay.Y_I]
     y[lay.ACCELERATION + lay.X_I] = (f_x + shaft.unbalance * (omega_i * omega_i * c + alpha_i * s)) / shaft.m
     y[lay.ACCELERATION + lay.Y_I] = (f_y + shaft.unbalance * (omega_i * omega_i * s - alpha_i * c)) / shaft.m
 
@@ -53,9 +54,9 @@ class FixedRing(NamedTuple):
 
 
 class TorsionSpring(NamedTuple):
-    """Bracket with a torsion spring k (N m/rad) and a damper c (N m s/rad) on the outer ring.
+    """Torsion spring k (N m/rad) and damper c (N m s/rad) between the outer ring and a fixed bracket.
 
-    inertia: moment of inertia of the ring about its axis (kg m^2).
+    inertia: moment of inertia of the ring about its axis (kg m^2). The spring is unloaded at the angle 0.
     """
 
     inertia: float
@@ -65,7 +66,11 @@ class TorsionSpring(NamedTuple):
 
 @generic(absent=None)
 def accelerate_ring_rotation(bracket: Any, y: Any) -> None:
-    """Write the angular acceleration of the outer ring from the torque in the cell M_RING."""
+    """Write the angular acceleration (rad/s^2) of the outer ring from the torque (N m) in the cell M_RING.
+
+    bracket: ``FixedRing`` (nothing is written) or ``TorsionSpring``; y: buffer (``core/layout.py``). The equation
+    is I psi'' = M - k psi - c psi' (docs/planar.md, "Shaft, speed, gravity").
+    """
 
 
 @accelerate_ring_rotation.register(TorsionSpring)
@@ -76,7 +81,12 @@ def _accelerate_ring_rotation_spring(bracket, y):
 
 @generic(absent=0.0)
 def mobility(support: Any) -> float:
-    """Return the ring's acceleration under a unit force or torque: 1/kg, 1/(kg m^2); 0 if the support is rigid."""
+    """Return the inverse of the mass (1/kg) or of the moment of inertia (1/(kg m^2)) of a supported ring.
+
+    support: of the inner ring (``RigidShaft``, ``ElasticShaft``) or of the outer ring's rotation (``FixedRing``,
+    ``TorsionSpring``). 0 if it is rigid. In the core `mobility` is an inverse inertia, not a velocity over a
+    force.
+    """
 
 
 @mobility.register(ElasticShaft)
@@ -91,12 +101,18 @@ def _mobility_torsion(support):
 
 @generic(absent=0.0)
 def spring_per_mass(support: Any) -> float:
-    """Return the stiffness over mass (1/s^2) of the spring of a shaft or a bracket."""
+    """Return the stiffness over the ring's mass, for a bracket over its moment of inertia (1/s^2); 0 if rigid.
+
+    support: as in ``mobility``.
+    """
 
 
 @generic(absent=0.0)
 def damper_per_mass(support: Any) -> float:
-    """Return the damping over mass (1/s) of the damper of a shaft or a bracket."""
+    """Return the damping over the ring's mass, for a bracket over its moment of inertia (1/s); 0 if rigid.
+
+    support: as in ``mobility``.
+    """
 
 
 @spring_per_mass.register(ElasticShaft)

@@ -1,4 +1,4 @@
-"""Friction with a lag, evaluated at future slips, so that steep friction does not limit explicit steps."""
+"""Implicit friction, evaluated at the slips after a time (`lag`): steep friction does not limit explicit steps."""
 
 from bearingsim.core.jit import jit
 
