@@ -10,7 +10,7 @@ from bearingsim.text.units import UnitError, parse
 
 @dataclass(frozen=True)
 class Curve:
-    """Feature drawn over a swept path, with the numbers of the study's cases on the curve."""
+    """Feature drawn over a swept path, with the numbers of the study's cases on the curve, in the order of x."""
 
     feature: str
     cases: tuple[int, ...]
@@ -34,7 +34,7 @@ def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[int, ...]]:
     """Yield the cases of each curve of a figure, one curve for each combination of the paths of
-    ``_dividing_paths``."""
+    ``_dividing_paths``. They are in the order of x, or in that of the study if x is a word."""
     matching = [
         number
         for number, values in enumerate(swept)
@@ -44,7 +44,10 @@ def _figure_curves(
     by_values: dict[tuple, list[int]] = {}
     for number in matching:
         by_values.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
-    return (tuple(numbers) for numbers in by_values.values())
+    for numbers in by_values.values():
+        x = [swept[number].get(figure.x) for number in numbers]
+        is_numeric = all(isinstance(value, float) for value in x)
+        yield tuple(sorted(numbers, key=lambda n: swept[n][figure.x])) if is_numeric else tuple(numbers)
 
 
 def _dividing_paths(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
@@ -93,7 +96,7 @@ def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve])
 
 
 def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
-    """Return the first and last case of a curve, in the order of the study, and the case with its largest value.
+    """Return the first and last case of a curve, and the case with its largest value.
 
     values: for each case, objects with a ``value`` by feature; empty for a case with a failed trial.
     """

@@ -19,6 +19,11 @@ def drawn(write: Write, *figures: str, sweep: str = SWEEP) -> list[tuple[int, ..
     return [curve.cases for curve in curves(study)]
 
 
+def whole(drawn_curves: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    """Return the curves with their cases in the order of the study."""
+    return [tuple(sorted(cases)) for cases in drawn_curves]
+
+
 TWO = "sweep: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}\n"
 
 
@@ -47,11 +52,24 @@ def test_points_of_a_design_are_one_curve(write: Write) -> None:
     """Rows of `saltelli` share values: what else moves at one of them parts no cloud, nor does what follows."""
     blocks = "sweep: {saltelli: {n: 4, over: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}}, %s}\n"
     derived = blocks % "derived: {defect.depth: defect.width / 20}"
-    assert drawn(write, "y: velocity@BPFO, x: load", sweep=derived) == [tuple(range(16))]
+    assert whole(drawn(write, "y: velocity@BPFO, x: load", sweep=derived)) == [tuple(range(16))]
     clouds = blocks.replace("saltelli", "sobol") % "clearance: [0 um, 5 um]"
     two_curves = [tuple(range(0, 8, 2)), tuple(range(1, 8, 2))]
-    assert drawn(write, "y: velocity@BPFO, x: load", sweep=clouds) == two_curves
-    assert drawn(write, "y: velocity@BPFO, x: load, by: clearance", sweep=clouds) == two_curves
+    assert whole(drawn(write, "y: velocity@BPFO, x: load", sweep=clouds)) == two_curves
+    assert whole(drawn(write, "y: velocity@BPFO, x: load, by: clearance", sweep=clouds)) == two_curves
+
+
+def test_cases_of_a_curve_are_in_the_order_of_x(write: Write) -> None:
+    """The ends of a curve bound the cases in between, so they are its ends in x and not in the file."""
+    unsorted = "sweep: {load: [300 N, 150 N, 200 N], defect.width: [0.8 mm, 0.2 mm]}\n"
+    assert drawn(write, "y: velocity@BPFO, x: load", sweep=unsorted) == [(2, 4, 0), (3, 5, 1)]
+    words = "sweep: {excitation: [soft-edge, envelope], load: [300 N, 150 N]}\n"
+    assert drawn(write, "y: velocity@BPFO, x: excitation", sweep=words) == [(0, 2), (1, 3)]
+    (cloud,) = drawn(
+        write, "y: velocity@BPFO, x: load", sweep="sweep: {sobol: {n: 8, over: {load: [150 N, 300 N]}}}\n"
+    )
+    assert sorted(cloud) == list(range(8))
+    assert cloud != tuple(range(8))
 
 
 def test_where_accepts_words_and_plain_numbers(write: Write) -> None:

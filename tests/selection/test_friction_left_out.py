@@ -1,6 +1,7 @@
 """Friction that a case leaves open: tried where it may change most, and computed where it changes much."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pytest
 
@@ -101,24 +102,25 @@ def test_choice_with_open_friction_has_another_key(write: Write) -> None:
 
 def test_friction_is_tried_at_ends_of_curve_and_largest_value(write: Write) -> None:
     """The change of the others is assumed to be no larger; their audits have friction."""
-    study = accuracy_study(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
+    study = accuracy_study(write, OPEN.replace(LOADS, "450 N, 150 N, 300 N, 200 N, 400 N"))
     tried: set[float] = set()
 
     def evaluate(request: TrialRequest) -> Trial | None:
         if is_free(request.case):
             tried.add(request.case.load)
-        return by_friction(0.01 * request.case.load / 800.0, repeats=True)(request)
+        peak = request.case.model_copy(update={"load": 1000.0 - abs(request.case.load - 300.0)})
+        return by_friction(0.01 * peak.load / 1000.0, repeats=True)(replace(request, case=peak))
 
     result = choose(study, evaluate)
-    assert tried == {150.0, 450.0, 800.0}
-    assert [choice.inferred for choice in result] == [False, False, True, True, False]
-    largest = result[1].friction[LINE]
-    assert [choice.friction[LINE] for choice in result[2:4]] == [largest, largest]
+    assert tried == {150.0, 300.0, 450.0}
+    assert [choice.inferred for choice in result] == [False, False, False, True, True]
+    largest = result[2].friction[LINE]
+    assert [choice.friction[LINE] for choice in result[3:]] == [largest, largest]
     choices = selection.ModelSelector(study, range(5)).decide(run_trials(study, evaluate)).choices
     done = selection.apply_choices(study, choices)
     assert done.selection is not None
     ids = [case_id(case) for case in done.cases()]
-    assert {audit.of for audit in done.selection.audits} == {ids[2], ids[3]}
+    assert {audit.of for audit in done.selection.audits} == {ids[3], ids[4]}
     assert all(is_free(audit.job.case) for audit in done.selection.audits)
 
 
