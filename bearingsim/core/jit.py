@@ -160,6 +160,8 @@ def guard_cache(dispatcher: Any) -> Any:
             save(signature, code)
 
     def load_if_readable(signature: Any, context: Any) -> Any:
+        if linking.is_callee():  # the cache holds complete code only
+            return None
         with suppress(*LOAD_ERRORS):
             return load(signature, context)
 

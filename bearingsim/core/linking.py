@@ -112,8 +112,18 @@ def is_linked(result: Any) -> bool:
     return HAS_INTERNALS and isinstance(result.library, LinkedLibrary)
 
 
+def is_callee() -> bool:
+    """Check that a function to be compiled is a callee of one being compiled; False if unknown."""
+    return HAS_INTERNALS and Compiler.depth > 0
+
+
 def compile_on_call(dispatcher: Any) -> Any:
-    """Compile a function completely when Python calls it, if it was compiled only for callers before."""
+    """Compile a function completely when Python calls it, and for linking when a caller is compiled.
+
+    A caller never links the complete code of a function that Python called before. That code is optimised in
+    another way and may fuse other products and additions, so that results would depend on which functions were
+    compiled, or loaded from the cache, before.
+    """
     if not HAS_INTERNALS:
         return dispatcher
     add_overload, compile_for = dispatcher.add_overload, dispatcher.compile
@@ -128,8 +138,8 @@ def compile_on_call(dispatcher: Any) -> Any:
         with global_compiler_lock:
             arguments, _ = sigutils.normalize_signature(signature)
             existing = dispatcher.overloads.get(tuple(arguments))
-            if existing is not None and is_linked(existing) and Compiler.depth == 0:
-                del dispatcher.overloads[tuple(arguments)]
+            if existing is not None and is_linked(existing) != is_callee():
+                del dispatcher.overloads[tuple(arguments)]  # Python still calls the code that it has
             with rare_collections():
                 return compile_for(signature)
 

@@ -6,10 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numba import typeof
 from numba.core.codegen import JitEngine
 
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.linking import HAS_INTERNALS, defer_signals, is_linked
+from bearingsim.core.linking import HAS_INTERNALS, Compiler, defer_signals, is_linked
+from bearingsim.core.parameters import lanes
+from tests.scenes.oscillators import UNIT
 
 
 class Scaled(NamedTuple):
@@ -75,11 +78,23 @@ def test_linked_function_is_compiled_when_python_calls_it() -> None:
     assert again(Scaled(2.0), np.array([3.0])) == 7.0
 
 
-def test_complete_function_is_linked_without_recompilation() -> None:
+def test_a_caller_does_not_link_the_code_that_python_called() -> None:
+    """Its code would otherwise depend on what was compiled before."""
     inner, outer = functions()
     assert inner(Scaled(3.0), 1.0) == 4.0
-    assert outer(Scaled(3.0), np.array([1.0, 1.0])) == 8.0
     assert not is_linked(code(inner))
+    assert outer(Scaled(3.0), np.array([1.0, 1.0])) == 8.0
+    assert is_linked(code(inner))
+    assert inner(Scaled(3.0), 2.0) == 7.0
+    assert is_linked(code(inner))  # Python still calls the complete code
+
+
+def test_callees_are_not_loaded_from_the_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    lanes(UNIT)  # compiled and saved
+    signature = (typeof(UNIT),)
+    assert lanes._cache.load_overload(signature, lanes.targetctx) is not None
+    monkeypatch.setattr(Compiler, "depth", 1)
+    assert lanes._cache.load_overload(signature, lanes.targetctx) is None
 
 
 def test_a_caller_is_compiled_for_other_types_too() -> None:

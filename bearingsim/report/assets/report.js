@@ -217,9 +217,8 @@ function table() {
   const heads = [...document.querySelectorAll('#table th')];
   for (const [i, head] of heads.entries()) head.addEventListener('click', () => {
     const sign = head.ariaSort === 'ascending' ? -1 : 1;
-    const isNumber = head.classList.contains('number'); // an id may begin with digits
-    const difference = (a, b) => (isNumber ? Number.parseFloat(a) - Number.parseFloat(b) : 0);
-    const order = (a, b) => difference(a, b) || a.localeCompare(b);
+    const number = head.matches('.number') ? Number.parseFloat : () => 0; // not of an id
+    const order = (a, b) => number(a) - number(b) || a.localeCompare(b);
     for (const other of heads) other.ariaSort = 'none';
     head.ariaSort = sign > 0 ? 'ascending' : 'descending';
     body.append(...rows.sort((a, b) => sign * order(cell(a, i), cell(b, i))));
@@ -236,7 +235,6 @@ function table() {
     document.getElementById('copied').textContent = `${lines.length - 1} rows copied`;
   });
 }
-
 for (const section of document.querySelectorAll('[data-chart]')) start(section);
 table();
 const redraw = () => { for (const draw of drawings) draw(); };
