@@ -43,7 +43,7 @@ def may_peak_within(y, n):
 
     It is assumed not to where all forces at both ends are at most PEAK_RATIO of that force. The parabola's top is
     at most 1/SMOOTH_RATIO of either end. A middle above 1/PEAK_RATIO of both ends requires a step of about two
-    thirds of a contact's duration (half a sine); none was accepted at any tolerance (docs/evidence/speed.md).
+    thirds of a contact's duration (half a sine); the runs of docs/evidence/speed.md have none.
     LARGEST_AT_ENDS is updated. It does not depend on recorded instants, so recording does not change which steps
     are evaluated.
     """

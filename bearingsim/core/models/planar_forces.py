@@ -1,4 +1,10 @@
-"""Forces on a roller of ``planar``: contacts, friction, drag, weight and pocket; slip; reactions on the rings."""
+"""Forces on a roller of ``planar``: contacts, friction, drag, weight and pocket; slip; reactions on the rings.
+
+Rows of the buffer that are read: COS, SIN, and the contacts' DELTA_*, RHO_*, RHO_V_*, TANGENTIAL_V_*, Q_*,
+NORMAL_*, DEFECT_FORCE_* and DEFECT_TORQUE. Rows that are written: SLIP_* (without ``SLIP_OFFSET``), FRICTION_*,
+FORCE_R, FORCE_T, TORQUE, the roller's loads on the rings (F_X, F_Y, M_RING, F_X_I, F_Y_I), and those of
+``pocket_force``.
+"""
 
 from math import sqrt
 
@@ -15,18 +21,11 @@ SLIP_OFFSET = 1e-12  # m/s, far below any resolved slip; keeps friction/slip fin
 def roller_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     """Compute slip, friction, forces and torque of roller ``j``, and its reactions on the rings.
 
-    Write the rows SLIP_* (without ``SLIP_OFFSET``), FRICTION_*, FORCE_R, FORCE_T, TORQUE, the roller's loads on
-    the rings (F_X, F_Y, M_RING, F_X_I, F_Y_I), and those of ``pocket_force``. Read COS, SIN, and the contacts'
-    DELTA_*, RHO_*, RHO_V_*, TANGENTIAL_V_*, Q_*, NORMAL_*, DEFECT_FORCE_* and DEFECT_TORQUE. model:
-    ``planar.Planar``; common: ``planar.Plane``; y: buffer (``core/layout.py``). normal_slope_o, normal_slope_i:
-    tangent of the angle between the contact normal and the line through the centres of ring and roller; 0 without
-    a defect.
-
-    Equations (P4) and (P5) of docs/planar.md, over a defect (P6); friction is evaluated implicitly, at the slip
-    after the time ``model.lag`` (P9).
+    common: ``planar.Plane``; normal_slope_o, normal_slope_i: tangent of the angle between the contact normal and
+    the line through the centres of ring and roller, 0 without a defect. Equations (P4) and (P5) of docs/planar.md,
+    over a defect (P6); friction is evaluated implicitly, at the slip after the time ``model.lag`` (P9).
     """
-    bearing, friction, drag = model.bearing, model.friction, model.drag
-    R_w = bearing.R_w
+    bearing, friction, drag, R_w = model.bearing, model.friction, model.drag, model.bearing.R_w
     inverse_mass, inverse_spin_mass = 1.0 / bearing.m_r, R_w * R_w / bearing.I_r  # 1/kg
     a = model.lag * (inverse_mass + inverse_spin_mass)  # s/kg, in (P8)
     b = model.lag * (inverse_mass - inverse_spin_mass)
