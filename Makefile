@@ -84,7 +84,7 @@ study: install
 
 # the figures of README and docs; NAME=tilt.png: one, ARGS=--list: what makes each, ARGS=--long: also what takes minutes
 figures: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.figures $(NAME) $(ARGS)
+	$(BIN)/python -m benchmarks.figures $(NAME) $(ARGS)
 
 sensitivity: install
 	$(BIN)/bearingsim run studies/sensitivity.yaml --jobs $(JOBS) $(REDUCED) --out $(RESULTS); code=$$?; \
@@ -120,7 +120,7 @@ wheel-check: install-dev
 	@pythons=; for version in $(PYTHONS); do \
 	  python=$$($(FIND_PYTHON) $$version) && pythons="$$pythons $$python" || \
 	    echo "Python $$version skipped: none on PATH or in pyenv"; done; \
-	  OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.wheel_check --csv docs/data/wheel_check.csv $$pythons
+	  $(BIN)/python -m benchmarks.wheel_check --csv docs/data/wheel_check.csv $$pythons
 
 # the lowest versions that pyproject.toml allows, without extras, on the lowest Python: commands and stored results.
 # Deprecations that old packages report of each other are not ours
@@ -161,15 +161,15 @@ check: lint test
 
 # ONLY=peers, or other sections: docs/benchmarks.md
 bench: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed $(ONLY) --out results/bench
+	$(BIN)/python -m benchmarks.speed $(ONLY) --out results/bench
 
 # the whole chart is written into docs/, the small one beside its figures
 speed-accuracy: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed_accuracy $(REDUCED) --jobs $(JOBS)
+	$(BIN)/python -m benchmarks.speed_accuracy $(REDUCED) --jobs $(JOBS)
 
 # is anything lost when a disk is full, a bit flips, a process ends? As root also on small disks
 faults: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/faults.py $(ONLY)
+	$(BIN)/python -m benchmarks.faults $(ONLY)
 
 # 40 changes of the program, drawn by seed: do tests notice? Writes docs/data/mutants.csv. Up to an hour
 mutants: install-dev
@@ -186,7 +186,7 @@ report-check: install-dev
 
 # sizes of files and functions by package, and import cycles: a report, no test
 house: install-dev
-	$(BIN)/python benchmarks/house.py
+	$(BIN)/python -m benchmarks.house
 
 # is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile? Writes docs/data/handshakes.csv
 handshakes: install-dev
@@ -194,8 +194,8 @@ handshakes: install-dev
 
 # broken, mistaken and hostile study files: are they refused with a place, and in time? Writes docs/data/check_limits.csv
 hostile: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.hostile
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.check_limits
+	$(BIN)/python -m benchmarks.hostile
+	$(BIN)/python -m benchmarks.check_limits
 
 # what does an editor mark in study files? Needs npm. Writes docs/data/editor.csv
 editor: install-dev
@@ -211,7 +211,7 @@ one-folder: install-dev
 
 # lines of envelopes, RMS of a band at any sampling, contact forces: are they what they are called? Writes docs/data/bands.csv
 bands: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.bands --csv docs/data/bands.csv
+	$(BIN)/python -m benchmarks.bands --csv docs/data/bands.csv
 
 # CPU time of commands that compute nothing. Writes docs/data/start_up.csv
 start-up: install-dev
@@ -219,36 +219,36 @@ start-up: install-dev
 
 # does a run forget its start, and is what it remembers said? Writes docs/data/start.csv
 start: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.start --csv docs/data/start.csv
+	$(BIN)/python -m benchmarks.start --csv docs/data/start.csv
 
 # does the standard error of a free cage's largest force cover its scatter? Writes docs/data/largest_force.csv
 largest-force: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.largest_force --csv docs/data/largest_force.csv
+	$(BIN)/python -m benchmarks.largest_force --csv docs/data/largest_force.csv
 
 # is a result flagged as one draw of many where it is not known to 0.5 %? Writes docs/data/flags.csv
 flags: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.flags
+	$(BIN)/python -m benchmarks.flags
 
 # bowls and spalls at four times the nodes: within the error that is said? Writes docs/data/nodes.csv
 nodes: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.nodes --csv docs/data/nodes.csv
+	$(BIN)/python -m benchmarks.nodes --csv docs/data/nodes.csv
 
 # what does `analyze` find in which noise, and which widths does it state? Writes docs/data/diagnosis.csv, diagnosis_sizes.csv
 diagnosis: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.diagnosis.operating_table
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.diagnosis.sizes
+	$(BIN)/python -m benchmarks.diagnosis.operating_table
+	$(BIN)/python -m benchmarks.diagnosis.sizes
 
 # campaigns on random scenes: ARGS='--cases 20' and others, as of `python -m benchmarks.NAME --help`
 $(CAMPAIGNS): install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.$(subst -,_,$@) $(ARGS)
+	$(BIN)/python -m benchmarks.$(subst -,_,$@) $(ARGS)
 
 # does an accuracy hold against friction and a free cage, at which cost? Writes docs/data/friction.csv
 friction: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.friction --csv docs/data/friction.csv
+	$(BIN)/python -m benchmarks.friction --csv docs/data/friction.csv
 
 # do records that end early hold an accuracy, at which cost against an earlier commit? Writes docs/data/early_ends.csv
 early-ends: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.early_ends --seconds inf --csv docs/data/early_ends.csv $(ARGS)
+	$(BIN)/python -m benchmarks.early_ends --seconds inf --csv docs/data/early_ends.csv $(ARGS)
 
 # what do linked compilation and sums in vector registers gain? Two minutes
 compiler-gains: install-dev

@@ -1,6 +1,6 @@
 """Cost of the method chosen by `auto`, compared with all applicable methods and steps, for ten scenes.
 
-    python benchmarks/choice.py [--scene NAME] [--each]
+    python -m benchmarks.choice [--scene NAME] [--each]
 
 Five scenes are periodic, five are not. The reference is the Verlet method at 1/32 of the step limit at impact. (At
 1/16 its own error, 2e-4 in `ring`, was mistaken for that of `auto`.) The error is the largest relative error of

@@ -1,6 +1,6 @@
 """Tests for loss of data on full disks, flipped bits and killed processes.
 
-    python benchmarks/faults.py [disks] [flips] [signals] [--seed 1]
+    python -m benchmarks.faults [disks] [flips] [signals] [--seed 1]
 
 disks     `run`, `plot` and `export` into disks of 19 sizes (tmpfs, if mounting is allowed) and under 19 limits
           of file size; each must succeed, or end with exit code 2, a message that names the path, and nothing

@@ -1,7 +1,7 @@
 """Report on the source by package: sizes of files and functions, import cycles (``make house``). Not a test.
 
-    python benchmarks/house.py              # of this tree
-    python benchmarks/house.py ../older     # of another checkout
+    python -m benchmarks.house              # of this tree
+    python -m benchmarks.house ../older     # of another checkout
 
 A line counts as text (docstring, also of a constant, or comment), blank, import, or code. The length of a function
 includes signature and docstring. An import cycle is a set of modules that import one another, at the top, in a

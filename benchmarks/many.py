@@ -1,6 +1,6 @@
 """Cost of a study of many jobs without its computation: check, run of finished jobs, show, plot, disk space.
 
-    python benchmarks/many.py [--jobs 100000] [--out results/many]
+    python -m benchmarks.many [--jobs 100000] [--out results/many]
 
 Only one job is computed; the others have its record and features with different noise. The series of a job take 3
 kB. Each command runs in a separate process, whose CPU time and peak memory are printed.

@@ -1,6 +1,6 @@
 """Accuracy of automatically chosen models in random scenes, compared with the requested one.
 
-    python benchmarks/promise.py [--seed 1] [--count 120] [--jobs 2] [--out results/promise] [--again]
+    python -m benchmarks.promise [--seed 1] [--count 120] [--jobs 2] [--out results/promise] [--again]
 
 A scene is a study of one case, which requests 5, 2 and 1 % for the defect line, the RMS and the largest outer
 force. The cost of trials is reported for 5 % of the line. The converged solution is the reference model with half

@@ -1,6 +1,6 @@
 """Convergence of the default method and step in random scenes, which must converge or be refused.
 
-    python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
+    python -m benchmarks.random_scenes [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
 
 Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, defects, models. Each is
 run with ``step_check: strict``, long enough to resolve the defect line (at least 0.15 s), with at most 20 s of CPU

@@ -1,6 +1,6 @@
 """Test of periodicity detection: records completed from one period, compared with full integrations.
 
-    python benchmarks/repetition.py [--seed 1] [--ring 40] [--rollers 40] [--planar 20] [--spatial 20] [--jobs 2]
+    python -m benchmarks.repetition [--seed 1] [--ring 40] [--rollers 40] [--planar 20] [--spatial 20] [--jobs 2]
 
 Random scenes that may be periodic (healthy or with outer-race defects, kinematic cage) are integrated until they
 are periodic, and over the full record of at least 60 ball passes. Printed for each model:

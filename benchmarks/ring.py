@@ -1,6 +1,6 @@
 """Flexible outer ring: effect of harmonics, cap and step in random scenes, and cost of a step.
 
-    python benchmarks/ring.py [--seed 1] [--harmonics 30] [--steps 50] [--chaos 11] [--cost] [--jobs 2]
+    python -m benchmarks.ring [--seed 1] [--harmonics 30] [--steps 50] [--chaos 11] [--cost] [--jobs 2]
 
 harmonics  changes of line and RMS (below 10 kHz, sampled at 51.2 kHz) if harmonics and cap are doubled, relative
            to the largest defect contribution of the slot from 0 to 60 deg in static equilibrium, and to the RMS;

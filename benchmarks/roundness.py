@@ -1,4 +1,4 @@
-"""Example of a roundness profile: python benchmarks/roundness.py [studies/scans/roundness.csv]."""
+"""Example of a roundness profile: python -m benchmarks.roundness [studies/scans/roundness.csv]."""
 
 import sys
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Bitwise comparison of the results of two versions of the code, for refactoring.
 
-    python benchmarks/same_numbers.py --write before.json       # in the checkout before the change
-    python benchmarks/same_numbers.py --against before.json     # in the checkout after it, on the same machine
+    python -m benchmarks.same_numbers --write before.json       # in the checkout before the change
+    python -m benchmarks.same_numbers --against before.json     # in the checkout after it, on the same machine
 
 The comparison covers the features of the scenes below, the schema of study files, and id, model, method and step
 of each job of the studies in ``studies/``. Scenes are short, since they detect changes, not errors. Differences

@@ -1,8 +1,8 @@
 """Depth maps: example scan, accuracy of roller paths over random defects, and cost of tables.
 
-python benchmarks/shapes.py scan studies/scans/spall.csv   # write the example scan
-python benchmarks/shapes.py accuracy [--defects 200]       # largest error of h, relative to its maximum
-python benchmarks/shapes.py cost                           # ns to evaluate h; ms to build a defect
+python -m benchmarks.shapes scan studies/scans/spall.csv   # write the example scan
+python -m benchmarks.shapes accuracy [--defects 200]       # largest error of h, relative to its maximum
+python -m benchmarks.shapes cost                           # ns to evaluate h; ms to build a defect
 """
 
 import argparse

@@ -7,10 +7,6 @@ has a job with the slot and one without, and nine jobs try other damping. All ru
 a record of 1 s with its series; each has a load of its own, so that it shares no result with another job.
 """
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
-
 import argparse
 import tempfile
 import time

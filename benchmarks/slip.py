@@ -1,6 +1,6 @@
 """Cage slip against load and speed, simulated and from an equilibrium of friction and drag (docs/slip.md).
 
-    python benchmarks/slip.py RESULTS [--csv FILE] [--png FILE] [--onsets FILE]
+    python -m benchmarks.slip RESULTS [--csv FILE] [--png FILE] [--onsets FILE]
 
 RESULTS is the folder of `bearingsim run studies/slip.yaml`. The onset of gross slip (load at which the cage slip,
 from initial rolling, is 5 %) is determined by bisection for each friction law and speed, for three seeds each.

@@ -1,6 +1,6 @@
 """Step error of runs, compared with the stated step error.
 
-    python benchmarks/step_error.py [--scenes 40] [--seed 1] [--jobs 2] [--each]
+    python -m benchmarks.step_error [--scenes 40] [--seed 1] [--jobs 2] [--each]
 
 Random scenes of `ring`, `rollers` and `planar` (``draw``) are run by default, and again with an eighth of the step
 (for an adaptive method, a thousandth of the tolerance). Printed for line, RMS and largest force:

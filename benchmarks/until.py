@@ -1,6 +1,6 @@
 """Accuracy and savings of records that end early by `until`.
 
-    python benchmarks/until.py [--scenes 40] [--seed 1] [--accuracy 0.005] [--jobs 2]
+    python -m benchmarks.until [--scenes 40] [--seed 1] [--accuracy 0.005] [--jobs 2]
 
 Random scenes of `rollers` that may be periodic (``benchmarks/repetition.py``), 2 s long, are drawn until enough of
 them end early because line and RMS are accurate. Each is also computed in full. Printed are

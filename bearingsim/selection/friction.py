@@ -23,6 +23,7 @@ from bearingsim.simulation.trial import (
     LARGEST_FORCE,
     ReferenceValues,
     lengthen_for_trial,
+    may_become_record,
     shows_friction,
 )
 from bearingsim.text.numbers import percent
@@ -70,22 +71,26 @@ class Friction:
         return [trial for trial in trials if trial.id not in self.evidence.trials]
 
     def _trials_of(self, n: int) -> list[TrialRequest]:
-        """Return the trials of a case with friction, which may end early, and of its healthy counterpart."""
-        trial, *baselines = trials_of(self.evidence.study, n, self._trial_case(n))
+        """Return the trials of a case with friction, and of its healthy counterpart.
+
+        The trial of a case alone may end early; two trials must cover the same number of cage turns.
+        """
+        trials = trials_of(self.evidence.study, n, self._trial_case(n))
         reference_values = self.evidence.reference_values[n]
-        names = [name for name in trial.features if name in reference_values and name != LARGEST_FORCE]
+        features = trials[0].features if len(trials) == 1 else ()
+        names = [name for name in features if name in reference_values and name != LARGEST_FORCE]
         limits = {name: EARLY_END_FACTOR * self.limit * self.evidence.scales[name][n] for name in names}
         early_end = ReferenceValues({name: reference_values[name].value for name in names}, limits)
-        return [replace(trial, reference_values=(early_end,)), *baselines]
+        return [replace(trial, reference_values=(early_end,)) for trial in trials]
 
     def _trial_case(self, n: int) -> Case:
-        """Return the case tried with friction for number ``n``; unchanged if its record may end early.
+        """Return the case tried with friction for number ``n``; unchanged if the trial may become the record.
 
         Otherwise it settles as long as without friction, because the cage's remaining transient is then within the
         scatter between cage revolutions.
         """
         case, study_case = self.friction_cases[n], self.evidence.study.cases()[n]
-        if case.until is not None and lengthen_for_trial(case) == case:
+        if may_become_record(case):
             return case
         with suppress(Refused):  # the trial reports it
             case = case.model_copy(update={"settle": resolve_settling(study_case).settle})

@@ -17,7 +17,7 @@ from bearingsim.simulation import accuracy, channels, choice, recording, step_ch
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
-from bearingsim.simulation.integration import Inspection, StepUsage, integrate, step_usage
+from bearingsim.simulation.integration import Run, StepUsage, integrate, step_usage
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.refinement import refine_periodic, refine_step
 from bearingsim.simulation.repetition import may_be_periodic, may_repeat, searches_for_period
@@ -214,7 +214,7 @@ def _try_out(
     case = attempt.case
     needs_record = case.step_check not in ("strict", False)
     setup, refined_raw, check, begun = set_up(case, attempt.step_fraction), None, None, None
-    may_end = reference_values is not None and bool(Inspections(setup).passes)
+    may_end = reference_values is not None and trial.may_become_record(setup.case)
     if needs_record and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
         refinement = refine_step(attempt) if may_end else refine_periodic(attempt)
         if refinement is not None:
@@ -224,45 +224,38 @@ def _try_out(
         return trial.read_trial(setup, refined_raw, requested, passes, turn), _record(
             inspections, refined_raw, check, start
         )
-    max_passes = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
-    inspection = (
-        None
-        if reference_values is None or may_end
-        else _trial_inspection(setup, requested, turn, reference_values)
-    )
-    if may_end:
-        max_passes = max(max_passes, min(inspections.passes))
-        raw = integrate(setup, max_passes=max_passes, inspector=inspections, begun=begun)
-        passes = min(passes, recording.whole_passes(inspections.setup_of_record(raw).case, setup.grid))
-    else:
-        raw = integrate(setup, max_passes=max_passes, inspector=inspection)
-    if inspection is not None and raw.repetition.computed in inspection.passes:
-        passes = trial.INSPECTION_TURNS * raw.Z
+    raw, passes = _trial_run(inspections, requested, passes, turn, reference_values, begun)
     result = trial.read_trial(setup, raw, requested, passes, turn)
-    if not (needs_record and _completes_record(inspections, raw, may_end)):
+    if not (needs_record and inspections.complete_record(raw, may_end)):
         return result, None
     if check is None:
         check = step_check.verify_step(setup if result.repeats else inspections.shortest_setup, raw)
     return result, _record(inspections, raw, check, start)
 
 
-def _completes_record(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
-    """Check if a separate run would end where the trial did: periodic, or (``may_end``) accurate enough."""
-    computed = raw.repetition.computed
-    if raw.repetition.period > 0:
-        return computed <= min(inspections.passes, default=computed)
-    return may_end and computed in inspections.passes and inspections.ends(raw)
-
-
-def _trial_inspection(
-    setup: Setup, requested: Sequence[str], turn: float, reference_values: ReferenceValues
-) -> Inspection:
-    """Return the inspection that ends a trial far from the reference after ``INSPECTION_TURNS`` cage turns."""
-    passes = trial.INSPECTION_TURNS * setup.model.bearing.Z
-    return Inspection(
-        (trial.last_pass(setup, passes),),
-        lambda raw: reference_values.is_far(trial.read_trial(setup, raw, requested, passes, turn)),
+def _trial_run(
+    inspections: Inspections,
+    requested: Sequence[str],
+    passes: int,
+    turn: float,
+    reference_values: ReferenceValues | None,
+    begun: Run | None,
+) -> tuple[RawRecord, int]:
+    """Return the run of a trial, and the number of its ball passes that are compared, at most ``passes``."""
+    setup = inspections.setup
+    if reference_values is not None and trial.may_become_record(setup.case):
+        inspection = trial.record_inspection(setup, inspections, requested, passes, turn, reference_values)
+        raw = integrate(setup, inspector=inspection, begun=begun)
+        record_setup = inspections.setup_of_record(raw)
+        return raw, min(passes, recording.whole_passes(record_setup.case, record_setup.grid))
+    short_passes = min(passes, trial.most_passes(setup.case))
+    early_end = (
+        None if reference_values is None else trial.early_inspection(setup, requested, turn, reference_values)
     )
+    raw = integrate(setup, max_passes=trial.last_pass(setup, short_passes), inspector=early_end)
+    if early_end is not None and raw.repetition.computed in early_end.passes:
+        return raw, trial.INSPECTION_TURNS * raw.Z
+    return raw, passes if raw.repetition.period > 0 else short_passes
 
 
 def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: Usage) -> Record:

@@ -49,6 +49,15 @@ class Inspections:
         """Return whether the standard errors of a run's record are at most `until`."""
         return self.record_errors(raw).largest <= (self.setup.case.until or 0.0)
 
+    def complete_record(self, raw: RawRecord, may_end: bool) -> bool:
+        """Return whether a separate run would end where a trial did: where it is periodic or, with ``may_end``,
+        accurate enough or at the end of the record."""
+        computed = raw.repetition.computed
+        if raw.repetition.period > 0:
+            return computed <= min(self.passes, default=computed)
+        is_accurate = computed in self.passes and self.ends(raw)
+        return may_end and (is_accurate or computed == self.setup.grid.passes)
+
     @property
     def shortest_setup(self) -> Setup:
         """Setup with the shortest possible record; the step check uses it for its pilot run."""

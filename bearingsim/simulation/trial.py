@@ -18,9 +18,10 @@ from bearingsim import assemble, signals
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, Line, read_band
-from bearingsim.simulation import recording, spectral_lines
+from bearingsim.simulation import ending, recording, spectral_lines
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.features import band_of
+from bearingsim.simulation.integration import Inspection, Inspector
 from bearingsim.simulation.pilot import PILOT_FRACTION, ROUNDING, elements_with_deviations, longest_turn
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.run_setup import Setup
@@ -137,10 +138,9 @@ def last_pass(setup: Setup, passes: int) -> int:
 def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
     """Return the trial of the first ``passes`` of a run after settling.
 
-    If the motion is not periodic, it has at most ``most_passes``. turn: period (s) of the slowest defect, or 0.
+    turn: period (s) of the slowest defect, or 0.
     """
     case, grid = setup.case, setup.grid
-    passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
     rows = raw.low_passed.read(start, length) if case.antialias else fine
@@ -158,6 +158,47 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     method_and_step = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
     return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *method_and_step)
+
+
+def may_become_record(case: Case) -> bool:
+    """Check if a trial that is far from its reference goes on as the record of the case: one with `until`."""
+    return case.step_check is not False and any(ending.inspection_passes(case))
+
+
+def record_inspection(
+    setup: Setup,
+    inspector: Inspector,
+    requested: Sequence[str],
+    passes: int,
+    turn: float,
+    reference_values: ReferenceValues,
+) -> Inspection:
+    """Return the inspection of a trial that may become the record.
+
+    inspector: inspections of the record, which ends the run as soon as its features are accurate enough. After the
+    trial and the shortest record the run also ends unless it is far from the reference, since only then the case
+    is certainly computed with this model.
+    """
+    end = max(last_pass(setup, passes), min(inspector.passes))
+
+    def enough(raw: RawRecord) -> bool:
+        computed = raw.repetition.computed
+        if computed in inspector.passes and inspector.ends(raw):
+            return True
+        return computed == end and not reference_values.is_far(read_trial(setup, raw, requested, passes, turn))
+
+    return Inspection((end, *inspector.passes), enough)
+
+
+def early_inspection(
+    setup: Setup, requested: Sequence[str], turn: float, reference_values: ReferenceValues
+) -> Inspection:
+    """Return the inspection that ends a trial far from the reference after ``INSPECTION_TURNS`` cage turns."""
+    passes = INSPECTION_TURNS * setup.model.bearing.Z
+    return Inspection(
+        (last_pass(setup, passes),),
+        lambda raw: reference_values.is_far(read_trial(setup, raw, requested, passes, turn)),
+    )
 
 
 def feature_parts(

@@ -124,9 +124,10 @@ def test_friction_is_tried_at_ends_of_curve_and_largest_value(write: Write) -> N
     assert all(is_free(audit.job.case) for audit in done.selection.audits)
 
 
-def test_case_tried_with_friction_is_that_of_the_job(write: Write) -> None:
-    """Its record may end early, and is then the job."""
-    study = accuracy_study(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
+@pytest.mark.parametrize("duration", ["0.15 s", "0.5 s"])
+def test_case_tried_with_friction_is_that_of_the_job(write: Write, duration: str) -> None:
+    """Its record may end early, and the trial may go on as the job."""
+    study = accuracy_study(write, OPEN.replace("duration: 0.2 s", f"duration: {duration}"))
     tried: list[Case] = []
 
     def evaluate(request: TrialRequest) -> Trial | None:
@@ -137,6 +138,21 @@ def test_case_tried_with_friction_is_that_of_the_job(write: Write) -> None:
     friction_trial = {case_id(case) for own in study.cases() if (case := with_friction(own)) is not None}
     assert {case_id(case) for case in tried if case.defects} <= friction_trial
     assert tried
+
+
+def test_large_change_by_friction_is_known_beside_a_difference_from_the_healthy_bearing(write: Write) -> None:
+    """Neither trial ends early, because both must cover the same turns of the cage."""
+    accuracy = "accuracy: {within: 5 %, of: [velocity@BPFO, velocity@BPFO-healthy]}"
+    study = accuracy_study(write, OPEN.replace("accuracy: 5 %", accuracy))
+
+    def evaluate(request: TrialRequest) -> Trial:
+        free = is_free(request.case)
+        size = 100.0 * (1.5 if free else 1.0) if request.case.defects else 1.0
+        is_far = any(values.limits for values in request.reference_values)
+        turns = INSPECTION_TURNS if is_far else CAGE_TURNS
+        return trial(size, turns, names=request.features, repeats=not free)
+
+    assert [choice.candidate for choice in choose(study, evaluate)] == [WITH_FRICTION] * 3
 
 
 def test_each_curve_is_decided_separately(write: Write) -> None:

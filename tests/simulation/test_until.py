@@ -146,6 +146,29 @@ def test_a_trial_that_is_not_accurate_enough_is_no_record() -> None:
     assert result.passes == 65
 
 
+@pytest.mark.parametrize(("duration", "fraction"), [("0.4 s", 0.0), ("0.2 s", 1.0)])
+def test_trial_far_from_the_reference_goes_on_as_the_record(duration: str, fraction: float) -> None:
+    """A record of 0.2 s has fewer than twice the passes of the trial."""
+    test_case = case(**FREE_CAGE, duration=duration, until="0.0001 %")
+    record = simulate(test_case)
+    amplitude = fraction * record.features["velocity@BPFO"]
+    far = ReferenceValues({"velocity@BPFO": amplitude}, {"velocity@BPFO": 1e-6 * record.features["velocity@BPFO"]})
+    result, trial_record = try_out(test_case, ["velocity@BPFO"], 65, 0.0, far)
+    assert trial_record is not None
+    assert result.passes == 65
+    assert trial_record.features == pytest.approx(record.features, rel=0.0, abs=0.0, nan_ok=True)
+    assert trial_record.info["passes_computed"] == record.info["passes"]
+
+
+def test_trial_far_from_the_reference_ends_early_without_step_check() -> None:
+    """It ends after two of the five turns of the cage, because its record would be computed again."""
+    test_case = case(**FREE_CAGE, duration="0.4 s", until="0.0001 %", step_check=False)
+    far = ReferenceValues({"velocity@BPFO": 0.0}, {"velocity@BPFO": 0.0})
+    result, record = try_out(test_case, ["velocity@BPFO"], 65, 0.0, far)
+    assert record is None
+    assert result.passes == 26
+
+
 def test_the_step_is_checked_on_a_part_of_the_shortest_record() -> None:
     early, full = (
         Inspections(set_up(resolve(case(**FREE_CAGE, duration="1 s", **options)), 1.0))
