@@ -22,7 +22,7 @@ def cache_folder(name: str) -> tuple[Path | None, str]:
             if os.access(folder, os.W_OK):
                 return folder, reason
             reason = reason or f"{folder} is read-only"
-        except OSError as error:  # no such folder, or others can write there
+        except OSError as error:  # no such folder, or other users can write to it
             cause = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             reason = reason or cause
         except RuntimeError:

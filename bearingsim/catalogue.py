@@ -134,8 +134,8 @@ def code(reference: str, expected: type = object) -> Any:
 def call(reference: str, *arguments: Any) -> Any:
     """Call the function ``reference``.
 
-    Raises the errors of ``code``, and BrokenExtension if code of an extension fails. Errors of the program's own
-    functions are raised unchanged.
+    Raises the errors of ``code``. UserError, Refused and OutOfCpuTime are raised unchanged, and so is any error of
+    the program's own functions; another error of an extension is raised as BrokenExtension.
     """
     function = code(reference)
     try:
@@ -192,16 +192,16 @@ MEANINGS = {
     "rollers": "model: rollers move radially, the outer ring in the plane; the cage turns at its kinematic speed, "
     "without slip",
     "planar": "model: rollers, cage and outer ring move in the plane, with slip if there is friction",
-    "spatial": "model: as planar, with rollers in slices that tilt and skew",
+    "spatial": "model: as planar, with sliced rollers that tilt and skew",
     "palmgren": "contact stiffness: force of a steel line contact, k δ^(10/9) (Palmgren)",
     "iso16281": "contact stiffness: force of a steel line contact by slices, k δ^(10/9) (ISO 16281)",
     "johnson": "contact stiffness: line contact of two elastic cylinders (Johnson)",
     "point": "contact stiffness: elliptical point contact, k δ^(3/2) (Hertz)",
     "kraemer": "contact damping: β times the contact stiffness (Krämer)",
     "hunt-crossley": "contact damping: χ times the contact force (Hunt and Crossley)",
-    "film": "contact damping: of the oil film",
+    "film": "contact damping: oil film and hysteresis of the steel",
 }
-"""Meaning of models and laws that a study names by a word."""
+"""Meanings of models and contact laws in the report, by name; laws without an entry are not explained."""
 
 register(
     Model(

@@ -9,10 +9,10 @@ class Model:
 
     module: module that defines ``KIND`` (``core/models/interface.py``); abilities: effects that the model covers
     (``config/rules/hierarchy.py`` lists the keys that require each); slips: rollers and cage move freely and can
-    slip; sliced: rollers are divided into slices and can tilt; memoryless: the model is quasi-static; repeats: the
-    response may be periodic (``simulation/repetition.py``), because the equations are periodic with the ball pass,
-    except for terms enabled by a case, and the coordinates are the complete state; own_method: module of the
-    integrator of a model that is not a differential equation; build: ``build(case, support)`` assembles the
+    slip; sliced: rollers are divided into slices and can tilt; memoryless: the model is quasi-static; repeats: a
+    periodic response can be detected (``simulation/repetition.py``), because the coordinates are the complete
+    state and the equations have the period of a ball pass unless the case adds other terms; own_method: module of
+    the integrator of a model that is not a differential equation; build: ``build(case, support)`` assembles the
     parameters if they are not assembled field by field (``assemble/__init__.py``).
     """
 

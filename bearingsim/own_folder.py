@@ -13,16 +13,17 @@ from pathlib import Path
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
-class Distrusted(OSError):
-    """Another user may have written to a folder; the message states the reason."""
+class UntrustedFolder(OSError):
+    """Error for a folder to which another user may have written; the message states the reason."""
 
 
 def own_folder(base: Path, *names: str) -> Path:
     """Return the folder ``base``/names with links resolved, after checking that no other user can write to it.
 
-    Missing levels are created with mode 0700. If the levels ``names`` except the last belong to this user, the
-    write permission of others is removed; the last level is only checked, because it may already contain files of
-    others. Raises ``Distrusted``, and OSError or RuntimeError if the path cannot exist.
+    names: one level or more. Missing levels are created with mode 0700. From each level of ``names`` but the last
+    the write permission of others is removed if the level belongs to this user; the last is only checked, because
+    it may already contain files of others. Raises ``UntrustedFolder``, and OSError or RuntimeError if the path
+    cannot be resolved or created.
     """
     path = base.joinpath(*names)
     _check_dangling_links(path)
@@ -44,10 +45,10 @@ def _is_trusted(owner: int) -> bool:
 
 
 def _check_dangling_links(path: Path) -> None:
-    """Raise ``Distrusted`` for a dangling link of another user, because creating the folder would follow it."""
+    """Raise ``UntrustedFolder`` for a dangling link of another user; creating the folder would follow it."""
     for level in (path, *path.parents):
         if level.is_symlink() and not level.resolve().exists() and not _is_trusted(level.lstat().st_uid):
-            raise Distrusted(f"{level} is another user's link")
+            raise UntrustedFolder(f"{level} is another user's link")
 
 
 def _remove_write_permission(folder: Path) -> None:
@@ -59,7 +60,7 @@ def _remove_write_permission(folder: Path) -> None:
 
 
 def _check(folder: Path) -> None:
-    """Raise ``Distrusted`` if another user can redirect any level of a resolved path."""
+    """Raise ``UntrustedFolder`` if another user can redirect any level of a resolved path."""
     for level in (*reversed(folder.parents), folder):
         _check_level(level, allow_sticky=True)
 
@@ -67,9 +68,9 @@ def _check(folder: Path) -> None:
 def _check_level(level: Path, allow_sticky: bool) -> None:
     status = level.lstat()
     if not _is_trusted(status.st_uid):
-        raise Distrusted(f"{level} is owned by another user")
+        raise UntrustedFolder(f"{level} is owned by another user")
     if _others_write(status) and not (allow_sticky and status.st_mode & stat.S_ISVTX):
-        raise Distrusted(f"others can write in {level} (`chmod go-w` closes it)")
+        raise UntrustedFolder(f"other users can write to {level}; `chmod go-w {level}` prevents this")
 
 
 def _others_write(status: os.stat_result) -> bool:

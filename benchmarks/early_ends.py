@@ -4,10 +4,10 @@
 
 The light scenes of ``benchmarks/friction.py``, 1 s long, request 2 % for the defect line and the RMS, without a
 friction setting. The result, ended early or not, is compared with the same case in full; both features must be
-within 2 %. The report also counts those within two standard errors of both records. The CPU time of trials and job
-is divided by that of the default `planar` at an earlier commit, measured in the same minute; compilation is
-excluded. Scenes in OUT are not recomputed. Exit code 1 if less than 95 % are within 2 %, or the CPU time ratio
-exceeds 1/4.
+within 2 %. The report also counts those within two combined standard errors of both records. The CPU time of
+trials and job is divided by that of `planar` with its default cage and friction at an earlier commit, measured in
+the same minute; compilation is excluded. Scenes in OUT are not recomputed. Exit code 1 if less than 95 % are
+within 2 %, or the CPU time ratio exceeds 1/4.
 """
 
 import argparse
@@ -53,7 +53,7 @@ for line in sys.stdin:
 
 
 def baseline_cpu(commit: str) -> Callable[[dict[str, Any]], float]:
-    """Return a function that measures the CPU time (s) of a scene in the default `planar` of a commit."""
+    """Return a function that measures the CPU time (s) of a scene in `planar` with its defaults at a commit."""
     checkout = Path("results") / f"before-{commit}"
     if not checkout.exists():
         subprocess.run(

@@ -3,10 +3,10 @@
     python -m benchmarks.friction [--light 60] [--loaded 20] [--seed N] [--csv docs/data/friction.csv] [--out DIR]
 
 A scene is a study of one case without a friction setting. It requests 2 % for the defect line, the largest force
-and, if it is light, the RMS, which friction changes even under load. The result is compared with the default
-`planar` (free cage, dry friction), for 1 s, or 3 s if that is chaotic. Light scenes have 15 to 300 N, loaded
-scenes 500 to 5000 N; loaded scenes count only if friction changes all features by less than 0.5 %. The accuracy is
-met if the error is at most 2 % plus two standard errors. The CPU time of trials and job is divided by that of
+and, if it is light, the RMS, which friction changes even under load. The result is compared with `planar` with its
+default cage and friction, for 1 s, or 3 s if that is chaotic. Light scenes have 15 to 300 N, loaded scenes 500 to
+5000 N; loaded scenes count only if friction changes all features by less than 0.5 %. The accuracy is met if the
+error is at most 2 % plus two combined standard errors. The CPU time of trials and job is divided by that of
 `planar`; compilation is excluded. Each scene is also computed with `friction: none`, and compared with the
 reference without friction. The default seed is derived from the commit. Scenes in OUT are not recomputed. Exit
 code 1 if less than 95 % meet the accuracy, or the cost is too high.

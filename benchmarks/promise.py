@@ -32,7 +32,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.selection.candidates import candidates, reference
 from bearingsim.selection.choices import key
-from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_settled, trials_of
+from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_decided, trials_of
 from bearingsim.simulation import SimulationError, simulate, try_out
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, StudyError, load_study
@@ -175,7 +175,7 @@ def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], Tr
     trials: dict[str, Trial | None] = {}
     for trial in first_trials(study, [0]):
         cpu_s[trial.id], trials[trial.id] = run_trial(trial)
-    if not is_settled(study, 0, trials):
+    if not is_decided(study, 0, trials):
         for variants in candidates(study, [0]).values():
             for trial in trials_of(study, 0, variants[0]):
                 cpu_s[trial.id], trials[trial.id] = run_trial(trial)

@@ -5,7 +5,7 @@
 Random scenes of `rollers` that may be periodic (``benchmarks/repetition.py``), 2 s long, are drawn until enough of
 them end early because line and RMS are accurate. Each is also computed in full. Printed are
 
-within   number whose line and RMS are within three stated standard errors of those of the full record
+within   number whose line and RMS are within three of their standard errors of those of the full record
 late     number with more than twice the needed passes, that is those required by the scatter of the full record,
          but at least the minimum number of passes
 saved    median fraction of ball passes not computed

@@ -1,6 +1,7 @@
 """Words that the shell completes, besides commands, options and files. Each function imports what it needs.
 
-`bearingsim --install-completion` sets it up. Nothing that computes is imported, and no function raises an error.
+`bearingsim --install-completion` sets completion up. NumPy, SciPy and Numba are not imported, and no function
+raises an error.
 """
 
 import json
@@ -13,7 +14,7 @@ from typing import Any
 import typer
 
 MAX_PLAN_BYTES = 20_000_000
-"""Size of a plan from which its job ids are not completed: 20 MB take 0.2 s."""
+"""Largest plan (bytes) whose job ids are completed; reading 20 MB takes 0.2 s."""
 JOB_ID = re.compile(r"[0-9a-f]{16}")
 
 Complete = Callable[[str], list[str]]
@@ -32,7 +33,7 @@ def shipped_study(incomplete: str) -> list[str]:
 
 
 def bearing(incomplete: str) -> list[str]:
-    """Complete the name of a bearing of the library."""
+    """Complete the name of a bearing in ./configs or in the library."""
     from bearingsim.shipped import shipped_folder
 
     folders = (Path("configs"), shipped_folder("configs"))
@@ -47,7 +48,7 @@ def feature(incomplete: str) -> list[str]:
 
 
 def feature_or_channel(incomplete: str) -> list[str]:
-    """Complete the name of a feature or of a recorded channel."""
+    """Complete the name of a feature or of a channel."""
     from bearingsim.config.names import CHANNELS
 
     return [*feature(incomplete), *words(CHANNELS)(incomplete)]

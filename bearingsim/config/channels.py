@@ -17,7 +17,7 @@ def roller_number(channel: str) -> int | None:
 
 
 def slice_number(channel: str) -> int | None:
-    """Return the slice (from 1) of a roller's channel; None for other channels."""
+    """Return the slice (from 1) in the name of a roller's channel; None if it has none."""
     match = _ROLLER_CHANNEL.fullmatch(channel)
     return int(match[3]) if match and match[3] else None
 
@@ -29,11 +29,14 @@ def without_numbers(channel: str) -> str:
 
 
 CONTACT_FORCES = ("outer_force", "inner_force", "cage_force", "flange_force", *LINE_LOADS)
-"""Contact forces of a roller. They rise and vanish within a sample: a low-pass filter would make them negative."""
+"""Contact forces of a roller.
+
+They rise and vanish within a sampling interval, and a low-pass filter would make them negative.
+"""
 
 
 def is_contact_force(channel: str) -> bool:
-    """Check if a channel is a contact force, recorded unfiltered at each instant."""
+    """Check if a channel is a contact force, which is sampled without a low-pass filter."""
     return without_numbers(channel).removeprefix("roller.") in CONTACT_FORCES
 
 
@@ -65,7 +68,10 @@ def feature_schema(schema: Schema) -> Schema:
 
 
 def validate_feature(raw: Any) -> Any:
-    """Validate a name in `features`: a band feature, or a mean over the record. Others are always computed."""
+    """Validate a name in `features`: a band feature, or a mean over the record for `until` to monitor.
+
+    All features without a band are always computed.
+    """
     if raw in MEANS:
         return raw
     if isinstance(raw, str) and raw in FEATURES and read_band(raw) is None:
@@ -76,5 +82,6 @@ def validate_feature(raw: Any) -> Any:
     if band_feature is None:
         refuse("feature", f"no feature `{raw}`", f"name a band, as in {bands.EXAMPLES}")
     if band_feature.healthy:
-        refuse("feature", f"`{raw}` follows from `{raw.removesuffix('-healthy')}`", "name that")
+        base = raw.removesuffix("-healthy")
+        refuse("feature", f"`{raw}` follows from `{base}`", f"name `{base}` instead")
     return raw

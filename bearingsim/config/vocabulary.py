@@ -23,7 +23,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "elements are cylindrical rollers or balls; no model has tapered, spherical or toroidal rollers"
     ),
     ("outer_speed", "outer_ring_speed", "speed_outer"): (
-        "only the inner ring turns, at `speed`; `bearingsim freq --outer-speed` gives frequencies of both"
+        "only the inner ring turns, at `speed`; `bearingsim freq --outer-speed` takes that of the outer ring, too"
     ),
     (
         "torque",
@@ -44,10 +44,13 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "heat is not modelled; `clearance` is the value at operating temperature"
     ),
     ("interference", "shaft_fit", "shrink_fit", "press_fit", "housing_fit"): (
-        "fits are not modelled; `clearance` is the value after mounting"
+        "`clearance` is the value after mounting; only a flexible ring has a fit, `rig.load.fit` (docs/ring.md)"
+    ),
+    ("creep", "ring_creep"): (
+        "creep of a ring in its seat is not modelled; `model: planar` computes slip of the cage"
     ),
     ("waviness", "out_of_roundness", "form_error", "form"): (
-        "as in `surfaces: {outer: {spectrum: {amplitude: 0.2 um}}}`"
+        "use `surfaces: {outer: {spectrum: {amplitude: 0.2 um}}}`"
     ),
     ("roughness", "surface_roughness", "surface_finish"): (
         "roughness is not modelled; `surfaces` has waves up to order 1000"
@@ -76,7 +79,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "resonances follow from masses and stiffnesses: `rig: {ring_mass: 0.5 kg, bracket_stiffness: 1e7 N/m}`"
     ),
     # results
-    ("slip", "cage_slip", "skidding", "creep"): (
+    ("slip", "cage_slip", "skidding"): (
         "slip is a result, not an input: `model: planar` computes it, `record: [cage.slip]` shows it"
     ),
     ("skew", "roller_tilt", "roller_skew"): (
@@ -118,7 +121,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("inner_diameter", "inside_diameter", "bore_diameter"): "a bearing's inner diameter is `bore`",
     ("outer_diameter", "od"): "a bearing's outer diameter is `outside_diameter`",
     ("groove_radius", "osculation", "conformity", "curvature_ratio"): (
-        "a ball bearing has `inner_groove_radius` and `outer_groove_radius`, lengths"
+        "a ball bearing has the lengths `inner_groove_radius` and `outer_groove_radius`"
     ),
     ("roller_mass", "ball_mass", "element_mass"): (
         "the mass of an element follows from its dimensions and the `density` of the material"
@@ -146,7 +149,7 @@ EXPLANATIONS = {word: sentence for words, sentence in _GROUPS.items() for word i
 
 
 def explanation(word: str) -> str:
-    """Explain a word in any case, with hyphens or blanks; empty if it is not in the glossary."""
+    """Explain a word, ignoring its case, with hyphens or blanks for underscores; empty if not in the glossary."""
     return EXPLANATIONS.get(word.lower().replace("-", "_").replace(" ", "_"), "")
 
 

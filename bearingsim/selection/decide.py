@@ -1,6 +1,7 @@
 """Decision on the cheapest model whose error bound from the reference is small enough for all cases of a curve.
 
-Candidates are tried in the order of cost, up to the first that is accurate enough for all cases of a curve.
+Candidates are tried in the order of cost. Once one is accurate enough for all cases of a curve, only those that
+cost at most 11 % more (``SIMPLER_COST_RATIO``) are tried.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +25,7 @@ from bearingsim.selection.curves import curves, groups
 from bearingsim.selection.evidence import Evidence
 from bearingsim.selection.friction import Friction
 from bearingsim.selection.nodes import Discretisation
-from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_settled, trials_of, unique
+from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_decided, trials_of, unique
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Study
 from bearingsim.text.numbers import percent
@@ -97,7 +98,7 @@ class ModelSelector:
             if choices[n].candidate != WITH_FRICTION:
                 choices[n] = replace(choices[n], friction=friction.errors(n), inferred=friction.inferred(n))
         repeating = sum(
-            bool(evidence.reference_values[n]) and is_settled(self.study, n, trials) for n in self.tried_cases
+            bool(evidence.reference_values[n]) and is_decided(self.study, n, trials) for n in self.tried_cases
         )
         return Decision({key(self.study, cases[n]): choice for n, choice in choices.items()}, repeating)
 
@@ -105,8 +106,8 @@ class ModelSelector:
         """Return the choice for each case, without the errors of friction and discretisation."""
         trials, cases = evidence.trials, self.study.cases()
         choices = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
-        periodic_cases = [n for n in self.tried_cases if is_settled(self.study, n, trials)]
-        for n in periodic_cases:
+        decided_cases = [n for n in self.tried_cases if is_decided(self.study, n, trials)]
+        for n in decided_cases:
             reason = "the reference is periodic, so its trial is the result"
             choices[n] = Choice(
                 REFERENCE, cases[n].model, reason if evidence.reference_values[n] else "the reference fails", {}
@@ -128,7 +129,7 @@ class ModelSelector:
         undecided = [
             n
             for n in self.tried_cases
-            if n not in friction.required_cases and not is_settled(self.study, n, trials)
+            if n not in friction.required_cases and not is_decided(self.study, n, trials)
         ]
         return groups(undecided, self.curves)
 

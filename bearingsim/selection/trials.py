@@ -16,9 +16,11 @@ from bearingsim.study.jobs import identity
 
 @dataclass(frozen=True)
 class TrialRequest:
-    """Trial to be computed: case, requested features, number of ball passes, and period (s) of a turn.
+    """Trial to be computed: case, requested features, and number of ball passes.
 
-    reference_values: references with which the running trial is compared, to end it early.
+    turn: period (s) of the slowest defect, 0 if none rotates; that of the cage if it is longer and friction is not
+    specified (``with_friction``); reference_values: references with which the running trial is compared, to end
+    it early.
     """
 
     id: str
@@ -34,7 +36,10 @@ TrialResults = Mapping[str, Trial | None]
 
 
 def trials_of(study: Study, number: int, case: Case) -> list[TrialRequest]:
-    """List the trials of a candidate ``case`` for case ``number``: its own, and a healthy one if needed."""
+    """List the trials of ``case``, a candidate for the case with index ``number``.
+
+    A second one is that of its healthy counterpart, if a requested feature is relative to it.
+    """
     study_case = study.swept_cases[number][0]
     has_free_cage = with_friction(study_case) is not None
     turn = max(defect_turn(study_case), cage_turn(study_case)) if has_free_cage else defect_turn(study_case)
@@ -74,7 +79,8 @@ def required_healthy_case(study: Study, case: Case) -> Case | None:
 def first_trials(study: Study, numbers: Sequence[int]) -> list[TrialRequest]:
     """Return the trials of the references, each once.
 
-    A case has none if its record is too short for a trial with friction and its discretisation is not varied.
+    A case whose friction is not specified (``with_friction``) has none if its record is too short for a trial with
+    friction (``shows_friction``) and it cannot be remeshed (``remeshed``).
     """
     cases = study.cases()
     useful = [
@@ -84,11 +90,15 @@ def first_trials(study: Study, numbers: Sequence[int]) -> list[TrialRequest]:
 
 
 def unique(trials: Sequence[TrialRequest]) -> list[TrialRequest]:
-    """Drop trials that occur twice."""
+    """Return the trials without duplicates, by id."""
     return list({trial.id: trial for trial in trials}.values())
 
 
-def is_settled(study: Study, number: int, trials: TrialResults) -> bool:
-    """Check if the choice for a case is settled, because the trial of its reference is periodic or has failed."""
+def is_decided(study: Study, number: int, trials: TrialResults) -> bool:
+    """Check if no cheaper model is tried for a case.
+
+    The response of its reference is periodic, or a trial of the reference or of its healthy counterpart is missing
+    or failed.
+    """
     results = [trials.get(trial.id) for trial in trials_of(study, number, reference(study.cases()[number]))]
     return any(trial is None for trial in results) or (results[0] is not None and results[0].repeats)

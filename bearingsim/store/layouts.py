@@ -200,7 +200,7 @@ def _adapter(layout: Any) -> TypeAdapter[Any]:
 
 
 def check(layout: Any, value: Any) -> None:
-    """Raise Unreadable, with the location of the first entry that violates a layout."""
+    """Raise Unreadable if a value violates a layout, with the location of its first invalid entry."""
     try:
         _adapter(layout).validate_python(value)
     except ValidationError as error:
@@ -217,7 +217,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
         raise Unreadable("jobs: an id occurs twice")
     unknown_id = next((job for job in _references(plan) if job not in ids), None)
     if unknown_id is not None:
-        raise Unreadable(f"jobs: there is no {unknown_id}, which the plan names elsewhere")
+        raise Unreadable(f"jobs: job {unknown_id} is missing, but other entries of the plan refer to it")
     design = plan.get("design")
     if design is not None:
         rows = block(design["kind"], len(design["paths"])) if design["kind"] in BLOCK_DESIGNS else 1

@@ -2,7 +2,7 @@
 
     uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 10 um], bracket: [0.5, 2]}
 
-Each job is repeated with each value, one parameter at a time: `damping` is c/k of the law `kraemer`, `bracket` a
+Each case is repeated with each value, one parameter at a time: `damping` is c/k of the law `kraemer`, `bracket` a
 factor on the stiffness of the bracket. Of two values, the middle is computed as well.
 
     uncertainty: {support: unknown}

@@ -1,4 +1,4 @@
-"""Cost of friction: jobs of the default `planar`, and cases of a study with an accuracy.
+"""Cost of friction: jobs of `planar` with its default cage and friction, and cases of a study with an accuracy.
 
 Cage and rollers slip, so no response is periodic.
 """

@@ -7,7 +7,7 @@ from bearingsim.diagnosis.thresholds import TABLE, decibels
 from docs.scripts.markdown import table
 from docs.scripts.measurements import digits, percent, read
 
-KINDS_OF_FEATURES = {"line": "velocity@", "RMS": "velocity.rms", "largest force": "outer_force.max"}
+KINDS_OF_FEATURES = {"amplitude": "velocity@", "RMS": "velocity.rms", "largest force": "outer_force.max"}
 """Beginning of the names of the features of each kind."""
 
 
@@ -32,21 +32,21 @@ def random_scenes() -> str:
 
 
 def promise() -> str:
-    """Return how many random scenes are within a requested accuracy."""
+    """Return how many random scenes are within a requested accuracy, by kind of feature."""
     rows = []
     promises = read("promise")
     for within in sorted(promises.within.unique(), reverse=True):
         group = promises[promises.within == within]
         scenes = group.drop_duplicates("number")
-        below = f"{(scenes.taken != 'reference').sum()} of {len(scenes)}"
+        cheaper = f"{(scenes.taken != 'reference').sum()} of {len(scenes)}"
         kept = (group.off <= within + 2.0 * group.both).to_numpy()
         is_long = (group.model + group.step + group.scatter <= within).to_numpy()
         kinds = [group.feature.str.startswith(start).to_numpy() for start in KINDS_OF_FEATURES.values()]
         counts = [f"{kept[kind].sum()}" for kind in kinds]
         longer = ", ".join(f"{(~is_long[kind]).sum()}" for kind in kinds)
-        rows.append([f"{100 * within:g} %", below, *counts, longer])
-    head = ("accuracy", "below the reference", *(f"{kind} within it" for kind in KINDS_OF_FEATURES))
-    return table((*head, "longer record requested"), rows)
+        rows.append([f"{100 * within:g} %", cheaper, *counts, longer])
+    head = ("accuracy", "cheaper model chosen", *(f"{kind} within it" for kind in KINDS_OF_FEATURES))
+    return table((*head, "longer record requested for amplitude, RMS, force"), rows)
 
 
 def friction() -> str:
@@ -63,7 +63,7 @@ def friction() -> str:
         rows.append(
             [
                 load,
-                features.replace("rms", "RMS"),
+                features.replace("line", "amplitude").replace("rms", "RMS"),
                 *(f"{count} of {len(group)}" for count in within),
                 ratio,
                 chosen,
@@ -74,8 +74,8 @@ def friction() -> str:
 
 
 def count_within(group: pd.DataFrame, features: list[str], prefix: str) -> int:
-    """Count the scenes in which all features are within 2 % and two standard errors."""
-    errors = [group[f"{prefix}{name}_off"] - 2.0 * group[f"{prefix}{name}_scatter"] for name in features]
+    """Count the scenes in which all errors are at most 2 % plus two combined standard errors (``scatter``)."""
+    errors = [group[f"{prefix}{name}_off"] - group[f"{prefix}{name}_scatter"] for name in features]
     return int((pd.concat(errors, axis=1) <= 0.02).all(axis=1).sum())
 
 
@@ -110,7 +110,7 @@ def left_out() -> str:
         slips = f"{percent(group.slip.min())} to {percent(group.slip.max())} %"
         changes = [group[feature].abs() for feature in ("line", "rms", "force")]
         rows.append([free, slips, *(f"{percent(c.median())} %, {percent(c.max())} %" for c in changes)])
-    return table(("free cage with", "slip", "line: median, largest", "RMS", "largest force"), rows)
+    return table(("free cage with", "slip", "amplitude: median, largest", "RMS", "largest force"), rows)
 
 
 def film() -> str:
@@ -151,9 +151,10 @@ def slip_onset() -> str:
     rows = []
     for friction, group in onset.groupby("friction", sort=False):
         simulated = group[["seed_1_N", "seed_2_N", "seed_3_N"]].mean(axis=1)
-        rows.append([f"`{friction}`, simulated, N", *map(digits, simulated)])
-        excess = group.simulated_over_balance - 1.0
-        rows.append(["balance, N", *(f"{b:.4g} ({e:+.0%})" for b, e in zip(group.balance_N, excess, strict=True))])
+        excess = [f"{100.0 * (ratio - 1.0):+.1f} %" for ratio in group.simulated_over_balance]
+        cells = (f"{digits(load)} ({e})" for load, e in zip(simulated, excess, strict=True))
+        rows.append([f"`{friction}`, simulated, N (relative to the balance)", *cells])
+        rows.append(["balance, N", *(f"{load:.4g}" for load in group.balance_N)])
     speeds = onset.speed_rpm.unique()
     return table(("", *(f"{speed} rpm" for speed in speeds)), rows)
 

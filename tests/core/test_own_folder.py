@@ -13,7 +13,7 @@ import pytest
 
 from bearingsim import own_folder as trust
 from bearingsim.core import jit
-from bearingsim.own_folder import Distrusted, own_folder
+from bearingsim.own_folder import UntrustedFolder, own_folder
 
 OTHER_USER = 65534
 CALL = """
@@ -161,7 +161,7 @@ def test_link_of_another_user_is_followed_only_to_a_trusted_folder(shared: Path,
     as_other_user(lambda: (shared / "link").symlink_to(tmp_path))
     assert own_folder(shared / "link", "mine") == tmp_path / "mine"
     as_other_user(lambda: (shared / "loose").symlink_to(tmp_path / "new"))
-    with pytest.raises(Distrusted, match="another user's link"):
+    with pytest.raises(UntrustedFolder, match="another user's link"):
         own_folder(shared / "loose", "mine")
     assert not (tmp_path / "new").exists()
 
@@ -189,14 +189,14 @@ def test_group_write_access_is_removed_from_the_outer_folder_only(tmp_path: Path
     assert own_folder(tmp_path, "bearingsim", "code") == tmp_path / "bearingsim/code"
     assert (tmp_path / "bearingsim").stat().st_mode & 0o777 == 0o755
     (tmp_path / "bearingsim/code").chmod(0o775)
-    with pytest.raises(Distrusted, match=r"others can write in .*/code"):
+    with pytest.raises(UntrustedFolder, match=r"other users can write to .*/code"):
         own_folder(tmp_path, "bearingsim", "code")
 
 
 @pytest.mark.usefixtures("shared_group")
 def test_a_folder_above_that_the_group_can_write_in_is_not_trusted(tmp_path: Path) -> None:
     tmp_path.chmod(0o775)
-    with pytest.raises(Distrusted, match="`chmod go-w`"):
+    with pytest.raises(UntrustedFolder, match=f"`chmod go-w {tmp_path}` prevents this"):
         own_folder(tmp_path, "bearingsim", "code")
 
 

@@ -34,7 +34,7 @@ def test_chaotic_result_is_reported_relative_to_the_accuracy(
 
 
 def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
-    """A longer record helps a short one with a turning defect, where a longer `settle` does not."""
+    """A longer record helps a short one with a rotating defect, where a longer `settle` does not."""
     frame = pd.DataFrame(
         {"features/error.start": [0.03, 0.002, 0.02], "features/error.start.rms": [0.0, 0.001, 0.05]}
     )

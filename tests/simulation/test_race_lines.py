@@ -1,4 +1,4 @@
-"""Lines of a turning defect: BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage."""
+"""Lines of a rotating defect: BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage."""
 
 from functools import lru_cache
 from math import pi

@@ -102,7 +102,7 @@ def test_expanded_study_is_a_valid_plan(plan: dict[str, Any]) -> None:
     ],
 )
 def test_invalid_plan_is_refused_with_the_location(plan: dict[str, Any], path: str, value: Any) -> None:
-    with pytest.raises(Unreadable, match=f"{path.split('/')[0]}|names elsewhere"):
+    with pytest.raises(Unreadable, match=f"{path.split('/')[0]}|other entries"):
         layouts.check_plan(replaced(plan, path, value))
 
 

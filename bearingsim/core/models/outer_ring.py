@@ -13,7 +13,7 @@ from bearingsim.core.sums import lane_sum, sum_loads
 
 
 class RingMotion(NamedTuple):
-    """Quantities common to all rollers under a kinematic cage and a moving ring.
+    """Quantities common to all rollers, for a kinematic cage and a moving ring.
 
     C, S: cosine and sine of the first roller's angle; u_x, u_y: the ring's centre (m); w_x, w_y: its velocity
     relative to the rotating cage, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); external_x, external_y:
@@ -94,7 +94,10 @@ def accelerate_ring(model, common, y):
 
 @jit
 def accelerate_outer_ring(model, y):
-    """Fill the ring's acceleration under the loads of rollers and a guided cage in its cells."""
+    """Fill the ring's acceleration under the forces of the rollers and of a guided cage.
+
+    Their sums are stored in ``y[lay.F_X]`` and ``y[lay.F_Y]`` (N).
+    """
     f_x, f_y = dynamic_force(model.support, y[lay.F_X], y[lay.F_Y], y)
     accelerate(model.bearing.m_o, f_x, f_y, y)
 
@@ -107,8 +110,8 @@ K_XX, K_XY, K_YX, K_YY, C_XX, C_XY, C_YY = (lay.ADDENDS + n * lay.ROW for n in r
 def linearise_ring(model, K, C, y, n):
     """Fill the corner blocks: derivatives of the ring's acceleration with respect to its position and velocity.
 
-    K, C: rows of the derivatives of Q_o with respect to the outer contact's approach and its rate, for
-    delta = -u.e_r and v = -(u' - omega_c x u).e_r (N/m, N s/m).
+    K, C: rows of the derivatives of Q_o (N/m, N s/m) with respect to delta = -u.e_r and its rate
+    v = -(u' - omega_c x u).e_r, at fixed coordinates of the rollers.
     """
     support, per_mass, omega_c = model.support, 1.0 / model.bearing.m_o, model.bearing.omega_c
     for j in range(n):
