@@ -91,8 +91,8 @@ def _finely_sliced(case: Case) -> Case:
 def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
     """List the cases of each applicable candidate that is cheaper than the reference, by name.
 
-    The most detailed candidate comes first. Cases that become identical are left out, because they would have the
-    same result.
+    The most detailed candidate comes first. Cases that become identical to another case of the study are left out,
+    because they would have the same result.
     """
     if study.otherwise is None:
         return {}
@@ -103,7 +103,7 @@ def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case
             case = computed_by(study, n, name)
             if case is not None and price(case) < max_price:
                 cases_of[name][n] = case
-    distinct = {name: _drop_identical(cases) for name, cases in cases_of.items()}
+    distinct = {name: _drop_identical(study, name, cases) for name, cases in cases_of.items() if cases}
     return {name: cases for name, cases in distinct.items() if cases}
 
 
@@ -112,10 +112,11 @@ def can_be_tried(case: Case) -> bool:
     return case.ramp is None and bool(ladder(case))
 
 
-def _drop_identical(cases: Mapping[int, Case]) -> dict[int, Case]:
-    """Drop all cases that are identical to another."""
+def _drop_identical(study: Study, candidate: str, cases: Mapping[int, Case]) -> dict[int, Case]:
+    """Drop all cases that are identical to another case of the study with the same candidate."""
+    others = (computed_by(study, n, candidate) for n in range(len(study.cases())) if n not in cases)
     ids = {n: identity(case) for n, case in cases.items()}
-    counts = Counter(ids.values())
+    counts = Counter([*ids.values(), *(identity(case) for case in others if case is not None)])
     return {n: case for n, case in cases.items() if counts[ids[n]] == 1}
 
 

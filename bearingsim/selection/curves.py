@@ -10,10 +10,14 @@ from bearingsim.text.units import UnitError, parse
 
 @dataclass(frozen=True)
 class Curve:
-    """Feature drawn over a swept path, with the numbers of the study's cases on the curve, in the order of x."""
+    """Feature drawn over a swept path.
+
+    cases: numbers of the study's cases on the curve, in the order of x; is_ordered: whether x is a number.
+    """
 
     feature: str
     cases: tuple[int, ...]
+    is_ordered: bool = True
 
 
 def curves(study: Study) -> list[Curve]:
@@ -22,19 +26,20 @@ def curves(study: Study) -> list[Curve]:
     design = study.sampled_design.paths if study.sampled_design is not None else ()
     swept = [values for _, values in study.swept_cases]
     return [
-        Curve(feature, cases)
+        Curve(feature, cases, is_ordered)
         for figure in study.figures
         for feature in figure.features
         if feature in features
-        for cases in _figure_curves(figure, swept, design)
+        for cases, is_ordered in _figure_curves(figure, swept, design)
     ]
 
 
 def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
-) -> Iterator[tuple[int, ...]]:
+) -> Iterator[tuple[tuple[int, ...], bool]]:
     """Yield the cases of each curve of a figure, one curve for each combination of the paths of
-    ``_dividing_paths``. They are in the order of x, or in that of the study if x is a word."""
+    ``_dividing_paths``, and whether x is a number. They are in the order of x, or in that of the study if x is a
+    word."""
     matching = [
         number
         for number, values in enumerate(swept)
@@ -47,7 +52,8 @@ def _figure_curves(
     for numbers in by_values.values():
         x = [swept[number].get(figure.x) for number in numbers]
         is_numeric = all(isinstance(value, float) for value in x)
-        yield tuple(sorted(numbers, key=lambda n: swept[n][figure.x])) if is_numeric else tuple(numbers)
+        ordered = sorted(numbers, key=lambda n: swept[n][figure.x]) if is_numeric else numbers
+        yield tuple(ordered), is_numeric
 
 
 def _dividing_paths(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
@@ -82,7 +88,7 @@ def _matches(path: str, text: str, value: Any) -> bool:
 
 
 def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve]) -> list[float]:
-    """List the values of a feature to which the errors of all cases are relative.
+    """List the absolute values of a feature to which the errors of all cases are relative.
 
     This is the largest value on the curve of a case, the smallest of these if it lies on several curves, and its
     own value if on none. values: of all cases; NaN if unknown.
@@ -90,17 +96,21 @@ def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve])
     sizes: dict[int, float] = {}
     for curve in study_curves:
         if curve.feature == feature:
-            largest = max((values[n] for n in curve.cases if values[n] == values[n]), default=float("nan"))
+            largest = max((abs(values[n]) for n in curve.cases if values[n] == values[n]), default=float("nan"))
             sizes |= {n: min(sizes.get(n, largest), largest) for n in curve.cases}
-    return [sizes.get(n, value) for n, value in enumerate(values)]
+    return [sizes.get(n, abs(value)) for n, value in enumerate(values)]
 
 
 def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
-    """Return the first and last case of a curve, and the case with its largest value.
+    """Return the first and last case of a curve, and the case with its largest absolute value.
 
-    values: for each case, objects with a ``value`` by feature; empty for a case with a failed trial.
+    All cases if x is a word, since no case then lies between others. values: for each case, objects with a
+    ``value`` by feature; empty for a case with a failed trial.
     """
-    sizes = {n: values[n][curve.feature].value for n in curve.cases if curve.feature in values[n]}
+    if not curve.is_ordered:
+        return curve.cases
+    drawn = {n: values[n][curve.feature].value for n in curve.cases if curve.feature in values[n]}
+    sizes = {n: abs(value) for n, value in drawn.items() if value == value}
     return curve.cases[0], curve.cases[-1], max(sizes, key=sizes.__getitem__, default=curve.cases[0])
 
 

@@ -38,6 +38,7 @@ SIMPLER_COST_RATIO = 0.9
 """Cost ratio below which a simpler model is preferred to a more detailed one."""
 
 NOTHING_CHEAPER = "no cheaper model can compute this"
+FRICTION_NOT_TRIED = "a trial does not cover a ramp, so the effect of friction is unknown"
 SAVING_TOO_SMALL = "cheaper models would save less CPU time than compiling them takes"
 
 
@@ -105,7 +106,7 @@ class ModelSelector:
     def _models(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Return the choice for each case, without the errors of friction and discretisation."""
         trials, cases = evidence.trials, self.study.cases()
-        choices = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
+        choices = {n: self._untried_choice(n) for n in self.numbers}
         decided_cases = [n for n in self.tried_cases if is_decided(self.study, n, trials)]
         for n in decided_cases:
             reason = "the reference is periodic, so its trial is the result"
@@ -118,6 +119,13 @@ class ModelSelector:
             n: Choice(WITH_FRICTION, cases[n].model, reason, {}) for n, reason in friction.required_cases.items()
         }
         return choices | friction_choices
+
+    def _untried_choice(self, n: int) -> Choice:
+        """Return the choice for a case without trials: with friction, unless the case specifies it."""
+        case = self.study.cases()[n]
+        if with_friction(case) is None or n in self.tried_cases:
+            return Choice(REFERENCE, case.model, NOTHING_CHEAPER, {})
+        return Choice(WITH_FRICTION, case.model, FRICTION_NOT_TRIED, {})
 
     def _nodes(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
         """Return the discretisation errors of the choices from trials."""
@@ -172,9 +180,13 @@ class ModelSelector:
         return sum(price(self.candidate_cases[name][n]) for n in group if n in self.candidate_cases[name])
 
     def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
-        """Check if the errors of model and friction are within ``FOR_MODEL`` of the requested accuracy."""
+        """Check if the errors of model and friction are known, and within ``FOR_MODEL`` of the accuracy."""
         assert self.study.goal is not None
-        sums = [error + (friction.get(name) or 0.0) for name, error in errors.items()]
+        changes = [friction.get(name, 0.0) for name in errors]
+        sums = [
+            inf if change is None else error + change
+            for error, change in zip(errors.values(), changes, strict=True)
+        ]
         return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:

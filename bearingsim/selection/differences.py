@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.config.names import read_band
-from bearingsim.simulation.trial import LARGEST_FORCE, Trial
+from bearingsim.simulation.trial import LARGEST_FORCE, Trial, part_count
 from bearingsim.study.goal import HEALTHY
 
 CONFIDENCE = 0.975
@@ -34,11 +34,14 @@ class Value(NamedTuple):
 
 def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
     """Return a feature (SI) of a trial, relative to the healthy case ``baseline`` if the feature is so defined."""
+    turn_count = max(1, trial.turns)  # a short record has no whole revolution of a defect
     if feature == LARGEST_FORCE:
-        turns = np.array_split(trial.forces, trial.turns)
+        turns = np.array_split(trial.forces, turn_count)
         return Value(float(trial.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
-    share = 2.0 / trial.turns
+    share = 2.0 / turn_count
     line = feature.removesuffix(HEALTHY)
+    if feature != line and baseline is None:  # a bearing without defects
+        return Value(0.0, np.zeros(part_count(trial.turns) - 1), share)
     if read_band(line) is not None and feature != line and baseline is not None:  # magnitudes are subtracted
         faulty, healthy = value(line, trial, None), value(line, baseline, None)
         return Value(faulty.value - healthy.value, faulty.parts - healthy.parts, share)

@@ -81,8 +81,10 @@ class Evidence:
         baselines = trials_of(self.study, n, baseline_case or case)[1:]
         trials = [self.trials.get(trial.id) for trial in (trials_of(self.study, n, case)[0], *baselines)]
         trial, baseline = trials[0], trials[-1] if len(trials) > 1 else None
-        if trial is None or None in trials or (baseline is not None and baseline.turns != trial.turns):
+        if trial is None or None in trials:
             return {}
+        if baseline is not None and baseline.turns != trial.turns:
+            return dict.fromkeys(self.study.goal.of, Value(nan, np.empty(0), 0.0))  # cannot be compared
         return {feature: value(feature, trial, baseline) for feature in self.study.goal.of}
 
 

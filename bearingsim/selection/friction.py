@@ -35,6 +35,7 @@ TOO_SHORT = f"the record has fewer than {CAGE_TURNS} revolutions of the cage, to
 NOT_PERIODIC = (
     f"the response without friction is not periodic, and half the record has under {CAGE_TURNS} cage revolutions"
 )
+REFERENCE_FAILS = "the trial without friction fails, so the effect of friction is unknown"
 
 
 class Friction:
@@ -51,8 +52,10 @@ class Friction:
         usable = [n for n in self.friction_cases if evidence.reference_values[n] and n not in short_records]
         too_few = {n for n in usable if evidence.turns(n) < CAGE_TURNS}
         sufficient = [n for n in usable if n not in too_few]
-        self.undetermined = dict.fromkeys(too_few, NOT_PERIODIC) | dict.fromkeys(short_records, TOO_SHORT)
-        tried_curves = [Curve(curve.feature, tuple(n for n in curve.cases if n in sufficient)) for curve in curves]
+        failed = [n for n in self.friction_cases if not evidence.reference_values[n]]
+        self.undetermined = dict.fromkeys(failed, REFERENCE_FAILS) | dict.fromkeys(too_few, NOT_PERIODIC)
+        self.undetermined |= dict.fromkeys(short_records, TOO_SHORT)
+        tried_curves = [replace(curve, cases=tuple(n for n in curve.cases if n in sufficient)) for curve in curves]
         single_cases = set(sufficient) - {n for curve in tried_curves for n in curve.cases}
         self.curves = [curve for curve in tried_curves if curve.cases] + [
             Curve("", (n,)) for n in sorted(single_cases)
@@ -60,10 +63,13 @@ class Friction:
 
     @cached_property
     def extremes(self) -> list[int]:
-        """Cases tried with friction: both ends of each curve, and its largest value."""
-        return list(
-            dict.fromkeys(n for curve in self.curves for n in extremes(curve, self.evidence.reference_values))
-        )
+        """Cases tried with friction: both ends of each curve, and the largest values of its feature and of
+        requested features that no figure draws."""
+        assert self.evidence.study.goal is not None
+        drawn = {curve.feature for curve in self.curves}
+        undrawn = [name for name in self.evidence.study.goal.of if name not in drawn]
+        curves = [replace(curve, feature=name) for curve in self.curves for name in (curve.feature, *undrawn)]
+        return list(dict.fromkeys(n for curve in curves for n in extremes(curve, self.evidence.reference_values)))
 
     def trials(self) -> list[TrialRequest]:
         """Return the trials with friction that are still to be computed."""

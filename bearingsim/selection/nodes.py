@@ -2,11 +2,12 @@
 
 A trial with another mesh costs as much as the original trial. The error is assumed to vary smoothly along a curve,
 so only the ends of a curve and its maximum are computed with another mesh. A case in between gets the largest
-error of the nearest remeshed cases on all its curves. Ends and neighbours are those in the order of the study's
-cases, so in a sweep that is not sorted, and in a design, they may lie anywhere on the curve.
+error of the nearest remeshed cases on all its curves. Ends and neighbours are those in the order of x; in a
+design, neighbours in x may differ in other parameters. If x is a word, all cases are remeshed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from bearingsim.catalogue import REFERENCE
@@ -58,7 +59,7 @@ class Discretisation:
                 self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(remeshed_case, trial), factor)
                 groups[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.uniform_curves = [
-            Curve(curve.feature, tuple(n for n in curve.cases if groups.get(n) == group))
+            replace(curve, cases=tuple(n for n in curve.cases if groups.get(n) == group))
             for curve in curves
             for group in dict.fromkeys(groups[n] for n in curve.cases if n in groups)
         ]
@@ -101,7 +102,7 @@ class Discretisation:
         return {name: largest([values[name] for values in errors]) for name in errors[0]}
 
     def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:
-        """Return the nearest remeshed cases before and after case ``n`` on a curve, in the order of the study."""
+        """Return the nearest remeshed cases before and after case ``n`` on a curve."""
         position = curve.cases.index(n)
         preceding = next(number for number in reversed(curve.cases[:position]) if number in self.remeshed_cases)
         return preceding, next(number for number in curve.cases[position:] if number in self.remeshed_cases)

@@ -3,12 +3,21 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from bearingsim.config import Case
 from bearingsim.config.names import MEANS
 from bearingsim.selection.candidates import reference, remeshed, with_friction
+from bearingsim.simulation.ending import inspection_passes
 from bearingsim.simulation.settling import cage_turn
-from bearingsim.simulation.trial import ReferenceValues, Trial, defect_turn, shows_friction, trial_passes
+from bearingsim.simulation.trial import (
+    ReferenceValues,
+    Trial,
+    defect_turn,
+    may_become_record,
+    shows_friction,
+    trial_passes,
+)
 from bearingsim.study import Study, healthy_case
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
@@ -41,15 +50,27 @@ def trials_of(study: Study, number: int, case: Case) -> list[TrialRequest]:
     A second one is that of its healthy counterpart, if a requested feature is relative to it.
     """
     study_case = study.swept_cases[number][0]
-    has_free_cage = with_friction(study_case) is not None
-    turn = max(defect_turn(study_case), cage_turn(study_case)) if has_free_cage else defect_turn(study_case)
-    settings = (
-        required_features(study),
-        trial_passes(study_case, has_free_cage),
-        turn,
-    )  # the same for a healthy case, which has no defects
+    free_case = with_friction(study_case)
+    turn = defect_turn(study_case) if free_case is None else max(defect_turn(study_case), cage_turn(study_case))
+    healthy_free_case = None if free_case is None else required_healthy_case(study, free_case)
+    passes = _passes(study_case, free_case, healthy_free_case)
     cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
-    return [TrialRequest(_trial_id(variant, *settings), variant, *settings) for variant in cases]
+    settings = (required_features(study), passes, turn)  # the same for a healthy case, which has no defects
+    return [TrialRequest(_trial_id(variant, *settings, len(cases) > 1), variant, *settings) for variant in cases]
+
+
+@lru_cache(maxsize=1 << 17)
+def _passes(case: Case, *free_cases: Case | None) -> int:
+    """Return the number of ball passes of the trials of a case.
+
+    free_cases: the case with friction and its healthy counterpart, or None. Their trials may end with the record,
+    at its first possible end, so that no trial needs more passes.
+    """
+    passes = trial_passes(case, free_cases[0] is not None)
+    first_ends = [
+        next(inspection_passes(free)) for free in free_cases if free is not None and may_become_record(free)
+    ]
+    return min(passes, *first_ends) if first_ends else passes
 
 
 def required_features(study: Study) -> tuple[str, ...]:
@@ -59,15 +80,13 @@ def required_features(study: Study) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=1 << 17)
-def _trial_id(case: Case, features: tuple[str, ...], passes: int, turn: float) -> str:
-    """Return the id of a trial."""
-    identity_settings = {"trial": passes, "asked": list(features)}
+def _trial_id(case: Case, features: tuple[str, ...], passes: int, turn: float, has_counterpart: bool) -> str:
+    """Return the id of a trial. has_counterpart: whether it is compared with its healthy or faulty counterpart."""
+    settings: dict[str, Any] = {"trial": passes, "asked": list(features)}
+    settings |= {"turn": float(f"{turn:.12g}")} if turn != defect_turn(case) else {}
+    settings |= {"counterpart": True} if has_counterpart else {}  # which no trial outlasts by ending early
     bands = tuple(name for name in case.features if name not in MEANS)
-    case = case.model_copy(update={"until": None, "features": bands})  # `until` does not affect a trial
-    return identity(
-        case,
-        identity_settings if turn == defect_turn(case) else identity_settings | {"turn": float(f"{turn:.12g}")},
-    )
+    return identity(case.model_copy(update={"until": None, "features": bands}), settings)  # `until` has no effect
 
 
 def required_healthy_case(study: Study, case: Case) -> Case | None:

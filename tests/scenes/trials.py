@@ -16,7 +16,7 @@ from bearingsim.config import Case
 from bearingsim.runner import Engine
 from bearingsim.selection import Choice, TrialRequest, candidates
 from bearingsim.selection.choices import key
-from bearingsim.simulation.trial import ReferenceValues, Trial
+from bearingsim.simulation.trial import ReferenceValues, Trial, most_passes, part_count, whole_turns
 from bearingsim.study import Study, load_study
 from tests.scenes.study_text import Write
 
@@ -51,6 +51,9 @@ sweep: {{load: [150 N, 300 N, 450 N]}}
 figures: [{{y: velocity@BPFO, x: load}}]
 """
 
+OPEN = TEXT.replace("friction: none\n", "")
+"""A study that leaves friction open."""
+
 MODEL_FACTORS = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
 """What each model makes of a line, over what the reference does."""
 FRICTION = 0.002
@@ -61,6 +64,11 @@ OFFSET = TEXT.replace("length: 12 mm", "length: 3 mm, offset: 2 mm")
 BENDS = "rig: {ring: {bends: true}}\n"
 RING = "{bends: true, harmonics: 16}"
 SAID, HALF, QUARTER, SIXTH = candidates.SLICES
+
+
+def is_free(case: Case) -> bool:
+    """If the cage of a case is free."""
+    return case.cage is not None and case.cage.motion == "free"
 
 
 def accuracy_study(write: Write, text: str = TEXT) -> Study:
@@ -82,12 +90,32 @@ def trial(
     return Trial(passes, passes, repeats, lines, powers, size * noise)
 
 
+def steady_trial(
+    request: TrialRequest, size: float, passes: int = PASSES, turns: int | None = None, repeats: bool = False
+) -> Trial:
+    """A trial in which each line, RMS and force is ``size`` throughout; each ball pass is a turn by default."""
+    turns = passes if turns is None else turns
+    powers = {name: np.full(part_count(turns), size**2) for name in request.features if ".rms" in name}
+    names = [name for name in request.features if name not in powers and "@" in name]
+    lines = {name: np.full(part_count(turns), size + 0j) for name in names}
+    return Trial(passes, turns, repeats, lines, powers, np.full(passes, size))
+
+
+def trial_of_record(request: TrialRequest, size: float, repeats: bool) -> Trial:
+    """A trial of as many turns as a run would give: half of the record unless it is periodic."""
+    rate = request.case.bearing.ball_pass_frequency(request.case.speed)
+    passes = request.passes if repeats else min(request.passes, most_passes(request.case))
+    return steady_trial(request, size, passes, whole_turns(passes, max(1.0, request.turn * rate)), repeats)
+
+
 TrialFunction = Callable[[TrialRequest], Trial | None]
 
 
-def run_trials(study: Study, trial_of: TrialFunction) -> dict[str, Trial | None]:
-    """Return the trials of a study as ``trial_of`` gives them."""
-    choosing, results = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
+def run_trials(
+    study: Study, trial_of: TrialFunction, stored: Mapping[str, Trial | None] | None = None
+) -> dict[str, Trial | None]:
+    """Return the trials of a study as ``trial_of`` gives them, apart from those ``stored``."""
+    choosing, results = selection.ModelSelector(study, range(len(study.cases()))), dict(stored or {})
     while requests := choosing.next_trials(results):
         results |= {wanted_trial.id: trial_of(wanted_trial) for wanted_trial in requests}
     return results

@@ -211,3 +211,20 @@ def test_choices_are_stored_as_json(write: Write, tmp_path: Path, costs: dict[st
     store.write_choices(tmp_path, result)
     assert store.read_choices(tmp_path) == result
     assert len(json.loads((tmp_path / "choices.json").read_text())["choices"]) == 3
+
+
+def test_candidate_identical_to_an_earlier_case(write: Write, costs: dict[str, float]) -> None:
+    """`rollers` ignores the seed, so it would give one job for two cases."""
+    evaluate = trials_by_model(FAR | {"rollers": 1.01})
+    first, extended = (
+        accuracy_study(write, TEXT.replace("sweep: {", f"sweep: {{seed: [{seeds}], ")) for seeds in ("0", "0, 1")
+    )
+    stored = run_trials(first, evaluate)
+    choices = selection.ModelSelector(first, range(3)).decide(stored).choices
+    assert {choice.candidate for choice in choices.values()} == {"rollers"}
+    new = [n for n, case in enumerate(extended.cases()) if key(extended, case) not in choices]
+    selector, results = selection.ModelSelector(extended, new), dict(stored)
+    while requests := selector.next_trials(results):
+        results |= {request.id: evaluate(request) for request in requests}
+    cases = selection.apply_choices(extended, choices | selector.decide(results).choices).cases()
+    assert len({case_id(case) for case in cases}) == len(cases) == 6

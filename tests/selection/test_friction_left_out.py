@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim import selection
 from bearingsim.config import Case
-from bearingsim.selection import Choice, TrialRequest, candidates
+from bearingsim.selection import TrialRequest, candidates
 from bearingsim.selection.candidates import WITH_FRICTION, with_friction
 from bearingsim.selection.choices import key
 from bearingsim.simulation import try_out
@@ -19,18 +19,13 @@ from bearingsim.simulation.trial import (
     lengthen_for_trial,
     trial_passes,
 )
-from bearingsim.study import Study, case_id, load_study
+from bearingsim.study import case_id, load_study
 from tests.scenes.study_text import Write
-from tests.scenes.trials import TEXT, TrialFunction, accuracy_study, run_trials, trial
+from tests.scenes.trials import OPEN, TrialFunction, accuracy_study, choose, is_free, run_trials, trial
 
-OPEN = TEXT.replace("friction: none\n", "")
 LOADS = "150 N, 300 N, 450 N"
 LINE = "velocity@BPFO"
 OFF = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
-
-
-def is_free(case: Case) -> bool:
-    return case.cage is not None and case.cage.motion == "free"
 
 
 def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = False) -> TrialFunction:
@@ -42,12 +37,6 @@ def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = F
         return trial(size, names=request.features, repeats=repeats and not free)
 
     return evaluate
-
-
-def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
-    numbers = range(len(study.cases()))
-    result = selection.ModelSelector(study, numbers).decide(run_trials(study, evaluate)).choices
-    return [result[key(study, case)] for case in study.cases()]
 
 
 @pytest.mark.parametrize("repeats", [False, True])
