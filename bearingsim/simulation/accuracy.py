@@ -7,7 +7,7 @@ import numpy as np
 
 from bearingsim import signals
 from bearingsim.config import Case
-from bearingsim.simulation.recording import RawRecord, Windows, windows
+from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.spectral_lines import has_other_lines, sensor_samples
 from bearingsim.simulation.time_grid import Grid
 
@@ -38,11 +38,12 @@ def standard_errors(
     """
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
-    record_windows = windows(case, grid, raw, reach=raw.reach)
+    samples, reach = recorded_samples(case, raw)
+    record_windows = windows(case, grid, raw, reach)
     M, n = record_windows.M, len(record_windows.index)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
-    velocity = sensor_samples(case, raw.low_passed, "velocity", record_windows.start, n * M)
+    velocity = sensor_samples(case, samples, "velocity", record_windows.start, n * M)
     powers = np.mean(velocity.reshape(n, M) ** 2, axis=1, keepdims=True)
     min_amplitude = QUIET_LINE * np.sqrt(powers.mean())
     return StandardErrors(

@@ -132,7 +132,11 @@ def alternatives(case: Case) -> list[str]:
     """List the other automatic methods that can integrate the case, cheapest first; empty without a method."""
     if case.method is None:
         return []
-    return [name for name in choice(with_method(case, AUTO)).prices if name != case.method]
+    try:
+        prices = choice(with_method(case, AUTO)).prices
+    except Refused:  # none has a tolerance
+        return []
+    return [name for name in prices if name != case.method]
 
 
 @lru_cache(maxsize=1 << 17)
@@ -147,6 +151,11 @@ def choice(case: Case) -> Choice:
     suitable = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only methods with a tolerance
         suitable = [name for name in suitable if METHODS[name].adaptive]
+        if not suitable:
+            raise Refused(
+                "no automatic method with a `tolerance` can integrate this case",
+                "omit `tolerance`, or name a `method`",
+            )
     periodic = resolve_settling(case).model_copy(update={"periodic": True})
     costs = {name: _cost(with_method(periodic, name)) for name in suitable}
     ranked = sorted(suitable, key=lambda name: margin(name) * costs[name].total)

@@ -23,6 +23,7 @@ from bearingsim.simulation.run_setup import Setup
 WIDE_BAND_SHARE = 0.5
 """Part of the change of the wide-band RMS that is a lower bound for the change of the recorded RMS, which may be
 small by chance (chosen, not measured)."""
+MIN_SAMPLES = 16  # smallest number of recorded values whose standard deviation is used
 PEAK_FORCE_COLUMN = list(EXTREMES).index("outer_force.max")
 """Column of the largest outer contact force (N) in ``RawRecord.peaks``."""
 
@@ -63,9 +64,12 @@ class RunSignals(NamedTuple):
 def compare(run: RunSignals, reference: RunSignals) -> Changes:
     """Return the changes of a run relative to the values of a reference run.
 
-    The change of a line is relative to at least ``QUIET_LINE`` of the standard deviation of the recorded velocity.
+    The change of a line is relative to at least ``QUIET_LINE`` of the standard deviation of the recorded velocity,
+    or of the velocity at fine samples if few are recorded.
     """
-    min_amplitude = QUIET_LINE * float(np.std(reference.recorded_velocity)) or 1.0
+    has_samples = len(reference.recorded_velocity) >= MIN_SAMPLES
+    velocity = reference.recorded_velocity if has_samples else reference.fine_velocity
+    min_amplitude = QUIET_LINE * float(np.std(velocity)) or 1.0
     return Changes(
         line=float(
             max(
@@ -143,6 +147,11 @@ def periodic_start(setup: Setup, raw: RawRecord) -> float:
     return (raw.repetition.computed - raw.repetition.period) / setup.grid.rate
 
 
+def first_raw_value(case: Case, start_time: float) -> int:
+    """Return the number of the first sampling instant of the record at or after ``start_time`` (s) of the run."""
+    return max(0, ceil((start_time - case.settle_s) * case.sampling))
+
+
 def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignals:
     """Return the compared signals of a periodic motion.
 
@@ -159,7 +168,7 @@ def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignal
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
     filtered = raw.low_passed.read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    raw_values = raw.raw_values[:, max(0, ceil((start_time - case.settle_s) * case.sampling)) :]
+    raw_values = raw.raw_values[:, first_raw_value(case, start_time) :]
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines.mean(axis=1, keepdims=True), raw.peaks[-period:]
     )

@@ -34,7 +34,7 @@ def pilot(case: Case, factor: float = 1.0) -> tuple[Case, int]:
     )
     passes = max(1, min(ceil(compared_time * rate - ROUNDING), int((run_time - skipped_time) * rate + ROUNDING)))
     settle = min(skipped_time, max(0.0, run_time - passes / rate))
-    update = {"settle": settle, "duration": (passes + 0.5) / rate}
+    update = {"settle": settle, "duration": max((passes + 0.5) / rate, (1.0 + ROUNDING) / case.sampling)}
     return case.model_copy(update=update), passes
 
 

@@ -177,6 +177,12 @@ def whole_passes(case: Case, grid: Grid) -> int:
     return floor(case.duration * grid.rate + 1e-6)
 
 
+def recorded_samples(case: Case, raw: RawRecord) -> tuple["RawRecord | LowPassed", int]:
+    """Return the fine samples as recorded, low-passed unless `antialias` is false, and the reach of the filter, in
+    fine samples."""
+    return (raw.low_passed, raw.reach) if case.antialias else (raw, 0)
+
+
 def windows(case: Case, grid: Grid, raw: RawRecord, reach: int) -> Windows:
     """Return the complete ball passes of the record as windows.
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import floor, inf, nan, sqrt
+from math import floor, inf, isnan, nan, sqrt
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -173,13 +173,14 @@ def _combined_error(errors: list[SimulationError]) -> SimulationError:
 def _simulate(attempt: choice.Attempt, start: Usage) -> Record:
     """Compute a case by one attempt."""
     case = attempt.case
-    if not (case.checks_step and choice.has_automatic_step(case)):
-        return _record(*_unrefined(attempt), start)
-    setup, refined_raw, check, begun = refine_step(attempt)
-    inspections = Inspections(setup)
-    raw = integrate(setup, inspector=inspections, begun=begun) if refined_raw is None else refined_raw
+    if case.checks_step and choice.has_automatic_step(case):
+        setup, refined_raw, check, begun = refine_step(attempt)
+        inspections = Inspections(setup)
+        raw = integrate(setup, inspector=inspections, begun=begun) if refined_raw is None else refined_raw
+    else:
+        inspections, raw, check = _unrefined(attempt)
     if case.step_check == "strict":
-        step_check.refuse_short_record(setup, check)
+        step_check.refuse_short_record(inspections.setup, check)
     return _record(inspections, raw, check, start)
 
 
@@ -278,8 +279,8 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
         check, _pass_ratio(inspections.shortest_setup, setup), errors if check.chaotic else no_errors
     )
     values |= _start_features(start_errors(setup, raw, errors if is_random else no_errors))
-    if case.step_check == "strict" and not (check.chaotic or has_free_cage(case)):
-        _refuse_start_error(case, max(values["error.start"], values["error.start.rms"]))
+    if case.step_check == "strict" and not (check.chaotic or has_free_cage(case) or case.ramp is not None):
+        _refuse_start_error(case, [values["error.start"], values["error.start.rms"]])
     extension_values, reasons = extension_features(case, instants, series)
     refuse_undeclared(values | extension_values)
     return Record(
@@ -300,11 +301,16 @@ def _usage_info(start: Usage) -> dict[str, float | int | str]:
     }
 
 
-def _refuse_start_error(case: Case, error: float) -> None:
-    """Raise SimulationError if the start-up transient changes the record by more than a strict check allows."""
-    if error > STEP_ACCURACY:
+def _refuse_start_error(case: Case, errors: Sequence[float]) -> None:
+    """Raise SimulationError if a strict check requires a smaller or a known error due to the initial transient."""
+    if isnan(sum(errors)):
         raise SimulationError(
-            f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
+            "the record is too short to show whether the run has settled",
+            "use a longer `duration`, or use `step_check: true`",
+        )
+    if max(errors) > STEP_ACCURACY:
+        raise SimulationError(
+            f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {max(errors):.1%}",
             "use `settle: auto` or a longer one, or use `step_check: true`",
         )
 

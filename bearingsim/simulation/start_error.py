@@ -16,7 +16,7 @@ from bearingsim.config.names import LINES
 from bearingsim.core.geometry.motion import is_steady
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN, fault_lines
-from bearingsim.simulation.recording import RawRecord, Windows, windows
+from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import slowest_decay
 from bearingsim.simulation.spectral_lines import angles_of_record, sensor_samples
@@ -56,15 +56,17 @@ class Passes(NamedTuple):
 
 
 def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) -> StartErrors:
-    """Return the errors of a run; NaN if the record is too short or the speed is not constant.
+    """Return the errors of a run.
 
-    standard_errors: standard errors of line and RMS if the motion scatters at random, else NaN.
+    NaN if the speed is not constant, or the record is shorter than a period or, if it is not periodic, than
+    ``PARTS`` ball passes. standard_errors: those of line and RMS if the motion scatters at random, else NaN.
     """
     case, grid = setup.case, setup.grid
     if MODELS[case.model].memoryless:
         return StartErrors(0.0, 0.0, 0.0)
-    record_windows = windows(case, grid, raw, reach=raw.reach)
-    if len(record_windows.index) < PARTS or not is_steady(setup.model):
+    record_windows = windows(case, grid, raw, recorded_samples(case, raw)[1])
+    min_passes = raw.repetition.period or PARTS
+    if min(len(record_windows.index), record_windows.distinct) < min_passes or not is_steady(setup.model):
         return StartErrors(nan, nan, nan)
     passes = _passes(setup, raw, record_windows)
     if raw.repetition.period > 0:
@@ -77,7 +79,8 @@ def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) 
 def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
     case, grid, M, n = setup.case, setup.grid, record_windows.M, record_windows.distinct
     velocity = sensor_samples(case, raw, "velocity", record_windows.start, n * M)
-    filtered = sensor_samples(case, raw.low_passed, "velocity", record_windows.start, n * M)
+    samples, _ = recorded_samples(case, raw)
+    recorded = sensor_samples(case, samples, "velocity", record_windows.start, n * M)
     angles = angles_of_record(case, setup.model, grid, raw, record_windows.start, n * M)
     lines = np.stack(
         [
@@ -86,7 +89,7 @@ def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
         ]
     )
     sources = raw.repetition.source(round(record_windows.start / M) + np.arange(n))
-    return Passes(lines, np.mean(filtered.reshape(n, M) ** 2, axis=1), raw.peaks[sources, PEAK_FORCE_COLUMN])
+    return Passes(lines, np.mean(recorded.reshape(n, M) ** 2, axis=1), raw.peaks[sources, PEAK_FORCE_COLUMN])
 
 
 def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:

@@ -27,7 +27,15 @@ from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
-from bearingsim.simulation.comparison import RunSignals, compare, period_signals, periodic_start, pilot_signals
+from bearingsim.simulation.comparison import (
+    MIN_SAMPLES,
+    RunSignals,
+    compare,
+    first_raw_value,
+    period_signals,
+    periodic_start,
+    pilot_signals,
+)
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pilot
 from bearingsim.simulation.recording import RawRecord
@@ -82,10 +90,10 @@ MAX_COST_RATIO = 4.0  # largest ratio of the CPU time of a finer run to that of 
 class StepCheck:
     """Changes by a shorter step (and a tenth of the tolerance), and their assessment.
 
-    line, rms, force, record: as in ``Changes``; bounds: error bounds of the run that is used;
-    chaotic: whether a perturbation of 1e-10 grows; noise: standard deviation of the relative change of the RMS
-    over the pilot due to chaos; scatter: its confidence bound over the whole record, inf if the pilot was too
-    short.
+    line, rms, force, record: as in ``Changes``; bounds: error bounds of the run that is used; chaotic: whether a
+    perturbation of 1e-10 grows; noise: standard deviation of the relative change of the RMS over the pilot due to
+    chaos; scatter: its confidence bound over the whole record, inf if the pilot was too short; checks_force:
+    whether the largest force is checked. It is not with `until`, since no maximum is then requested.
     """
 
     line: float
@@ -96,12 +104,14 @@ class StepCheck:
     chaotic: bool = False
     noise: float = 0.0
     scatter: float = 0.0
+    checks_force: bool = True
 
     @property
     def changes(self) -> dict[str, float]:
         """Changes that are checked, by quantity."""
-        changes = {"amplitude at the defect frequency": self.line, "RMS": self.rms, "largest force": self.force}
-        return {"RMS": self.rms} if self.chaotic else changes
+        line = {} if self.chaotic else {"amplitude at the defect frequency": self.line}
+        force = {"largest force": self.force} if self.checks_force and not self.chaotic else {}
+        return line | {"RMS": self.rms} | force
 
     @property
     def error(self) -> float:
@@ -116,7 +126,7 @@ class StepCheck:
     @property
     def holds_without_force(self) -> bool:
         """Acceptance of the step by line and RMS alone, since a force peak may need impractically short steps."""
-        return replace(self, force=0.0).holds
+        return replace(self, checks_force=False).holds
 
     @property
     def is_long_enough(self) -> bool:
@@ -124,8 +134,12 @@ class StepCheck:
         return bool(self.scatter <= STEP_ACCURACY)
 
     def bound(self, change: float) -> float:
-        """Bound the step error of a quantity from its ``change`` (docs/step-check.md)."""
-        min_change = self.bounds.min_share * max(self.line, self.rms, self.force)
+        """Bound the step error of a quantity from its ``change`` (docs/step-check.md).
+
+        A force that is not checked counts no more than the largest change of a checked one would.
+        """
+        force = self.force if self.checks_force else min(self.force, STEP_ACCURACY / self.bounds.factor)
+        min_change = self.bounds.min_share * max(self.line, self.rms, force)
         return self.bounds.factor * max(change, min_change) + self.bounds.offset
 
 
@@ -206,13 +220,14 @@ def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
 def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
     """Return the step check of a periodic motion, from one period at each step.
 
-    None if the finer run is not periodic, or if raw values are recorded and the record ends before both runs are
-    periodic.
+    None if the finer run is not periodic, or if raw values are recorded and fewer than ``MIN_SAMPLES`` of them lie
+    in the periodic part of both runs.
     """
     if fine[1].repetition.period == 0:
         return None
-    start_time = max(periodic_start(*coarse), periodic_start(*fine))
-    if channels.stores_raw_values(coarse[0].case) and start_time >= run_time(coarse[0].case):
+    case, start_time = coarse[0].case, max(periodic_start(*coarse), periodic_start(*fine))
+    samples = time_grid.samples(case) - first_raw_value(case, start_time)
+    if channels.stores_raw_values(case) and samples < MIN_SAMPLES:
         return None
     return StepCheck(*compare(*(period_signals(setup, run, start_time) for setup, run in (coarse, fine))))
 
@@ -278,7 +293,7 @@ def check_on_pilot(
     coarse_run = previous.signals if previous is not None else run_pilot(coarse, passes, raw=beginning(coarse))
     fine_run = run_pilot(fine, passes, raw=beginning(fine))
     finer = FinerPilot(fine, fine_run, regular or (previous is not None and previous.converges))
-    check = StepCheck(*compare(coarse_run, fine_run))
+    check = StepCheck(*compare(coarse_run, fine_run), checks_force=case.until is None)
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
     step_changes = (
         pass_rms(

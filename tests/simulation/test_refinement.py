@@ -57,9 +57,11 @@ def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> 
     setup = set_up(test_case)
     raw = integrate(setup)
     finer = step_check.finer_orbit(setup, raw)
-    for end, is_checked in ((0.36, False), (0.38, True)):
-        with mock.patch.object(step_check, "run_time", return_value=end):
-            assert (step_check.check_on_orbit((setup, raw), finer) is not None) == is_checked
+    start_time = max(comparison.periodic_start(*run) for run in ((setup, raw), finer))
+    for count, is_checked in ((comparison.MIN_SAMPLES - 1, False), (comparison.MIN_SAMPLES + 1, True)):
+        duration = start_time + count / test_case.sampling - test_case.settle_s
+        short = dataclasses.replace(setup, case=test_case.model_copy(update={"duration": duration}))
+        assert (step_check.check_on_orbit((short, raw), finer) is not None) == is_checked
 
 
 def test_a_finer_run_ends_after_two_passes_if_the_coarse_one_shows_how_fast_it_settles() -> None:

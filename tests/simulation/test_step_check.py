@@ -1,6 +1,7 @@
 """Step check: changes by a shorter step, their bounds, chaos, and refusal of a step."""
 
 import math
+from dataclasses import replace
 from typing import Any
 from unittest import mock
 
@@ -86,6 +87,19 @@ def test_only_the_rms_is_checked_if_the_motion_is_chaotic() -> None:
     assert not StepCheck(line=0.0, rms=0.02, chaotic=True).holds
     assert StepCheck(line=0.0, rms=0.02, chaotic=True, noise=0.01).holds  # within the scatter due to chaos
     assert not step_check.UNCHECKED.holds
+
+
+def test_unchecked_force_counts_like_the_largest_accepted_one_in_other_bounds() -> None:
+    checked = StepCheck(line=0.001, rms=0.001, force=0.02)
+    unchecked = replace(checked, checks_force=False)
+    assert unchecked.holds
+    assert not checked.holds
+    accepted = replace(checked, force=STEP_ACCURACY / checked.bounds.factor)
+    assert accepted.holds
+    assert unchecked.bound(unchecked.line) == accepted.bound(accepted.line) < checked.bound(checked.line)
+    assert unchecked.bound(unchecked.force) == checked.bound(checked.force)
+    small = replace(unchecked, force=0.0015)
+    assert small.bound(small.line) == replace(small, checks_force=True).bound(small.line)
 
 
 def test_chaotic_run_reports_rms_scatter() -> None:

@@ -169,6 +169,15 @@ def test_trial_far_from_the_reference_ends_early_without_step_check() -> None:
     assert result.passes == 26
 
 
+def test_step_error_of_the_largest_force_is_stated_but_not_limited() -> None:
+    """The largest force depends on the length of a record, so none is requested of one that may end early."""
+    scene = {"bearing": "nf308", "model": "planar", "speed": "1563 rpm", "load": "47.3 N", "record": []}
+    slot = SLOT | {"length": "8 mm", "width": "0.8 mm", "angle": "4 deg"}
+    record = simulate(Case.model_validate(scene | {"defect": slot, "duration": "1 s", "until": "1 %"}))
+    assert record.features["step_error.force"] > 0.02
+    assert 0.0 < max(record.features["step_error.line"], record.features["step_error.rms"]) < 0.01
+
+
 def test_the_step_is_checked_on_a_part_of_the_shortest_record() -> None:
     early, full = (
         Inspections(set_up(resolve(case(**FREE_CAGE, duration="1 s", **options)), 1.0))

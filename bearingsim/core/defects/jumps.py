@@ -33,6 +33,7 @@ from bearingsim.core.jit import generic, jit
 PROBE = 1e-9  # m: distance to either side of a position for evaluating its jump
 MIN_SHARPNESS = 0.05  # relative to the largest jump of a pair; the error control handles smaller ones
 NEAR_JUMP = 1e-8  # m: below this distance the predicted time of a jump is not reduced
+JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
 MAX_JUMPS = 32  # per roller-defect pair; a rough defect has hundreds of small ones
 
 
@@ -146,7 +147,12 @@ def spacing(defects, d, Z):
 
 
 def next_jump_without_slip(model, t, y):
-    """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip: exact."""
+    """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip.
+
+    The time is exact, so the stored one is valid until it is passed.
+    """
+    if y[lay.NEXT_STOP] > t + JUMP_GAP:
+        return y[lay.NEXT_STOP]
     defects, b = model.defects, model.bearing
     t_jump = inf
     for d in range(len(defects.head)):

@@ -22,7 +22,7 @@ from typing import Any
 
 from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
-from bearingsim.core.defects.jumps import next_jump
+from bearingsim.core.defects.jumps import JUMP_GAP, next_jump
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.differences import roller_arms, shared_arms
@@ -50,7 +50,6 @@ SMALL_ERROR = 1e-4  # error over tolerance; the controller treats smaller ones a
 MIN_STEP = 1e-15  # s: minimum step, unless several rounding errors of the time are larger
 TIME_ROUNDING = 8 * 2.0**-52
 JUMP_STEP = 1e-13  # s: in steps shorter than this an L-stable method need not locate the jump
-JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
 MAX_ATTEMPTS = 100_000  # steps between two recorded instants
 CLOCK_INTERVAL = 64  # steps between readings of the clock
 TIME_TOLERANCE = 1e-9  # part of the recording interval within which a step's end is used for the instant
@@ -167,10 +166,11 @@ def error_norm(method, error_q, error_v, y, n):
 
     Velocity errors are relative to the larger of the velocities at START and in the state's block.
     """
+    per_atol_q = 1.0 / method.atol_q  # a division takes as long as the rest of an entry
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         v = lever * max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
-        e_q = lever * y[error_q + j] / method.atol_q
+        e_q = lever * y[error_q + j] * per_atol_q
         e_v = lever * y[error_v + j] / (method.atol_v + method.rtol * v)
         y[lay.ADDENDS + j] = e_q * e_q + e_v * e_v
     return sqrt(sum_addends(y, n))
