@@ -67,7 +67,7 @@ def show(
     pair = _pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
     detection, remark = _line_detection(pair)
-    has_line = detection is None or detection.objection is None
+    has_line = detection is not None and detection.objection is None
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
     factor = rows[0].measured / rows[0].simulated if scale else None
     if factor is not None:
@@ -84,7 +84,7 @@ def show(
         say(json.dumps(_as_dict(job, pair, band, factor, detection, rows), indent=1))
         return
     _print_signals(job, pair, band, factor)
-    _print_features(rows)
+    _print_features(rows, detection is not None)
     for text in remark:
         say(text)
     if figure is not None:
@@ -169,7 +169,7 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
         say(f"simulated signal times {factor:.4g}, to the measured RMS{in_unit}")
 
 
-def _print_features(rows: "list[Row]") -> None:
+def _print_features(rows: "list[Row]", is_assessed: bool) -> None:
     """Print the features of both signals, and the meaning of a dash."""
     from bearingsim.plots.labels import pretty
     from bearingsim.report.measured import DIFFERENCE, RATIO
@@ -185,7 +185,7 @@ def _print_features(rows: "list[Row]") -> None:
     ]
     print_table(["", "unit", "simulated", "measured", DIFFERENCE, RATIO], cells, text_columns=2)
     if any("-" in row[2:4] for row in cells):
-        say("-: not found in the signal")
+        say(f"-: not found in the signal{'' if is_assessed else ', or not assessed'}")
     if any("-" in row[4:] and "-" not in row[2:4] for row in cells):
         say("-: no ratio, because the values are in dB")
 

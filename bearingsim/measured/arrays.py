@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.measured.content import Content, MeasuredError, Stated, differ
+from bearingsim.measured.content import Content, MeasuredError, Stated, contradiction, differ
 
 RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "fsamp", "fsampling")
 STEPS = ("dt", "ts", "timestep", "sampletime", "sampleinterval", "samplinginterval", "deltax", "deltat")
@@ -24,27 +24,35 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     """Identify signals, time, rate and speed among named arrays.
 
     Only the letters and digits of a name are compared, in lower case, and only the part after its last dot. Raises
-    MeasuredError for a file without signals.
+    MeasuredError for a file without signals, and for times in an unknown unit.
     """
+    from bearingsim.measured.statements import HERTZ, SECONDS
+
     channels: dict[str, np.ndarray] = {}
     rates: list[Stated[float]] = []
     speeds: dict[str, Stated[float]] = {}
+    other_speed = None
     time = None
     for name, values in arrays.items():
-        word = word_of(name)
+        word, own_unit = word_of(name), _own_unit(name, texts).lower()
         if values.size == 1:
             number = float(np.real(values.ravel()[0]))
-            if word in RATES:
-                rates.append(Stated(number, f"the variable `{name}`"))
-            elif word in STEPS and number > 0.0:
-                rates.append(Stated(1.0 / number, f"the variable `{name}`"))
+            if word in RATES and own_unit in HERTZ:
+                rates.append(Stated(HERTZ[own_unit] * number, f"the variable `{name}`"))
+            elif word in STEPS and number > 0.0 and own_unit in SECONDS:
+                rates.append(Stated(1.0 / (SECONDS[own_unit] * number), f"the variable `{name}`"))
             elif word in SPEEDS or word.endswith("rpm"):
-                speeds.setdefault(name.rpartition(".")[0], Stated(number * pi / 30.0, f"the variable `{name}`"))
+                speed = Stated(number * pi / 30.0, f"the variable `{name}`")
+                known_speed = speeds.setdefault(name.rpartition(".")[0], speed)
+                if other_speed is None and differ(speed.value, known_speed.value):
+                    other_speed = speed
             elif name.lower().endswith(OWN_SPEED):
                 owner = name[: -len(OWN_SPEED)].rstrip(".")
                 speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
         elif word in TIMES and values.size >= MIN_SAMPLES and time is None:
-            time = Stated(values.astype(float).ravel(), f"the variable `{name}`")
+            if own_unit not in SECONDS:
+                raise MeasuredError(path, f"has times in `{own_unit}`: expected s, ms or us")
+            time = Stated(SECONDS[own_unit] * values.astype(float).ravel(), f"the variable `{name}`")
         else:
             channels |= _columns(name, values)
     if time is not None:
@@ -52,8 +60,14 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     if not channels:
         raise MeasuredError(path, f"has no signal: {_listed(arrays)}{_advice(arrays)}")
     rate = rates[0] if rates else None
-    other = next((stated for stated in rates if differ(stated.value, rates[0].value)), None)
-    return Content(channels, time, rate, speeds, _units(channels, texts), other)
+    return Content(channels, time, rate, speeds, _units(channels, texts), contradiction(rates), other_speed)
+
+
+def _own_unit(name: str, texts: Mapping[str, str]) -> str:
+    """Return the unit of an array itself: `x.unit`, `x_unit`, or `units.x` beside `x`; empty if there is none."""
+    owner, _, last = name.rpartition(".")
+    candidates = f"{name}.unit", f"{name}_unit", f"{owner}.units.{last}" if owner else f"units.{last}"
+    return next((texts[candidate].strip() for candidate in candidates if candidate in texts), "")
 
 
 def _advice(arrays: Mapping[str, np.ndarray]) -> str:

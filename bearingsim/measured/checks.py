@@ -9,6 +9,9 @@ from bearingsim.measured.content import UNSPECIFIED, MeasuredError, Request
 MAX_CLIPPED = 1e-3
 """Largest share of samples at the extremes, in runs of two and more."""
 
+MIN_LEVELS = 8
+"""Different values of a signal, under which equal neighbours at its extremes are due to its resolution."""
+
 LONGEST_REST = 0.02
 """Longest share of a record without change that gives no remark."""
 
@@ -16,7 +19,8 @@ LONGEST_REST = 0.02
 def refuse_unusable(
     path: Path, channel: str, values: np.ndarray, rate: float, request: Request = UNSPECIFIED
 ) -> None:
-    """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, or clipped."""
+    """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, too coarse, or
+    clipped."""
     missing = np.flatnonzero(~np.isfinite(values))
     if len(missing):
         raise MeasuredError(
@@ -29,6 +33,12 @@ def refuse_unusable(
         advice = f"check the sensor, or name a `{request.name('channel')}`"
         raise MeasuredError(path, f"`{channel}` is constant ({low:.6g}): {advice}")
     share = clipped_share(values)
+    if share > MAX_CLIPPED and len(np.unique(values)) < MIN_LEVELS:
+        raise MeasuredError(
+            path,
+            f"`{channel}` has only {len(np.unique(values))} different values: measure with a smaller range, or "
+            "export with more digits",
+        )
     if share > MAX_CLIPPED:
         raise MeasuredError(
             path,

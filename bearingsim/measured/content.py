@@ -1,7 +1,7 @@
 """Content of a file of signals, before and after its sampling rate, units and speed are known."""
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import pi
 from pathlib import Path
@@ -102,12 +102,18 @@ def differ(value: float, other: float) -> bool:
     return not abs(value - other) <= MAX_DIFFERENCE * abs(other)
 
 
+def contradiction(statements: "Sequence[Stated[float]]") -> "Stated[float] | None":
+    """Return the first statement that differs from the first of all; None if there is none."""
+    return next((stated for stated in statements if differ(stated.value, statements[0].value)), None)
+
+
 @dataclass(frozen=True)
 class Content:
     """Arrays of a file by name, and what the file states about them.
 
     time: instants (s) of the samples, and the name of their array; rate in Hz; speeds in rad/s, by the beginning
-    of the names of their channels, empty for all; other_rate: a second statement, which differs from the first.
+    of the names of their channels, empty for all; other_rate, other_speed: a second statement, which differs from
+    the first.
     """
 
     channels: Mapping[str, np.ndarray]
@@ -116,6 +122,7 @@ class Content:
     speeds: Mapping[str, Stated[float]] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     other_rate: Stated[float] | None = None
+    other_speed: Stated[float] | None = None
     integer_range: float | None = None
     """Largest value of integer samples, which have no unit."""
 

@@ -135,7 +135,7 @@ def _recording(path: Path, content: Content, request: Request) -> Recording:
         if request.channel not in channels:
             raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_listed(channels)}")
         channels = {request.channel: channels[request.channel]}
-    scale, scale_unit = _scale(content, request)
+    scale, scale_unit = _scale(path, content, request)
     return Recording(
         path,
         {name: np.asarray(values, float) * scale for name, values in channels.items()},
@@ -169,22 +169,35 @@ def _listed(channels: dict[str, np.ndarray]) -> str:
 
 def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
     """Return the sampling rate (Hz), from the request, the file's own statement, or its times."""
-    if content.time is not None and not (request.rate is not None and _is_coarse(content.time.value)):
+    is_stated = request.rate is not None or content.rate is not None
+    if content.time is not None and not (is_stated and _is_coarse(content.time.value)):
         rate_of_times = _rate_of_times(path, content.time, request)
-        return Stated(request.rate, request.name("rate")) if request.rate is not None else rate_of_times
+        if request.rate is not None:
+            return Stated(request.rate, request.name("rate"))
+        rounding = 1.0 + 1.0 / len(content.time.value)  # of the first and last time, by half a step each
+        for stated in filter(None, (content.rate, content.other_rate)):
+            if differ(stated.value, rate_of_times.value) and not (
+                rate_of_times.value / rounding <= stated.value <= rate_of_times.value * rounding
+            ):
+                raise _two_rates(path, rate_of_times, stated, request)
+        return rate_of_times
     if request.rate is not None:
         return Stated(request.rate, request.name("rate"))
     if content.rate is None:
         raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]}, request)
     rate = f"`{request.name('rate')}`"
     if content.other_rate is not None:
-        values = " and ".join(
-            f"{stated.value:g} Hz ({stated.source})" for stated in (content.rate, content.other_rate)
-        )
-        raise MeasuredError(path, f"states two sampling rates, {values}: give the right one by {rate}")
+        raise _two_rates(path, content.rate, content.other_rate, request)
     if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
         raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by {rate}")
     return content.rate
+
+
+def _two_rates(path: Path, rate: Stated[float], other: Stated[float], request: Request) -> MeasuredError:
+    values = " and ".join(f"{stated.value:g} Hz ({stated.source})" for stated in (rate, other))
+    return MeasuredError(
+        path, f"states two sampling rates, {values}: give the right one by `{request.name('rate')}`"
+    )
 
 
 def _speed(path: Path, content: Content, request: Request, names: list[str]) -> Stated[float] | None:
@@ -193,6 +206,14 @@ def _speed(path: Path, content: Content, request: Request, names: list[str]) -> 
         return Stated(request.speed, request.name("speed"))
     speeds = [content.speed_of(name) for name in names]
     stated = [speed for speed in speeds if speed is not None]
+    for speed in stated:
+        if not (np.isfinite(speed.value) and speed.value > 0.0):
+            value = f"{30.0 / pi * speed.value:.6g} rpm ({speed.source})"
+            raise MeasuredError(path, f"states a speed of {value}: give it by `{request.name('speed')}`")
+    if stated and content.other_speed is not None:
+        values = [f"{30.0 / pi * s.value:.6g} rpm ({s.source})" for s in (stated[0], content.other_speed)]
+        advice = f"give the right one by `{request.name('speed')}`"
+        raise MeasuredError(path, f"states two speeds, {' and '.join(values)}: {advice}")
     if any(differ(stated[0].value, speed.value) for speed in stated) or (stated and None in speeds):
         listed = {f"{30.0 / pi * speed.value:.6g} rpm ({speed.source})": None for speed in stated}
         advice = f"name a `{request.name('channel')}`, or a `{request.name('speed')}`"
@@ -237,9 +258,18 @@ def _rate_of_times(path: Path, time: Stated[np.ndarray], request: Request) -> St
     return Stated(float(1.0 / mean), time.source)
 
 
-def _scale(content: Content, request: Request) -> tuple[float, str | None]:
-    """Return the factor of integer samples, and their unit if the request gives none."""
+def _scale(path: Path, content: Content, request: Request) -> tuple[float, str | None]:
+    """Return the factor of integer samples, and their unit if the request gives none.
+
+    Raises MeasuredError for a full scale of other samples.
+    """
     if content.integer_range is None:
+        if request.full_scale is not None:
+            raise MeasuredError(
+                path,
+                f"has no integer WAV samples, so `{request.name('full_scale')}` does not apply: omit it, and give "
+                f"the unit of the samples by `{request.name('unit')}`",
+            )
         return 1.0, None
     full_scale = 1.0 if request.full_scale is None else request.full_scale
     return full_scale / content.integer_range, None if request.full_scale is not None else OF_FULL_SCALE

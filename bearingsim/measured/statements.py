@@ -6,7 +6,7 @@ from math import pi
 from typing import NamedTuple
 
 from bearingsim.measured.arrays import RATES, SPEEDS, STEPS, word_of
-from bearingsim.measured.content import Stated
+from bearingsim.measured.content import Stated, contradiction
 from bearingsim.measured.si import FACTORS
 
 HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
@@ -15,7 +15,7 @@ MARKS = "#%/ \t'\""
 """Characters that begin a line of comment, and quotes."""
 STATEMENT = re.compile(
     r"^(?P<name>[^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?(?P<value>[+-]?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)[\"']?"
-    r"(?:[\s;,]+(?P<unit>[^\s;,\"']+))?"
+    r"(?:[\s;,]*(?P<unit>[^\s;,\"']+))?"
 )
 """Name, number and unit, such as `Sampling rate: 12800 Hz`."""
 UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<unit>[^\s;,\"']+)", re.IGNORECASE)
@@ -32,16 +32,21 @@ MAX_LENGTH = 40
 
 
 class Statements(NamedTuple):
-    """Sampling rate (Hz), speed (rad/s) and unit, None each if no line states it."""
+    """Sampling rate (Hz), speed (rad/s) and unit, None each if no line states it; other_rate, other_speed: a
+    second statement, which differs from the first."""
 
     rate: Stated[float] | None = None
     speed: Stated[float] | None = None
     unit: str | None = None
+    other_rate: Stated[float] | None = None
+    other_speed: Stated[float] | None = None
 
 
 def statements(lines: Sequence[str]) -> Statements:
     """Read the first statement of each value in lines of text; lines with unknown units are ignored."""
-    rate = speed = unit = None
+    rates: list[Stated[float]] = []
+    speeds: list[Stated[float]] = []
+    unit = None
     for line in (line.strip(MARKS) for line in lines):
         unit_match = UNIT.match(line)
         if unit_match and unit is None and any(unit_match["unit"] in units for units in FACTORS.values()):
@@ -53,12 +58,13 @@ def statements(lines: Sequence[str]) -> Statements:
         word, value = word_of(header["name"]), float(match["value"])
         own_unit, source = (header["unit"] or match["unit"] or "").lower(), f"the line `{line[:MAX_LENGTH]}`"
         if word in RATES and own_unit in HERTZ:
-            rate = rate or Stated(HERTZ[own_unit] * value, source)
+            rates.append(Stated(HERTZ[own_unit] * value, source))
         elif word in STEPS and own_unit in SECONDS and value > 0.0:
-            rate = rate or Stated(1.0 / (SECONDS[own_unit] * value), source)
+            rates.append(Stated(1.0 / (SECONDS[own_unit] * value), source))
         elif is_speed(word, own_unit):
-            speed = speed or Stated(speed_factor(word, own_unit) * value, source)
-    return Statements(rate, speed, unit)
+            speeds.append(Stated(speed_factor(word, own_unit) * value, source))
+    rate, speed = (stated[0] if stated else None for stated in (rates, speeds))
+    return Statements(rate, speed, unit, contradiction(rates), contradiction(speeds))
 
 
 def is_speed(word: str, unit: str) -> bool:

@@ -23,6 +23,11 @@ WESTERN = "cp1252"
 """Encoding of other files: that of Windows in western Europe, in which nearly every byte is a character."""
 MAX_ROWS = 50
 """Lines, the last of the first bytes, searched for a decimal comma."""
+LINE_END = re.compile(r"\r\n?|\n")
+"""Ends of lines as pandas counts them; `str.splitlines` has others, such as form feeds."""
+DIGITS = re.compile(r"[+-]?\d+")
+FRACTION = re.compile(r"\d+(?:[eE][+-]?\d+)?")
+"""Digits before and after a decimal comma."""
 COMMA = re.compile(r"\d,\d")
 DECIMAL_COMMAS = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?(?:\s+[+-]?\d+,\d+(?:[eE][+-]?\d+)?)+\s*")
 """Row of several numbers with decimal commas, separated by blanks."""
@@ -63,7 +68,7 @@ def read_csv(path: Path) -> Content:
     with path.open("rb") as file:
         beginning = file.read(FIRST_BYTES)
     encoding, text = decoded(path, beginning)
-    lines = text.splitlines()
+    lines = LINE_END.split(text.removesuffix("\n").removesuffix("\r"))
     is_whole = len(beginning) < FIRST_BYTES or len(lines) == 1
     separator, decimal, thousands, begin, headers, above = _layout(path, lines if is_whole else lines[:-1])
     try:
@@ -111,10 +116,13 @@ def _layout(path: Path, lines: list[str]) -> Layout:
         has_clock = any(CLOCK.search(line) for line in ends)
         advice = ": its times are clock times; export them in seconds" if has_clock else ""
         raise MeasuredError(path, f"has no row of numbers in its first {len(lines)} lines{advice}")
+    is_counted = len(rows) > 1 and _counts_columns(*(_cells(lines[row], separator) for row in rows[:2]))
+    if is_counted:
+        rows = rows[1:]
     width = len(_cells(lines[rows[0]], separator))
     above = [[line] if width == 1 else _cells(line, separator) for line in lines[: rows[0]] if line.strip()]
-    headers = _headers(above, width)
-    if separator == "," and headers is None:
+    headers = None if is_counted else _headers(above, width)
+    if separator == "," and headers is None and not is_counted:
         _refuse_ambiguous(path, lines[rows[0] :], above)
     names = headers or [f"column {number + 1}" for number in range(width)]
     return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]])
@@ -150,7 +158,9 @@ def _headers(above: list[list[str]], width: int) -> list[str] | None:
 def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]]) -> None:
     """Raise MeasuredError if each comma of rows of numbers may be a decimal sign: digits on both sides only."""
     cells = [_cells(line, ",") for line in lines if line.strip()]
-    if all(len(row) % 2 == 0 and all(map(str.isdecimal, row[1::2])) for row in cells):
+    if all(len(row) % 2 == 0 and all(map(DIGITS.fullmatch, row[::2])) for row in cells) and all(
+        FRACTION.fullmatch(cell) for row in cells for cell in row[1::2]
+    ):
         columns = len(cells[0])
         names = f", and {len(above[-1])} in the line above" if above else ""
         raise MeasuredError(
@@ -192,12 +202,18 @@ def _is_numeric(line: str, separator: str | None, decimal: str, thousands: str |
     return any(cells) and all(not cell or is_number(cell.replace(decimal, ".")) for cell in cells)
 
 
+def _counts_columns(cells: list[str], below: list[str]) -> bool:
+    """Check if cells count columns, as pandas writes above columns without names; below: the next row."""
+    counts = [[str(number) for number in range(start, start + len(below))] for start in (0, 1)]
+    return cells in counts and not all(map(DIGITS.fullmatch, below))
+
+
 def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
     """Return the content of columns: one named `time`, or a first one without a name that is evenly spaced.
 
     Columns without numbers are omitted, and so is an unnamed column of row numbers.
     """
-    channels, units, time = {}, {}, None
+    channels, units, time, other_speed = {}, {}, None, stated.other_speed
     speeds = {"": stated.speed} if stated.speed else {}
     filled = [
         n for n, column in enumerate(columns) if len(column) == 0 or not np.all(np.isnan(column.astype(float)))
@@ -208,19 +224,28 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
         owner, _, last = name.rpartition("/")
         is_first = number == filled[0] and len(filled) > 1
         is_time = word_of(last) in TIMES or (header == f"column {number + 1}" and is_first and _is_even(column))
+        if is_time and time is not None and np.array_equal(SECONDS.get(unit.lower(), 0.0) * column, time.value):
+            continue
         if is_time and time is None:
             if unit.lower() not in SECONDS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
             time = Stated(SECONDS[unit.lower()] * column, f"the column `{header}`")
         elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MAX_CHANGE * abs(column.mean()):
             factor = speed_factor(word_of(last), unit.lower())
-            speeds[owner] = Stated(factor * float(column.mean()), f"the column `{header}`")
+            speed = Stated(factor * float(column.mean()), f"the column `{header}`")
+            stated_speed = speeds.get(owner, speed)
+            if abs(speed.value - stated_speed.value) > MAX_CHANGE * abs(speed.value):
+                other_speed = stated_speed
+            speeds[owner] = speed
         elif name or not _counts(column):
+            if name in channels:
+                raise MeasuredError(path, f"has two columns `{name}`: rename or remove one of them")
             channels[name or f"column {number + 1}"] = column
             units[name or f"column {number + 1}"] = unit or stated.unit or ""
     if not channels:
         raise MeasuredError(path, "has no column of a signal")
-    return Content(channels, time, stated.rate, speeds, {name: unit for name, unit in units.items() if unit})
+    units = {name: unit for name, unit in units.items() if unit}
+    return Content(channels, time, stated.rate, speeds, units, stated.other_rate, other_speed)
 
 
 def _name_and_unit(header: str) -> tuple[str, str]:

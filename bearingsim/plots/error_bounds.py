@@ -57,7 +57,10 @@ def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) 
             if error is not None and (share := _largest_shares(error, rows[name].abs())) is not None:
                 of_value, of_largest = map(percent, share)
                 feature = labels.in_sentence(labels.feature_text(name))
-                yield f"{text} of the {feature} up to {of_value} of its value ({of_largest} of the largest)"
+                unknown = int((~(error < inf) & rows[name].notna()).sum())
+                exception = f", unknown in {unknown} of {len(rows)}" if unknown else ""
+                shares = f"up to {of_value} of its value ({of_largest} of the largest)"
+                yield f"{text} of the {feature} {shares}{exception}"
 
 
 def _largest_shares(error: "pd.Series[float]", values: "pd.Series[float]") -> tuple[float, float] | None:

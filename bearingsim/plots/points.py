@@ -89,7 +89,7 @@ def relative_bounds(rows: "pd.DataFrame") -> "pd.Series[float] | None":
     """Return the error bounds of rows relative to their curve's largest value; None without an accuracy."""
     if not all(name in rows for name in (*ERROR_PARTS, "error")):
         return None
-    parts = rows[[*ERROR_PARTS]].sum(axis=1, min_count=1)
+    parts = rows[[*ERROR_PARTS]].sum(axis=1, skipna=False)  # an unknown part leaves no bound
     return parts.where(~(rows["error"] > parts), rows["error"])
 
 

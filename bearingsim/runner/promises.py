@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
+from bearingsim.store.nearness import incomplete_audits
 from bearingsim.store.spread import errors
 from bearingsim.study.uncertainty import PARAMETER_KINDS, RIGID_RING
 from bearingsim.text.numbers import percent
@@ -32,6 +33,10 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
             f"audit: {passed} of {len(audits)} jobs recomputed with their reference are within the accuracy;"
             f" largest difference {percent(worst)}"
         )
+    incomplete = incomplete_audits(plan, frame)
+    if incomplete:
+        count = f"{len(incomplete)} of {_count_text(len(accuracy['audits']), 'audit')}"
+        yield f"{count} failed, are missing or have no value of a feature, whose accuracy they do not test"
     varied = {name.split(".")[1] for name in errors(plan, frame).columns}
     unvaried = [quantity for quantity in PARAMETER_KINDS if quantity not in varied]
     if unvaried:
@@ -59,10 +64,13 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     refuted_jobs, bounds = store.withdrawn_errors(plan, frame), store.error_bounds(plan, frame)
     jobs = [job for job in accuracy["jobs"] if job not in refuted_jobs]
     done = [job for job in jobs if frame["status"].get(job) == "done"]
-    total_errors = bounds.loc[done, [*store.ERROR_PARTS]].sum(axis=1, skipna=False).dropna()
+    parts = bounds.loc[done, [*store.ERROR_PARTS]]
+    total_errors = parts.sum(axis=1, skipna=False).dropna()
     exceeding = total_errors[total_errors > accuracy["within"]]
     within = len(total_errors) - len(exceeding)
-    others = f", the others within {percent(exceeding.max())}" if len(exceeding) else ""
+    unknown = parts.drop(index=total_errors.index)
+    further = f"{len(exceeding)} more" if len(unknown) else "the others"
+    others = f", {further} within {percent(exceeding.max())}" if len(exceeding) else ""
     if done and refuted_jobs:
         count = f"{within} of the other {len(done)} cases"
         yield f"{count} are within {_percent(accuracy)} according to their trials{others}"
@@ -70,11 +78,31 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
         count = f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
         yield f"{count}; relative to the largest value of the curve"
     yield from _remedies(bounds, exceeding, accuracy)
-    if len(total_errors) < len(done):
-        unknown = len(done) - len(total_errors)
-        yield f"{unknown} chaotic cases: standard error of a line unknown, and thus the accuracy"
+    yield from _unknown_texts(unknown)
     if done:
         yield from empty_error_notes(plan)
+
+
+def _unknown_texts(parts: "pd.DataFrame") -> Iterator[str]:
+    """Yield the number of cases of unknown accuracy, with the reason; parts: those of their errors."""
+    chaotic = parts.drop(columns="error.scatter").notna().all(axis=1)
+    if chaotic.any():
+        count = _count_text(int(chaotic.sum()), "chaotic case")
+        yield f"{count}: standard error of a line unknown, and thus the accuracy"
+    others = parts[~chaotic]
+    has_no_value = others.isna().all(axis=1)
+    if has_no_value.any():
+        count = _count_text(int(has_no_value.sum()), "case")
+        yield f"{count}: accuracy unknown, because a feature named in `of` has no value"
+    others = others[~has_no_value]
+    if len(others):
+        names = " or ".join(f"`{name}`" for name in others if others[name].isna().any())
+        yield f"{_count_text(len(others), 'case')}: accuracy unknown, because {names} is unknown"
+
+
+def _count_text(count: int, noun: str) -> str:
+    """Format a number with its noun."""
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def empty_error_notes(plan: Mapping[str, Any]) -> Iterator[str]:

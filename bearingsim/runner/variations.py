@@ -30,6 +30,8 @@ def variation_effects(
         )
         effects = [_Effect.of(name, changes) for name, changes in ranges.items() if len(changes)]
         yield from _missing_variations(plan, frame, quantity)
+        for name in ranges:
+            yield from _variations_without_value(plan, frame, quantity, name)
         if effects:
             preposition = "by up to" if max(effect.cases for effect in effects) > 1 else "by"
             values_text = (
@@ -73,6 +75,26 @@ def _missing_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity
     count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
     if count:
         yield f"{count} of {len(jobs)} variations of the {quantity} have no result; their jobs have no error band"
+
+
+def _variations_without_value(
+    plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str, feature: str
+) -> Iterator[str]:
+    """Yield the number of cases without a range because a finished variation has no value of a feature."""
+    entries = [entry for entry in plan.get("variations", ()) if entry["what"] == quantity]
+    values, status = frame.get(f"features/{feature}"), frame.get("status")
+    if values is None or status is None:
+        return
+    lost = {
+        entry["of"]
+        for entry in entries
+        if values.get(entry["of"]) == values.get(entry["of"])  # not NaN
+        and status.get(entry["job"]) == "done"
+        and values[entry["job"]] != values[entry["job"]]
+    }
+    if lost:
+        count = f"{len(lost)} of {len({entry['of'] for entry in entries})} cases"
+        yield f"{count} have no range of {feature}: a variation of the {quantity} has no value of it"
 
 
 def _chaotic_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> Iterator[str]:

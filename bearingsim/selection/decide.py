@@ -123,7 +123,7 @@ class ModelSelector:
     def _untried_choice(self, n: int) -> Choice:
         """Return the choice for a case without trials: with friction, unless the case specifies it."""
         case = self.study.cases()[n]
-        if with_friction(case) is None or n in self.tried_cases:
+        if with_friction(case) is None or can_be_tried(case):
             return Choice(REFERENCE, case.model, NOTHING_CHEAPER, {})
         return Choice(WITH_FRICTION, case.model, FRICTION_NOT_TRIED, {})
 

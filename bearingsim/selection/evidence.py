@@ -73,7 +73,9 @@ class Evidence:
         return {name: share if share < inf else None for name, share in shares.items()}
 
     def _values(self, n: int, case: Case, baseline_case: Case | None = None) -> dict[str, Value]:
-        """Read the features of a case from its trial and that of its healthy counterpart; empty if one failed.
+        """Read the features of a case from its trial and that of its healthy counterpart.
+
+        Empty if one failed; NaN if the numbers of their revolutions differ.
 
         baseline_case: case whose healthy counterpart is used instead.
         """

@@ -1,15 +1,16 @@
 """Effect of friction and a free cage on cases whose reference has none, from trials where it may be largest.
 
 The motion with a free cage is not periodic, so a trial with friction is expensive. Friction is tried at both ends
-of each curve and at its maximum. The effect on the cases in between is assumed to be no larger, and some of them
-are audited. Cases with a record too short to determine the effect are computed with friction.
+of each curve and at its maximum (at every case if x is a word), and at the maxima of requested features without a
+figure. The effect on the cases in between is assumed to be no larger, and some of them are audited. Cases in which
+the effect cannot be determined, as in short records, are computed with friction.
 """
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from math import inf
+from math import inf, isnan
 
 from bearingsim.config import Case
 from bearingsim.errors import Refused
@@ -35,6 +36,9 @@ TOO_SHORT = f"the record has fewer than {CAGE_TURNS} revolutions of the cage, to
 NOT_PERIODIC = (
     f"the response without friction is not periodic, and half the record has under {CAGE_TURNS} cage revolutions"
 )
+DIFFERENT_LENGTHS = (
+    "the trials of the case and of the healthy bearing have different lengths, because only one is periodic"
+)
 REFERENCE_FAILS = "the trial without friction fails, so the effect of friction is unknown"
 
 
@@ -51,10 +55,12 @@ class Friction:
         short_records = {n for n in self.friction_cases if not shows_friction(cases[n])}
         usable = [n for n in self.friction_cases if evidence.reference_values[n] and n not in short_records]
         too_few = {n for n in usable if evidence.turns(n) < CAGE_TURNS}
-        sufficient = [n for n in usable if n not in too_few]
+        values = {n: [value.value for value in evidence.reference_values[n].values()] for n in usable}
+        different = {n for n in usable if any(map(isnan, values[n]))}
+        sufficient = [n for n in usable if n not in too_few | different]
         failed = [n for n in self.friction_cases if not evidence.reference_values[n]]
         self.undetermined = dict.fromkeys(failed, REFERENCE_FAILS) | dict.fromkeys(too_few, NOT_PERIODIC)
-        self.undetermined |= dict.fromkeys(short_records, TOO_SHORT)
+        self.undetermined |= dict.fromkeys(different, DIFFERENT_LENGTHS) | dict.fromkeys(short_records, TOO_SHORT)
         tried_curves = [replace(curve, cases=tuple(n for n in curve.cases if n in sufficient)) for curve in curves]
         single_cases = set(sufficient) - {n for curve in tried_curves for n in curve.cases}
         self.curves = [curve for curve in tried_curves if curve.cases] + [
@@ -98,6 +104,7 @@ class Friction:
         case, study_case = self.friction_cases[n], self.evidence.study.cases()[n]
         if may_become_record(case):
             return case
+        case = case.model_copy(update={"until": None})  # a lengthened case is no job, so its trial is no record
         with suppress(Refused):  # the trial reports it
             case = case.model_copy(update={"settle": resolve_settling(study_case).settle})
         return lengthen_for_trial(case)

@@ -9,7 +9,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import MEANS
 from bearingsim.selection.candidates import reference, remeshed, with_friction
 from bearingsim.simulation.ending import inspection_passes
-from bearingsim.simulation.settling import cage_turn
+from bearingsim.simulation.settling import cage_turn, has_free_cage
 from bearingsim.simulation.trial import (
     ReferenceValues,
     Trial,
@@ -56,7 +56,8 @@ def trials_of(study: Study, number: int, case: Case) -> list[TrialRequest]:
     passes = _passes(study_case, free_case, healthy_free_case)
     cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
     settings = (required_features(study), passes, turn)  # the same for a healthy case, which has no defects
-    return [TrialRequest(_trial_id(variant, *settings, len(cases) > 1), variant, *settings) for variant in cases]
+    is_pair = len(cases) > 1 and has_free_cage(case)  # of trials that do not end early
+    return [TrialRequest(_trial_id(variant, *settings, is_pair), variant, *settings) for variant in cases]
 
 
 @lru_cache(maxsize=1 << 17)
@@ -80,11 +81,11 @@ def required_features(study: Study) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=1 << 17)
-def _trial_id(case: Case, features: tuple[str, ...], passes: int, turn: float, has_counterpart: bool) -> str:
-    """Return the id of a trial. has_counterpart: whether it is compared with its healthy or faulty counterpart."""
+def _trial_id(case: Case, features: tuple[str, ...], passes: int, turn: float, is_pair: bool) -> str:
+    """Return the id of a trial. is_pair: whether it is compared with its healthy or faulty counterpart."""
     settings: dict[str, Any] = {"trial": passes, "asked": list(features)}
     settings |= {"turn": float(f"{turn:.12g}")} if turn != defect_turn(case) else {}
-    settings |= {"counterpart": True} if has_counterpart else {}  # which no trial outlasts by ending early
+    settings |= {"pair": True} if is_pair else {}
     bands = tuple(name for name in case.features if name not in MEANS)
     return identity(case.model_copy(update={"until": None, "features": bands}), settings)  # `until` has no effect
 

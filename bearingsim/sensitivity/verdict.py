@@ -1,6 +1,6 @@
 """Description of the influential parameters of a feature, as far as the confidence intervals justify it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -12,10 +12,10 @@ NEGLIGIBLE_SHARE = 0.05
 
 def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
     """Describe the influential parameters ``paths`` of a feature, by Sobol' indices."""
-    texts = [
-        f"`{paths[row]}`, total index {_interval(indices.total, row)}, alone {_interval(indices.first, row)}"
-        for row in leaders(indices.total)
-    ]
+    total, alone = (
+        [_interval(ends, row, _format) for row in range(len(paths))] for ends in (indices.total, indices.first)
+    )
+    texts = [f"`{paths[row]}`, total index {total[row]}, alone {alone[row]}" for row in leaders(indices.total)]
     negligible_texts = _negligible_text(negligible(indices.total, 1.0), paths, "the variance")
     return " ".join(
         [_dominant_text(texts, feature, len(paths)), *negligible_texts, _interaction_text(indices.interaction)]
@@ -26,7 +26,9 @@ def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str
     """Describe the influential parameters of a feature, by Morris effects; factor: from SI to ``unit``."""
     scaled = Estimate(*(factor * ends for ends in effects.magnitude))
     strongest = leaders(effects.magnitude)
-    texts = [f"`{paths[row]}`, mu* {_interval(scaled, row)}{f' {unit}' * bool(unit)}" for row in strongest]
+    texts = [
+        f"`{paths[row]}`, mu* {_interval(scaled, row, _significant)}{f' {unit}' * bool(unit)}" for row in strongest
+    ]
     negligible_texts = _negligible_text(
         negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that"
     )
@@ -71,20 +73,25 @@ def _negligible_text(rows: Sequence[int], paths: Sequence[str], total: str) -> I
 
 def _interaction_text(interaction: Estimate) -> str:
     """Describe the interactions, from 1 minus the sum of the first-order indices."""
-    share = f"1 - sum of first-order indices = {_interval(interaction, 0)}"
+    share = f"1 - sum of first-order indices = {_interval(interaction, 0, _format)}"
     if interaction.low > 0.0:
         return f"Parameters interact ({share}), so varying one at a time is not enough."
     return f"Interactions of parameters are not significant ({share})."
 
 
-def _interval(estimate: Estimate, row: int) -> str:
+def _interval(estimate: Estimate, row: int, text_of: Callable[[float], str]) -> str:
     """Format a value and its interval: `0.71 (0.52 to 0.97)`."""
-    value, low, high = (_format(float(ends[row])) for ends in estimate)
+    value, low, high = (text_of(float(ends[row])) for ends in estimate)
     return f"{value} ({low} to {high})"
 
 
 def _format(value: float) -> str:
     return f"{value:z.2f}" if abs(value) < 10.0 else f"{value:.3g}"
+
+
+def _significant(value: float) -> str:
+    """Format a value with a unit, which may be small."""
+    return _format(value) if value == 0.0 or abs(value) >= 0.1 else f"{value:.2g}"
 
 
 def _join(texts: Sequence[str]) -> str:

@@ -23,7 +23,8 @@ from bearingsim.simulation.run_setup import Setup
 WIDE_BAND_SHARE = 0.5
 """Part of the change of the wide-band RMS that is a lower bound for the change of the recorded RMS, which may be
 small by chance (chosen, not measured)."""
-MIN_SAMPLES = 16  # smallest number of recorded values whose standard deviation is used
+MIN_SAMPLES = 16
+"""Smallest number of recorded values from which a periodic motion is compared, or the floor of a line derived."""
 PEAK_FORCE_COLUMN = list(EXTREMES).index("outer_force.max")
 """Column of the largest outer contact force (N) in ``RawRecord.peaks``."""
 

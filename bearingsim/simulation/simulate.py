@@ -225,7 +225,7 @@ def _try_out(
         return trial.read_trial(setup, refined_raw, requested, passes, turn), _record(
             inspections, refined_raw, check, start
         )
-    raw, passes = _trial_run(inspections, requested, passes, turn, reference_values, begun)
+    raw, passes = _trial_run(inspections, requested, passes, turn, reference_values, may_end, begun)
     result = trial.read_trial(setup, raw, requested, passes, turn)
     if not (needs_record and inspections.complete_record(raw, may_end)):
         return result, None
@@ -240,11 +240,12 @@ def _trial_run(
     passes: int,
     turn: float,
     reference_values: ReferenceValues | None,
+    may_end: bool,
     begun: Run | None,
 ) -> tuple[RawRecord, int]:
     """Return the run of a trial, and the number of its ball passes that are compared, at most ``passes``."""
     setup = inspections.setup
-    if reference_values is not None and trial.may_become_record(setup.case):
+    if may_end and reference_values is not None:
         inspection = trial.record_inspection(setup, inspections, requested, passes, turn, reference_values)
         raw = integrate(setup, inspector=inspection, begun=begun)
         record_setup = inspections.setup_of_record(raw)

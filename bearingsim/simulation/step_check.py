@@ -93,7 +93,8 @@ class StepCheck:
     line, rms, force, record: as in ``Changes``; bounds: error bounds of the run that is used; chaotic: whether a
     perturbation of 1e-10 grows; noise: standard deviation of the relative change of the RMS over the pilot due to
     chaos; scatter: its confidence bound over the whole record, inf if the pilot was too short; checks_force:
-    whether the largest force is checked. It is not with `until`, since no maximum is then requested.
+    whether the largest force is checked. It is not on the pilots of a case with `until`, since the largest
+    force depends on the length of the record; on a period it always is.
     """
 
     line: float

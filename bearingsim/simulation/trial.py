@@ -161,7 +161,7 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
 
 
 def may_become_record(case: Case) -> bool:
-    """Check if a trial that is far from its reference goes on as the record of the case: one with `until`."""
+    """Check if a trial that is far from its reference is continued as the record of the case: one with `until`."""
     return case.step_check is not False and any(ending.inspection_passes(case))
 
 

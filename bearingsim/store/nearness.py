@@ -60,9 +60,9 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
     """Return ``PARTS`` and their sum ``error`` by case, each the largest over the requested features.
 
     ``error`` is NaN if a rigid ring is among the assumptions of the study, because ring bending may change the
-    results more than the choice of the model. ``error.scatter`` and ``error`` are NaN for a chaotic motion if the
-    scatter of a requested spectral line is unknown. If an audit failed, ``error`` is at least the difference found
-    for all cases on the curve.
+    results more than the choice of the model. A part and ``error`` are NaN if the part is unknown for a requested
+    feature, or if the feature has no value. If an audit failed, ``error`` is at least the difference found for all
+    cases on the curve.
     """
     import pandas as pd
 
@@ -71,7 +71,7 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
     if accuracy is None:
         return table.iloc[:, :0]
     cases = [job for job in accuracy["jobs"] if job in frame.index]
-    parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
+    parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"]}
     for name in ERROR_PARTS:
         by_feature = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
         table.loc[cases, name] = by_feature.max(axis=1).replace(inf, nan).reindex(cases)
@@ -84,9 +84,17 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
 
 
 def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
-    """Return the parts of the error of a feature by job."""
+    """Return the parts of the error of a feature by job, infinite if unknown.
+
+    NaN for jobs that are not done, and for the change from healthy of a healthy bearing.
+    """
     import pandas as pd
 
+    has_error = frame["status"] == "done"
+    if feature.endswith(HEALTHY) and "healthy" in frame:
+        has_error &= frame["healthy"] != ""
+    if f"features/{feature}" not in frame:
+        return pd.DataFrame(inf, index=frame.index, columns=[*ERROR_PARTS]).where(has_error)
     scale, base = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
     choices = plan["accuracy"]["jobs"]
 
@@ -94,17 +102,30 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
         errors = {job: choice.get(part, {}).get(feature, 0.0) for job, choice in choices.items()}
         return pd.Series(errors, dtype=float).fillna(inf).reindex(frame.index)
 
-    step = _step_errors(frame, base) * frame[f"features/{base}"].abs() / scale
-    scatter = standard_error(frame, base).where(~has_unknown_scatter(frame, base), inf) / scale
+    baselines = frame["healthy"] if base != feature and "healthy" in frame else None
+
+    def with_baselines(errors: "pd.Series[float]") -> "pd.DataFrame":
+        """Return the errors (SI) of the jobs, and those of their healthy baselines if the feature is a change."""
+        columns = {"job": errors}
+        if baselines is not None:
+            columns["healthy"] = pd.Series(errors.reindex(baselines).to_numpy(), errors.index)
+        return pd.DataFrame(columns)
+
+    value = frame[f"features/{base}"].abs()
+    step = with_baselines(_step_errors(frame, base) * value).sum(axis=1, skipna=False) / scale
+    variance = with_baselines(standard_error(frame, base).where(~has_unknown_scatter(frame, base), inf)) ** 2
+    scatter = (variance.sum(axis=1, skipna=False) ** 0.5 / scale).fillna(inf)
     from_trials = {
         "error.model": trial_errors("error"),
         "error.friction": trial_errors("friction"),
         "error.nodes": trial_errors("nodes"),
     }
-    start = _relative(frame, f"error.start{START_SUFFIXES[_kind(base)]}") * frame[f"features/{base}"].abs() / scale
-    excess = (start - scatter.fillna(0.0)).clip(lower=0.0)  # for non-periodic motion it includes scatter
+    start_share = frame.get(f"features/error.start{START_SUFFIXES[_kind(base)]}", pd.Series(0.0, frame.index))
+    start = with_baselines(start_share * value).sum(axis=1, skipna=False) / scale
+    excess = (start - scatter).clip(lower=0.0)  # for non-periodic motion it includes scatter
     parts = pd.DataFrame(from_trials | {"error.start": excess, "error.step": step, "error.scatter": scatter})
-    return parts.where(frame["status"] == "done")
+    is_unknown = parts.isna() | frame[f"features/{feature}"].isna().to_numpy()[:, None]
+    return parts.mask(is_unknown, inf).where(has_error)
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -141,10 +162,26 @@ def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Au
             value, reference = frame[f"features/{feature}"].loc[pair]
             if value != value or reference != reference:  # NaN
                 continue
-            scale = float(scale_values[feature][audit["of"]]) or 1.0
+            scale = float(scale_values[feature][audit["of"]]) or abs(float(reference)) or 1.0
             errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
             scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / scale
             yield AuditResult(audit["of"], feature, abs(float(value - reference)) / scale, scatter)
+
+
+def incomplete_audits(plan: Mapping[str, Any], frame: "pd.DataFrame") -> list[str]:
+    """List the audited jobs without a difference of at least one requested feature that a job can have."""
+    accuracy = plan.get("accuracy") or {"audits": [], "of": []}
+    compared = {(audit.job, audit.feature) for audit in audit_results(plan, frame)}
+    healthy = frame.get("healthy")
+    return [
+        audit["of"]
+        for audit in accuracy["audits"]
+        if any(
+            (audit["of"], feature) not in compared
+            and not (feature.endswith(HEALTHY) and healthy is not None and healthy.get(audit["of"]) == "")
+            for feature in accuracy["of"]
+        )
+    ]
 
 
 def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:

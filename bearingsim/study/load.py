@@ -111,8 +111,13 @@ def _measured_files(root: Node, folder: FilePath) -> Iterator[FilePath]:
 def _with_goal(study: Study, goal: Goal, plan: Plan) -> Study:
     """Add the accuracy to a study; records end early once their standard errors are well below it."""
 
+    variants: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}  # `otherwise` is called case by case
+
     def otherwise(changes: Mapping[str, str]) -> list[Case | None]:
-        return [case and add_early_end(case, goal, study.figures) for case in plan.otherwise(changes)]
+        key = tuple(changes.items())
+        if key not in variants:
+            variants[key] = [case and add_early_end(case, goal, study.figures) for case in plan.otherwise(changes)]
+        return variants[key]
 
     swept = tuple((add_early_end(case, goal, study.figures), values) for case, values in study.swept_cases)
     return replace(study, swept_cases=swept, goal=goal, otherwise=otherwise)

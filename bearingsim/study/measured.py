@@ -13,6 +13,7 @@ Points are rows of parameters and features, in the file or in a table whose head
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import isfinite
 from os.path import isdir, isfile
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
@@ -191,7 +192,9 @@ class _Reader:
             reason = f"`{written}` is not a unit of {name}" if written else f"the unit of {name} is missing"
             self.fail(node.mark, f"measured: {reason}", f"units: {units}")
             return None
-        if float(number) < 0.0 and not name.endswith(SIGNED):
+        if not isfinite(factor * float(number)):
+            self.fail(node.mark, f"measured: {name}: the number is too large, got `{node.text}`")
+        elif float(number) < 0.0 and not name.endswith(SIGNED):
             self.fail(node.mark, f"measured: {name} is never negative, got `{node.text}`")
         return factor * float(number)
 
@@ -257,6 +260,9 @@ class _Reader:
         if len(self.problems) > count or path is None:
             return
         case = self.nearest(parameters)
+        speed = parameters.get(self.cases.spelling("speed"))
+        if isinstance(speed, float):  # of the measurement, between those of the sweep
+            case = case.model_copy(update={"speed": speed})
         try:
             signal, features, remarks = signal_point(path, request, case, self.cases.features)
         except MeasuredError as error:

@@ -78,8 +78,8 @@ def _remarks_on_passes(path: Path, signal: MeasuredSignal, case: Case) -> Iterat
     speed = case.speed / (2.0 * np.pi)
     if abs(signal.lines.shaft - speed) > TOLERANCE * speed:
         yield (
-            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, its case "
-            f"is simulated at {60.0 * speed:.6g} rpm: levels depend on the speed"
+            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, its point "
+            f"is at {60.0 * speed:.6g} rpm: levels depend on the speed"
         )
 
 

@@ -146,9 +146,12 @@ def test_wav_samples_are_shares_of_full_scale_until_it_is_given(tmp_path, kind):
     assert recording.rate.value == 48000.0
     is_integer = np.dtype(kind).kind in "iu"
     assert recording.units["signal"].value == ("of full scale" if is_integer else "")
+    if not is_integer:
+        with pytest.raises(MeasuredError, match="`--full-scale` does not apply"):
+            read(tmp_path / "a.wav", Request(unit="g", full_scale=50.0))
+        return
     scaled = read(tmp_path / "a.wav", Request(unit="g", full_scale=50.0))
-    factor = 50.0 if is_integer else 1.0
-    assert scaled.channels["signal"] == pytest.approx(factor * recording.channels["signal"])
+    assert scaled.channels["signal"] == pytest.approx(50.0 * recording.channels["signal"])
     assert scaled.units["signal"].value == "g"
 
 

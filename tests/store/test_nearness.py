@@ -128,7 +128,7 @@ def test_chaotic_line_with_unknown_scatter_has_no_total_error() -> None:
     assert bounds["error.model"].tolist() == [0.03] * 3
     notes = list(accuracy_notes(goal, frame(columns)))
     assert f"2 of 3 cases are within 5 % of the reference model; {RELATIVE}" in notes
-    assert "1 chaotic cases: standard error of a line unknown, and thus the accuracy" in notes
+    assert "1 chaotic case: standard error of a line unknown, and thus the accuracy" in notes
 
 
 def test_no_total_error_for_a_ring_assumed_to_be_rigid() -> None:

@@ -258,7 +258,7 @@ def test_a_signal_sampled_more_slowly_than_the_record_gives_a_remark(tmp_path):
     ("seconds", "speed", "remark"),
     [
         (0.05, 1790, "run.npz lasts 0.05 s, under 20 ball passes"),
-        (4.0, 3600, "run.npz was measured at 3600 rpm, its case is simulated at 1800 rpm"),
+        (4.0, 3600, "run.npz was measured at 3600 rpm, its point is at 1800 rpm"),
         (4.0, 1790, None),
     ],
 )

@@ -123,7 +123,8 @@ def path_cusps(path: Path) -> list[tuple[float, np.ndarray]]:
 def next_jump(model: Any, t: float, y: np.ndarray) -> float:
     """Return the time (s) of the next jump of a force after ``t`` (s); inf if there is none.
 
-    For freely moving rollers it is predicted from the state in ``y``, and too early until the jump is near.
+    For freely moving rollers it is predicted from the state in ``y``, and too early until the jump is near. For
+    others ``NEXT_STOP`` in ``y`` is returned if it is later than ``t``: it must be the result for an earlier time.
     """
 
 

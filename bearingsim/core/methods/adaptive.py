@@ -372,6 +372,7 @@ def _prepare(method, model, t, y):
     store_forces_at_end(y, lanes(model.bearing))
     y[lay.H_NEXT] = min(first_step(method, model, t, y, n), method.longest)
     save_state(y, END_Q, n)
+    y[lay.NEXT_STOP] = t  # one stored after steps past t may be beyond the next
     y[lay.NEXT_STOP] = next_jump(model, t, y)
 
 

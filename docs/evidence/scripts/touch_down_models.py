@@ -146,6 +146,7 @@ def _next_jump(model, t, y):
         ring = y[lay.ACCELERATION + lay.X] * y[lay.COS + j] + y[lay.ACCELERATION + lay.Y] * y[lay.SIN + j]
         soonest = min(soonest, until_zero(y[lay.DELTA_O + j], y[lay.V_O + j], y[lay.RADIAL_A + j] - ring))
         soonest = min(soonest, until_zero(y[lay.DELTA_I + j], y[lay.V_I + j], -y[lay.RADIAL_A + j]))
+    y[lay.NEXT_STOP] = t  # may be that of a contact, not of a jump
     return min(closing_in(t, soonest), next_jump(plain(model), t, y))
 
 

@@ -6,14 +6,23 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.pairs import FIRST_JUMP, HALF_WIDTH, JUMP_COUNT
 from bearingsim.core.jit import jit
+from bearingsim.core.methods.dormand_prince import DormandPrince
+from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import accelerations
 from tests.scenes.nf308 import SLOT, at_rest, case
 
 WIDE = SLOT | {"width": "3 mm"}
+
+
+@jit
+def prepared(method, model, t, y):
+    """Prepare a method at time ``t``."""
+    prepare(method, model, t, y)
 
 
 def jump_positions(**options):
@@ -73,6 +82,20 @@ def test_next_jump_with_a_kinematic_cage_is_exact(race):
         distances.append(np.abs(s - positions).min() if race != "roller" else 0.0)
         t = t_jump + 1e-12
     assert max(distances) < 1e-11
+
+
+def test_the_stored_next_jump_is_valid_until_it_is_passed():
+    """A method that begins again at an earlier time discards it."""
+    model = assemble.model(case(defect=WIDE))
+    y = at_rest(model)
+    first = compiled_next_jump(model, 0.0, y)
+    y[lay.NEXT_STOP] = first
+    assert compiled_next_jump(model, 0.5 * first, y) == first
+    second = compiled_next_jump(model, first + 1e-9, y)
+    assert second > first
+    y[lay.NEXT_STOP] = second
+    prepared(DormandPrince(1e-6, 1e-4, 1e-12, 1e-9, 1e-4), model, 0.0, y)
+    assert y[lay.NEXT_STOP] == first
 
 
 def test_no_jump_without_defects():

@@ -1,0 +1,213 @@
+"""Contradicting, mistaken and unusual statements in files of measured signals."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import savemat, wavfile
+
+from bearingsim import open_results
+from bearingsim.measured import MeasuredError, Request, read
+from bearingsim.measured.checks import refuse_unusable
+from bearingsim.study import load_study
+from bearingsim.text.yamlfile import StudyError
+from tests.scenes.commands import type_
+
+RATE = 12800
+N = 4096
+TIME = np.arange(N) / RATE
+NOISE = np.random.default_rng(0).normal(size=N)
+STUDY = """\
+study: rig
+bearing: 6205
+speed: 900 rpm
+load: 150 N
+duration: 0.2 s
+sampling: 12800 Hz
+defect: {shape: rectangular, length: 7 mm, width: 0.8 mm, depth: 0.05 mm}
+model: ring
+sweep: {speed: [900 rpm, 1800 rpm]}
+"""
+BPFO = 3.5848
+
+
+def table(folder: Path, head: str, *columns: np.ndarray, form: str = ".9g", comma: str = ".") -> Path:
+    rows = [",".join(f"{value:{form}}".replace(".", comma) for value in row) for row in zip(*columns, strict=True)]
+    (folder / "a.csv").write_text("\n".join([head, *rows]) + "\n")
+    return folder / "a.csv"
+
+
+def saved(folder: Path, **arrays: Any) -> Path:
+    np.savez(folder / "a.npz", **arrays)
+    return folder / "a.npz"
+
+
+def point(folder: Path, section: str):
+    (folder / "rig.yaml").write_text(STUDY + section)
+    (entry,) = load_study(folder / "rig.yaml").measured
+    return entry.points[0], entry.remarks
+
+
+# Speed
+
+
+def two_lines(folder: Path, **stated: Any) -> None:
+    time = np.arange(5 * RATE) / RATE
+    tones = 2.0 * np.cos(2 * np.pi * BPFO * 25.0 * time) + 0.5 * np.cos(2 * np.pi * BPFO * 15.0 * time)
+    noise = 0.05 * np.random.default_rng(1).normal(size=len(time))
+    np.savez(folder / "run.npz", x=tones + noise, fs=float(RATE), **stated)
+
+
+def test_a_signal_has_the_lines_of_the_speed_where_it_was_measured(tmp_path):
+    two_lines(tmp_path)
+    signal = "{file: run.npz, unit: m/s^2, at: {speed: 1500 rpm}}"
+    measured, _ = point(tmp_path, f"measured: [{{signals: [{signal}]}}]\n")
+    assert measured.features["acceleration@BPFO"] == pytest.approx(2.0, rel=0.01)  # 0.5 at 900 rpm
+
+
+def test_two_speeds_of_a_signal_give_a_remark(tmp_path):
+    two_lines(tmp_path)
+    signal = "{file: run.npz, unit: m/s^2, at: {speed: 1500 rpm}, speed: 900 rpm}"
+    _, remarks = point(tmp_path, f"measured: [{{signals: [{signal}]}}]\n")
+    assert any("measured at 900 rpm, its point is at 1500 rpm" in remark for remark in remarks)
+
+
+@pytest.mark.parametrize("rpm", [0.0, -1796.0, np.nan, np.inf])
+def test_a_speed_that_is_not_positive_is_refused(tmp_path, rpm):
+    path = saved(tmp_path, x=NOISE, fs=float(RATE), rpm=rpm)
+    _, err = type_("analyze", path, "--bearing", "6205", code=2)
+    assert "states a speed of" in " ".join(err.replace("│", " ").split())
+    assert read(path, Request(speed=188.0)).speed.value == 188.0
+
+
+def test_a_speed_of_zero_is_a_problem_of_a_study(tmp_path):
+    two_lines(tmp_path, rpm=0.0)
+    with pytest.raises(StudyError, match="states a speed of 0 rpm"):
+        point(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2, at: {speed: 900 rpm}}]}]\n")
+
+
+def test_two_speeds_of_a_mat_file_are_refused(tmp_path):
+    arrays = {"X097_DE_time": NOISE, "X097RPM": 1797.0, "X098_DE_time": 2 * NOISE, "X098RPM": 900.0}
+    savemat(tmp_path / "a.mat", {**arrays, "fs": float(RATE)})
+    with pytest.raises(MeasuredError, match=r"states two speeds, 1797 rpm .* and 900 rpm"):
+        read(tmp_path / "a.mat")
+
+
+def test_two_speeds_above_a_table_are_refused(tmp_path):
+    with pytest.raises(MeasuredError, match="states two speeds"):
+        read(table(tmp_path, "Speed: 1796 rpm\nrpm: 900\ntime,acc", TIME, NOISE))
+
+
+# Rate
+
+
+@pytest.mark.parametrize("head", ["Sampling rate: 25600 Hz\ntime,acc", "Sampling rate: 25600 Hz\nfs: 12800\na,b"])
+def test_two_rates_of_a_table_are_refused(tmp_path, head):
+    path = table(tmp_path, head, TIME, NOISE)
+    with pytest.raises(MeasuredError, match="states two sampling rates"):
+        read(path)
+    assert read(path, Request(rate=12800.0)).rate.value == 12800.0
+
+
+def test_a_rate_that_differs_from_the_times_is_refused(tmp_path):
+    with pytest.raises(MeasuredError, match=r"states two sampling rates, 12800 Hz .* and 25600 Hz"):
+        read(saved(tmp_path, x=NOISE, t=TIME, fs=25600.0))
+
+
+def test_times_rounded_by_half_a_step_do_not_contradict_the_rate(tmp_path):
+    path = table(tmp_path, "Sampling rate: 12800 Hz\ntime,acc", TIME[:20], NOISE[:20], form=".5f")
+    assert read(path).rate.value == pytest.approx(12800.0, rel=0.02)
+
+
+def test_a_stated_rate_is_used_if_times_are_rounded(tmp_path):
+    path = table(tmp_path, "Sampling rate: 12800 Hz\ntime,acc", TIME, NOISE, form=".3f")
+    assert read(path).rate.value == 12800.0
+
+
+@pytest.mark.parametrize("line", ["fs: 12.8kHz", "dt: 78.125us"])
+def test_a_unit_may_follow_its_number_without_a_blank(tmp_path, line):
+    assert read(table(tmp_path, f"{line}\na,b", NOISE, NOISE)).rate.value == pytest.approx(12800.0)
+
+
+def test_an_apostrophe_ends_no_number(tmp_path):
+    with pytest.raises(MeasuredError, match="no sampling rate"):
+        read(table(tmp_path, "Sampling rate: 12'800 Hz\na,b", NOISE, NOISE))
+
+
+@pytest.mark.parametrize("arrays", [{"t": 1e3 * TIME, "t_unit": "ms"}, {"fs": 12.8, "fs_unit": "kHz"}])
+def test_units_of_time_and_rate_are_read(tmp_path, arrays):
+    assert read(saved(tmp_path, x=NOISE, **arrays)).rate.value == pytest.approx(12800.0)
+
+
+# Samples
+
+
+@pytest.mark.parametrize("head", ["time,acc,acc", "time,acc [g],acc [m/s^2]"])
+def test_columns_of_one_name_are_refused(tmp_path, head):
+    with pytest.raises(MeasuredError, match="has two columns `acc`"):
+        read(table(tmp_path, head, TIME, NOISE, 2 * NOISE))
+
+
+def test_a_repeated_column_of_time_is_no_signal(tmp_path):
+    recording = read(table(tmp_path, "time,a,time,b", TIME, NOISE, TIME, 2 * NOISE))
+    assert list(recording.channels) == ["a", "b"]
+
+
+@pytest.mark.parametrize("kind", ["wav", "npz"])
+def test_a_full_scale_of_other_samples_is_refused(tmp_path, kind):
+    path = tmp_path / f"a.{kind}"
+    if kind == "wav":
+        wavfile.write(path, RATE, (NOISE / 8).astype(np.float32))
+    else:
+        np.savez(path, x=(1000 * NOISE).astype(np.int16), fs=float(RATE))
+    with pytest.raises(MeasuredError, match="`--full-scale` does not apply"):
+        read(path, Request(unit="g", full_scale=50.0))
+
+
+def test_decimal_commas_with_exponents_are_refused(tmp_path):
+    path = table(tmp_path, "time,acc", TIME + 1.0, NOISE, form=".6E", comma=",")
+    with pytest.raises(MeasuredError, match="may separate 4 columns or be the decimal sign of 2"):
+        read(path, Request(rate=12800.0))
+
+
+def test_numbers_of_columns_are_no_samples(tmp_path):
+    pd.DataFrame(np.column_stack([TIME, 0.01 * NOISE])).to_csv(tmp_path / "a.csv", index=False)
+    recording = read(tmp_path / "a.csv")
+    assert recording.rate.value == pytest.approx(12800.0)
+    assert recording.channels["column 2"] == pytest.approx(0.01 * NOISE)
+
+
+def test_a_form_feed_hides_no_row(tmp_path):
+    path = table(tmp_path, "page\x0c1\na,b", NOISE, NOISE)
+    assert len(read(path, Request(rate=12800.0)).channels["a"]) == N
+
+
+def test_an_infinite_feature_is_refused(tmp_path):
+    with pytest.raises(StudyError, match="too large"):
+        point(tmp_path, "measured: [{points: [{speed: 900 rpm, velocity@BPFO: 1e999 um/s}]}]\n")
+
+
+def test_coarse_samples_are_not_called_clipped():
+    values = np.clip(np.round(0.5 * NOISE), -1.0, 1.0)
+    with pytest.raises(MeasuredError, match="only 3 different values: measure with a smaller range"):
+        refuse_unusable(Path("a.wav"), "signal", values, RATE)
+
+
+# Compare
+
+
+def test_a_line_that_cannot_be_assessed_is_not_compared(tmp_path):
+    study = STUDY.replace("model: ring", "model: rollers").replace("0.2 s", "0.5 s").partition("sweep")[0]
+    (tmp_path / "rig.yaml").write_text(f"{study}record: [ring.acceleration]\n")
+    type_("run", tmp_path / "rig.yaml", "--jobs", 1, "--out", tmp_path / "results")
+    job = next(job for job in open_results(tmp_path / "results").jobs if "@" not in job)
+    path = saved(tmp_path, x=np.random.default_rng(2).normal(size=40000), fs=4000.0, x_unit="m/s^2")
+    words = tmp_path / "results", path, "--job", job
+    values = json.loads(type_("compare", *words, "--json")[0])
+    assert values["score_db"] is None
+    for name in ("line", "line_over_kinematic", "envelope_harmonic_2", "entry_to_exit_of_a_pass"):
+        assert values["features"][name]["measured"] is None, name
+    assert "cannot be assessed" in type_("compare", *words)[0]

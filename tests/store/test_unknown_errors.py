@@ -1,0 +1,164 @@
+"""Errors and statements on results that are smaller or more certain than what is known."""
+
+from math import inf, nan
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bearingsim.plots.error_bounds import error_texts
+from bearingsim.plots.points import relative_bounds
+from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
+from bearingsim.runner.variations import variation_effects
+from bearingsim.sensitivity import Effects, Estimate, effects_text
+from bearingsim.store import ERROR_PARTS
+from bearingsim.store.nearness import error_bounds
+from tests.store.test_nearness import AUDIT, LINE, RMS, frame, plan
+
+CHANGE = f"{LINE}-healthy"
+ERRORS = {LINE: 0.01, RMS: 0.01}
+
+
+def notes(goal: dict[str, Any], results: pd.DataFrame) -> str:
+    return "\n".join(accuracy_notes(goal, results))
+
+
+# A part that is unknown for one of several features
+
+
+@pytest.mark.parametrize("scatter", [inf, nan])
+def test_unknown_scatter_of_one_feature_is_not_replaced_by_that_of_another(scatter: float) -> None:
+    """The scatter is infinite under 16 ball passes, NaN under two."""
+    columns = {LINE: [1.0, 2.0, 2.0], RMS: [1.0] * 3, f"{LINE}-scatter": [scatter, 0.0, 0.0]}
+    columns |= {"chaotic": [1.0, 0.0, 0.0], "rms_scatter": [0.0] * 3}
+    goal, results = plan([LINE, RMS], ERRORS), frame(columns)
+    bounds = error_bounds(goal, results)
+    assert bounds["error"].isna().tolist() == [True, False, False]
+    assert bounds["error.scatter"].isna().tolist() == [True, False, False]
+    assert notes(goal, results).startswith("2 of 3 cases are within 5 %")
+
+
+@pytest.mark.parametrize("columns", [{RMS: [1.0] * 3}, {RMS: [1.0] * 3, LINE: [nan, nan, nan]}])
+def test_requested_feature_without_a_value_leaves_the_accuracy_unknown(columns: dict[str, list[float]]) -> None:
+    """Lines other than multiples of BPFO are NaN in a short record."""
+    goal, results = plan([LINE, RMS], ERRORS), frame(columns)
+    assert error_bounds(goal, results)["error"].isna().all()
+    assert notes(goal, results).startswith("0 of 3 cases are within 5 %")
+    assert "3 cases: accuracy unknown, because a feature named in `of` has no value" in notes(goal, results)
+
+
+def test_change_whose_healthy_baseline_failed_leaves_the_accuracy_unknown() -> None:
+    """A healthy bearing, here `c`, has no change, and keeps the error of its other features."""
+    results = frame({CHANGE: [1.0, nan, nan], RMS: [1.0] * 3}, healthy=["x", "y", ""])
+    results.loc["x"] = {"status": "done", "healthy": "", f"features/{RMS}": 1.0}
+    results[f"features/{LINE}"] = 1.0
+    bounds = error_bounds(plan([CHANGE, RMS], {RMS: 0.01}), results)
+    assert bounds["error"].iloc[:3].isna().tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize("of", [[LINE], [LINE, "outer_force.max"]])
+def test_unknown_error_of_the_start_is_not_zero(of: list[str]) -> None:
+    """It is NaN on a ramp, and with fewer than four ball passes."""
+    columns = {LINE: [1.0] * 3, "outer_force.max": [1.0] * 3, "error.start": [nan, 0.0, 0.0]}
+    goal, results = plan(of, {LINE: 0.01}), frame(columns | {"error.start.force": [0.0] * 3})
+    assert error_bounds(goal, results)["error"].isna().tolist() == [True, False, False]
+    assert "1 case: accuracy unknown, because `error.start` is unknown" in notes(goal, results)
+
+
+# Errors of the healthy baseline
+
+
+def change(**columns: list[float]) -> pd.DataFrame:
+    """Return three jobs of amplitude 1 that differ from their baseline `d`, of amplitude 1.05, by 0.05."""
+    values = {LINE: [1.0, 1.0, 1.0, 1.05], CHANGE: [0.05, 0.05, 0.05, nan]}
+    return frame(values | columns, healthy=["d", "d", "d", ""])
+
+
+def test_error_of_a_change_includes_that_of_its_baseline() -> None:
+    goal = plan([CHANGE], {CHANGE: 0.001})
+    step = error_bounds(goal, change(**{"step_error.line": [0.01, 0.0, 0.0, 0.02]}))
+    assert step["error.step"].iloc[:3].tolist() == pytest.approx([0.62, 0.42, 0.42])
+    start = error_bounds(goal, change(**{"error.start": [0.01, 0.0, 0.0, 0.02]}))
+    assert start["error.start"].iloc[:3].tolist() == pytest.approx([0.62, 0.42, 0.42])
+    chaos = {"chaotic": [1.0, 0.0, 0.0, 1.0], f"{LINE}-scatter": [0.04, 0.0, 0.0, 0.03]}
+    assert error_bounds(goal, change(**chaos))["error.scatter"].iloc[:3].tolist() == pytest.approx([1.0, 0.6, 0.6])
+    unknown = error_bounds(goal, change(**chaos | {f"{LINE}-scatter": [0.04, 0.0, 0.0, inf]}))
+    assert unknown["error"].isna().all()
+
+
+# Audits
+
+
+def test_audit_of_a_value_of_zero_does_not_pass() -> None:
+    """The model states 0, its reference 2 mm/s; 2e-3 is no relative difference."""
+    goal, results = plan([LINE], audits=AUDIT), frame({LINE: [0.0, 0.0, 1.0, 2e-3]})
+    assert "withdrawn for 2 of 3 cases" in "\n".join(withdrawals(goal, results))
+    assert "audit: 0 of 1 jobs" in "\n".join(selection_notes(goal, results))
+
+
+@pytest.mark.parametrize(
+    ("columns", "status"),
+    [
+        ({LINE: [1.0, 2.0, 2.0, 1.0, nan]}, "failed"),
+        ({LINE: [1.0, 2.0, 2.0, 1.0, nan]}, "done"),
+        ({LINE: [1.0, nan, 2.0, 1.0, 2.0]}, "done"),
+    ],
+)
+def test_audits_that_compare_nothing_are_counted(columns: dict[str, list[float]], status: str) -> None:
+    goal = plan([LINE, RMS], audits=[{"of": "a", "job": "d"}, {"of": "b", "job": "e"}])
+    results = frame(columns | {RMS: [1.0] * 5}, status=["done"] * 4 + [status])
+    assert "1 of 2 audits failed, are missing or have no value" in "\n".join(selection_notes(goal, results))
+
+
+# Statements
+
+
+def test_the_others_do_not_include_cases_of_unknown_accuracy() -> None:
+    goal = plan([LINE], {LINE: 0.01})
+    for job, nodes in {"a": None, "b": 0.09}.items():
+        goal["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
+    text = notes(goal, frame({LINE: [1.0, 2.0, 2.0]}))
+    assert "1 of 3 cases are within 5 % of the reference model, 1 more within 10 %" in text
+    assert "1 case: accuracy unknown, because `error.nodes` is unknown" in text
+    assert "chaotic" not in text
+
+
+def test_error_bar_has_no_unknown_part() -> None:
+    rows = pd.DataFrame({name: [0.01, 0.01] for name in ERROR_PARTS} | {"error": [nan, 0.06]})
+    rows.loc[0, "error.scatter"] = nan
+    bounds = relative_bounds(rows)
+    assert bounds is not None
+    assert bounds.tolist() == pytest.approx([nan, 0.06], nan_ok=True)
+
+
+def test_caption_counts_unknown_errors() -> None:
+    columns = {LINE: [1.0] * 3, f"{LINE}-scatter": [inf, 0.0, 0.0], "chaotic": [1.0, 0.0, 0.0]}
+    rows = pd.DataFrame(columns | {RMS: [1.0] * 3, "step_error.line": [0.001, 0.02, 0.001]})
+    [text] = error_texts(SimpleNamespace(), rows, [LINE])  # type: ignore[arg-type]
+    assert text.endswith("up to 2 % of its value (2 % of the largest), unknown in 1 of 3")
+
+
+# Variations
+
+
+VARIED = {
+    "variations": [
+        {"of": of, "what": "damping", "value": 1e-6, "job": job} for of, job in {"a": "c", "b": "d"}.items()
+    ]
+}
+
+
+def test_finished_variation_without_a_value_is_reported() -> None:
+    texts = list(variation_effects(VARIED, frame({LINE: [1.0, 1.0, 1.1, nan]}), [LINE]))
+    assert f"1 of 2 cases have no range of {LINE}: a variation of the damping has no value of it" in texts
+
+
+# Sensitivity
+
+
+def test_small_effects_are_not_printed_as_zero() -> None:
+    """For example those of the cage slip, a share."""
+    estimate = Estimate(*(np.array([value, 1e-6]) for value in (0.004, 0.003, 0.005)))
+    assert "mu* 0.004 (0.003 to 0.005)" in effects_text(Effects(estimate, estimate, estimate), "x", ["p", "q"])
