@@ -34,7 +34,7 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     other_speed = None
     time = None
     for name, values in arrays.items():
-        word, own_unit = word_of(name), _own_unit(name, texts).lower()
+        word, own_unit = word_of(name), (_own_unit(name, texts) or "").strip().lower()
         if values.size == 1:
             number = float(np.real(values.ravel()[0]))
             if word in RATES and own_unit in HERTZ:
@@ -63,11 +63,11 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     return Content(channels, time, rate, speeds, _units(channels, texts), contradiction(rates), other_speed)
 
 
-def _own_unit(name: str, texts: Mapping[str, str]) -> str:
-    """Return the unit of an array itself: `x.unit`, `x_unit`, or `units.x` beside `x`; empty if there is none."""
+def _own_unit(name: str, texts: Mapping[str, str]) -> str | None:
+    """Return the unit of an array itself: `x.unit`, `x_unit`, or `units.x` beside `x`; None if there is none."""
     owner, _, last = name.rpartition(".")
     candidates = f"{name}.unit", f"{name}_unit", f"{owner}.units.{last}" if owner else f"units.{last}"
-    return next((texts[candidate].strip() for candidate in candidates if candidate in texts), "")
+    return next((texts[candidate] for candidate in candidates if candidate in texts), None)
 
 
 def _advice(arrays: Mapping[str, np.ndarray]) -> str:
@@ -96,19 +96,12 @@ def _units(channels: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> dict
     """Return the units of signals: `x.unit`, `x_unit`, `units.x` beside `x`, or one `unit` of the file."""
     units = {}
     for name in channels:
-        owner, _, last = name.rpartition(".")
-        prefix = f"{owner}." if owner else ""
-        for candidate in (
-            f"{name}.unit",
-            f"{name}_unit",
-            f"{prefix}units.{last}",
-            f"{prefix}unit",
-            "unit",
-            "units",
-        ):
-            if candidate in texts:
-                units[name] = texts[candidate]
-                break
+        owner = name.rpartition(".")[0]
+        shared = (texts[key] for key in (f"{owner}.unit" if owner else "unit", "unit", "units") if key in texts)
+        own_unit = _own_unit(name, texts)
+        unit = next(shared, None) if own_unit is None else own_unit
+        if unit is not None:
+            units[name] = unit
     return units
 
 

@@ -121,7 +121,7 @@ class ModelSelector:
         return choices | friction_choices
 
     def _untried_choice(self, n: int) -> Choice:
-        """Return the choice for a case without trials: with friction, unless the case specifies it."""
+        """Return the choice for a case before its trials; with friction if it has none and does not specify it."""
         case = self.study.cases()[n]
         if with_friction(case) is None or can_be_tried(case):
             return Choice(REFERENCE, case.model, NOTHING_CHEAPER, {})

@@ -102,6 +102,22 @@ def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
     return float(abs(np.std(series) - np.std(reference)) / (scale or 1.0))
 
 
+def lead_time(setup: Setup, other: Setup) -> float:
+    """Return the lead (s) of the rollers of one setup over another, each aligned with its first defect."""
+    return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
+
+
+def shift(series: np.ndarray, fraction: float) -> np.ndarray:
+    """Shift a series by a small ``fraction`` of a sample, to first order."""
+    return series + fraction * np.gradient(series)
+
+
+def pass_rms(difference: np.ndarray, passes: int) -> np.ndarray:
+    """Return the RMS (passes,) of a difference in each ball pass."""
+    rows = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
+    return np.sqrt(np.mean(rows**2, axis=1))
+
+
 def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
     """Return the relative change of the RMS of raw values (k,), sampled at the same instants.
 

@@ -32,9 +32,12 @@ from bearingsim.simulation.comparison import (
     RunSignals,
     compare,
     first_raw_value,
+    lead_time,
+    pass_rms,
     period_signals,
     periodic_start,
     pilot_signals,
+    shift,
 )
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pilot
@@ -370,22 +373,6 @@ def step_ratio(decimation: int) -> float:
 def with_finer_tolerance(case: Case) -> Case:
     """Return the case with a tenth of its own tolerance; an automatic tolerance follows the step."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
-
-
-def lead_time(setup: Setup, other: Setup) -> float:
-    """Return the lead (s) of the rollers of one setup over another, each aligned with its first defect."""
-    return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
-
-
-def shift(series: np.ndarray, fraction: float) -> np.ndarray:
-    """Shift a series by a small ``fraction`` of a sample, to first order."""
-    return series + fraction * np.gradient(series)
-
-
-def pass_rms(difference: np.ndarray, passes: int) -> np.ndarray:
-    """Return the RMS (passes,) of a difference in each ball pass."""
-    rows = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
-    return np.sqrt(np.mean(rows**2, axis=1))
 
 
 def is_chaotic_motion(perturbation_changes: np.ndarray, step_changes: np.ndarray, adaptive: bool) -> bool:

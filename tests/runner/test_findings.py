@@ -1,9 +1,11 @@
-"""Warnings at the end of a run: chaotic results, and records whose parts differ."""
+"""Warnings at the end of a run: chaotic results, step errors, and records whose parts differ."""
+
+import math
 
 import pandas as pd
 import pytest
 
-from bearingsim.runner.findings import findings, scatter_warnings, transient_warnings
+from bearingsim.runner.findings import findings, scatter_warnings, step_warnings, transient_warnings
 
 JOB = "0" * 16
 
@@ -76,3 +78,59 @@ def test_step_errors_of_chaotic_jobs_are_named_with_the_rest() -> None:
     assert f"{chaos} unknown in 1 (`rms_scatter`)" in findings(plan, frame).statements
     frame["features/chaotic"] = 0.0
     assert not any("chaotic" in text for text in findings(plan, frame).statements)
+
+
+@pytest.mark.parametrize(
+    ("line", "rms", "texts"),
+    [
+        ([], [], []),
+        ([0.001, 0.0], [0.0, 0.0], []),
+        (
+            [0.02, 0.04, 0.0],
+            [0.0, 0.0, 0.0],
+            [
+                "2 of 3 jobs chaotic: standard error of velocity@BPFO up to 4 %;"
+                " a `duration` 64 times as long reduces it to 0.5 % (docs/step-check.md)"
+            ],
+        ),
+        (
+            [0.02],
+            [0.05],
+            [
+                "1 of 1 jobs chaotic: standard error of velocity@BPFO (and 1 more) up to 5 %;"
+                " a `duration` 100 times as long reduces it to 0.5 % (docs/step-check.md)"
+            ],
+        ),
+        (
+            [math.inf, 0.0],
+            [0.01, 0.0],
+            [
+                "1 of 2 jobs chaotic: standard error of velocity.rms up to 1 %;"
+                " a `duration` 4 times as long reduces it to 0.5 % (docs/step-check.md)",
+                "1 of 2 jobs chaotic: standard error of velocity@BPFO unknown; try a longer `duration`",
+            ],
+        ),
+    ],
+)
+def test_chaotic_jobs_are_reported_with_a_remedy(line: list[float], rms: list[float], texts: list[str]) -> None:
+    features = {"velocity@BPFO": 2.0, "velocity@BPFO-scatter": 1.0, "velocity.rms": 3.0, "rms_scatter": 1.0}
+    frame = pd.DataFrame(
+        {**features, "standard_error.line": line, "standard_error.rms": rms, "chaotic": 1.0}, range(len(line))
+    )
+    assert list(scatter_warnings(frame.add_prefix("features/"))) == texts
+    assert not list(scatter_warnings(frame.assign(chaotic=0.0).add_prefix("features/")))
+    assert not list(scatter_warnings(pd.DataFrame({"status": ["failed"]})))
+
+
+@pytest.mark.parametrize(
+    ("errors", "parts"),
+    [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
+)
+def test_step_error_of_a_record_is_reported(errors: list[float], parts: list[str]) -> None:
+    """It is an RMS, so that it is reported for a chaotic motion, too; a largest force is not."""
+    columns = {"features/step_error.record": errors, "features/chaotic": [0.0, 1.0]}
+    columns |= {"features/step_error.force": [math.nan, 0.5]}
+    texts = list(step_warnings(pd.DataFrame(columns)))
+    assert len(texts) == bool(parts)
+    assert all(part in texts[0] for part in parts)
+    assert not list(step_warnings(pd.DataFrame({"status": ["failed"]})))

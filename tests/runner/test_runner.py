@@ -3,7 +3,6 @@
 import contextlib
 import io
 import json
-import math
 import os
 import re
 import sys
@@ -13,12 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from bearingsim import store
 from bearingsim.runner import progress, run
-from bearingsim.runner.findings import scatter_warnings, step_warnings
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
 from bearingsim.runner.summary import group_failures
 from bearingsim.text import announcer
@@ -32,62 +29,6 @@ def journal_of(out: Path) -> list[dict[str, Any]]:
 
 
 # What a run gives
-
-
-@pytest.mark.parametrize(
-    ("line", "rms", "texts"),
-    [
-        ([], [], []),
-        ([0.001, 0.0], [0.0, 0.0], []),
-        (
-            [0.02, 0.04, 0.0],
-            [0.0, 0.0, 0.0],
-            [
-                "2 of 3 jobs chaotic: standard error of velocity@BPFO up to 4 %;"
-                " a `duration` 64 times as long reduces it to 0.5 % (docs/step-check.md)"
-            ],
-        ),
-        (
-            [0.02],
-            [0.05],
-            [
-                "1 of 1 jobs chaotic: standard error of velocity@BPFO (and 1 more) up to 5 %;"
-                " a `duration` 100 times as long reduces it to 0.5 % (docs/step-check.md)"
-            ],
-        ),
-        (
-            [math.inf, 0.0],
-            [0.01, 0.0],
-            [
-                "1 of 2 jobs chaotic: standard error of velocity.rms up to 1 %;"
-                " a `duration` 4 times as long reduces it to 0.5 % (docs/step-check.md)",
-                "1 of 2 jobs chaotic: standard error of velocity@BPFO unknown; try a longer `duration`",
-            ],
-        ),
-    ],
-)
-def test_chaotic_jobs_are_reported_with_a_remedy(line: list[float], rms: list[float], texts: list[str]) -> None:
-    features = {"velocity@BPFO": 2.0, "velocity@BPFO-scatter": 1.0, "velocity.rms": 3.0, "rms_scatter": 1.0}
-    frame = pd.DataFrame(
-        {**features, "standard_error.line": line, "standard_error.rms": rms, "chaotic": 1.0}, range(len(line))
-    )
-    assert list(scatter_warnings(frame.add_prefix("features/"))) == texts
-    assert not list(scatter_warnings(frame.assign(chaotic=0.0).add_prefix("features/")))
-    assert not list(scatter_warnings(pd.DataFrame({"status": ["failed"]})))
-
-
-@pytest.mark.parametrize(
-    ("errors", "parts"),
-    [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
-)
-def test_step_error_of_a_record_is_reported(errors: list[float], parts: list[str]) -> None:
-    """It is an RMS, so that it is reported for a chaotic motion, too; a largest force is not."""
-    columns = {"features/step_error.record": errors, "features/chaotic": [0.0, 1.0]}
-    columns |= {"features/step_error.force": [math.nan, 0.5]}
-    warnings = list(step_warnings(pd.DataFrame(columns)))
-    assert len(warnings) == bool(parts)
-    assert all(part in warnings[0] for part in parts)
-    assert not list(step_warnings(pd.DataFrame({"status": ["failed"]})))
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

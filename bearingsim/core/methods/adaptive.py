@@ -166,7 +166,7 @@ def error_norm(method, error_q, error_v, y, n):
 
     Velocity errors are relative to the larger of the velocities at START and in the state's block.
     """
-    per_atol_q = 1.0 / method.atol_q  # a division takes as long as the rest of an entry
+    per_atol_q = 1.0 / method.atol_q  # leaves one division per entry
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         v = lever * max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
