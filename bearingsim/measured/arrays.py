@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from bearingsim.measured.content import Content, MeasuredError, Stated, contradiction, differ
+from bearingsim.measured.si import HERTZ, SECONDS
 
 RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "fsamp", "fsampling")
 STEPS = ("dt", "ts", "timestep", "sampletime", "sampleinterval", "samplinginterval", "deltax", "deltat")
@@ -26,8 +27,6 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     Only the letters and digits of a name are compared, in lower case, and only the part after its last dot. Raises
     MeasuredError for a file without signals, and for times in an unknown unit.
     """
-    from bearingsim.measured.statements import HERTZ, SECONDS
-
     channels: dict[str, np.ndarray] = {}
     rates: list[Stated[float]] = []
     speeds: dict[str, Stated[float]] = {}

@@ -14,6 +14,14 @@ FACTORS = {
 }
 """Factor to the SI unit, by SI unit and unit."""
 
+SECONDS = dict.fromkeys(("", "s", "sec", "secs", "second", "seconds"), 1.0)
+SECONDS |= dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3)
+SECONDS |= dict.fromkeys(("us", "µs", "μs", "usec", "microseconds"), 1e-6)
+HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "1/s": 1.0, "khz": 1e3, "ks/s": 1e3, "mhz": 1e6}
+TURNS = dict.fromkeys(("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min"), pi / 30.0)
+TURNS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
+"""Factors to s, Hz and rad/s, by unit in lower case."""
+
 
 def factor_to(si_unit: str, unit: str) -> float | None:
     """Return the factor from a unit to an SI unit; None if the unit is unknown or of another quantity."""

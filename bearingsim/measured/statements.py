@@ -2,12 +2,11 @@
 
 import re
 from collections.abc import Sequence
-from math import pi
 from typing import NamedTuple
 
 from bearingsim.measured.arrays import RATES, SPEEDS, STEPS, word_of
 from bearingsim.measured.content import Stated, contradiction
-from bearingsim.measured.si import FACTORS
+from bearingsim.measured.si import FACTORS, HERTZ, SECONDS, TURNS
 
 HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
 """Header of a column: name, and unit in brackets."""
@@ -19,13 +18,6 @@ STATEMENT = re.compile(
 )
 """Name, number and unit, such as `Sampling rate: 12800 Hz`."""
 UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<unit>[^\s;,\"']+)", re.IGNORECASE)
-SECONDS = dict.fromkeys(("", "s", "sec", "secs", "second", "seconds"), 1.0)
-SECONDS |= dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3)
-SECONDS |= dict.fromkeys(("us", "µs", "μs", "usec", "microseconds"), 1e-6)
-HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "1/s": 1.0, "khz": 1e3, "ks/s": 1e3, "mhz": 1e6}
-TURNS = dict.fromkeys(("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min"), pi / 30.0)
-TURNS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
-"""Factors to s, Hz and rad/s, by unit in lower case."""
 SPEED_WORDS = (*SPEEDS, "speed", "shaftspeed", "rotationalspeed", "rotationspeed", "rotatingspeed", "drehzahl")
 MAX_LENGTH = 40
 """Largest number of characters of a line that is printed as a source."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from bearingsim.measured.arrays import TIMES, word_of
 from bearingsim.measured.content import Content, MeasuredError, Stated
-from bearingsim.measured.si import FACTORS
-from bearingsim.measured.statements import HEADER, MARKS, SECONDS, Statements, is_speed, speed_factor, statements
+from bearingsim.measured.si import FACTORS, SECONDS
+from bearingsim.measured.statements import HEADER, MARKS, Statements, is_speed, speed_factor, statements
 from bearingsim.text.numbers import is_number
 
 SEPARATORS = (";", "\t", ",", "|")
