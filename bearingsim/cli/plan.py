@@ -47,7 +47,8 @@ class Plan:
     """Cases of a study with their healthy baselines and variations, priced.
 
     jobs: all jobs, of which a large study prices only a sample (``sample_jobs``). refusals: jobs that cannot run,
-    with reasons.
+    with reasons. friction_seconds: CPU time (s) of the priced jobs if all are computed with friction, which the
+    models still to be chosen may need; nan if they are chosen, or the friction is specified.
     """
 
     study: "Study"
@@ -57,6 +58,7 @@ class Plan:
     variations: tuple[PricedJob, ...]
     refusals: tuple[tuple["Job", str], ...]
     requested_workers: int
+    friction_seconds: float = math.nan
 
     @property
     def costs(self) -> list["Cost"]:
@@ -131,7 +133,7 @@ def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILE
     from bearingsim.core.jit import compilation_callbacks
 
     announcements.begin(ESTIMATING)
-    jobs, priced_jobs, refusals = study.jobs(), [], []
+    jobs, priced_jobs, refusals, friction_s = study.jobs(), [], [], math.nan
     with compilation_callbacks(lambda: announcements.begin(COMPILING), lambda: announcements.begin(ESTIMATING)):
         for job in sample_jobs(jobs):
             try:
@@ -140,6 +142,7 @@ def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILE
                 refusals.append((job, str(error)))
         if not refusals:
             study.assumptions  # noqa: B018 (evaluated now, because it may compile too)
+            friction_s = friction_seconds(study, priced_jobs)
     return Plan(
         study=study,
         jobs=tuple(jobs),
@@ -150,6 +153,25 @@ def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILE
         variations=tuple(priced for priced in priced_jobs if priced.job.is_variation),
         refusals=tuple(refusals),
         requested_workers=workers or cpu_count(),
+        friction_seconds=friction_s,
+    )
+
+
+def friction_seconds(study: "Study", jobs: Sequence[PricedJob]) -> float:
+    """Estimate the CPU time (s) of jobs if all are computed with friction, with which no motion is periodic.
+
+    NaN if the models of the study are chosen, or its friction is specified.
+    """
+    from bearingsim.selection.candidates import price, with_friction
+
+    if study.goal is None or study.selection is not None:
+        return math.nan
+    cases = [with_friction(priced.job.case) for priced in jobs]
+    if all(case is None for case in cases):
+        return math.nan
+    return sum(
+        priced.estimate.cpu_seconds if case is None else price(case)
+        for priced, case in zip(jobs, cases, strict=True)
     )
 
 

@@ -13,6 +13,7 @@ OPENING_RATIO = 2.0  # times the static force; a larger impact force means that 
 def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     """Yield the remarks, one text each; verbose: also on methods, periodicity and the variation of damping."""
     yield from model_choices(plan)
+    yield from friction_cost(plan)
     yield from series_cost(plan)
     if verbose:
         yield from method_choices(plan)
@@ -139,6 +140,15 @@ def model_choices(plan: Plan) -> list[str]:
         for model, reasons in reasons_by_model.items()
     ]
     return [*texts, *selection.notes]
+
+
+def friction_cost(plan: Plan) -> Iterator[str]:
+    """Yield the CPU time if all jobs are computed with friction, in a study whose models are not chosen yet."""
+    from bearingsim.runner.progress import duration
+
+    if math.isfinite(plan.friction_seconds):
+        seconds = duration(plan.scale * plan.friction_seconds)
+        yield f"the jobs need {seconds} of CPU time if all are computed with friction; trials come on top"
 
 
 def series_cost(plan: Plan) -> Iterator[str]:

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale
-from bearingsim.cli.remarks import empty_figures
+from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale, plan_of
+from bearingsim.cli.remarks import empty_figures, friction_cost
+from bearingsim.runner.progress import duration
 from bearingsim.study import StudyError, load_study
 from tests.scenes.short_cases import case
 from tests.scenes.study_text import BASE, Write
@@ -76,6 +77,25 @@ def test_check_warns_of_a_figure_without_cases(write: Write, value: str, warned:
     study: Any = SimpleNamespace(study=load_study(write(f"{BASE}model: rollers\n{sweep}{figures}")))
     text = f"warning: figure 1 is empty: no case of the study has `defect.width: {value}`"
     assert list(empty_figures(study)) == [text] * warned
+
+
+def test_check_reports_the_cost_of_friction_until_the_models_are_chosen(write: Write) -> None:
+    """Friction of unknown effect is computed, and no motion is periodic with it: that costs many times more."""
+    accurate = f"{BASE}accuracy: {{within: 2 %, of: [velocity.rms]}}\nduration: 0.5 s\n"
+    plan = plan_of(load_study(write(accurate)), workers=1)
+    with_friction = load_study(write(f"{BASE}duration: 0.5 s\nmodel: planar\ncage: {{}}\nfriction: {{}}\n"))
+    expected = plan_of(with_friction, workers=1).cpu_seconds
+    assert plan.friction_seconds == pytest.approx(expected, rel=0.2)
+    assert plan.friction_seconds > 2.0 * plan.cpu_seconds
+    (text,) = friction_cost(plan)
+    assert text.startswith(f"the jobs need {duration(plan.friction_seconds)} of CPU time")
+
+
+@pytest.mark.parametrize(
+    "specified", ["accuracy: {within: 2 %, of: [velocity.rms]}\nfriction: none\n", "model: planar\n"]
+)
+def test_check_reports_no_cost_of_friction_that_is_specified(write: Write, specified: str) -> None:
+    assert list(friction_cost(plan_of(load_study(write(BASE + specified)), workers=1))) == []
 
 
 @pytest.mark.parametrize(
