@@ -93,12 +93,7 @@ def _unused(name: str, case: Case) -> tuple[str, ...]:
     """List the paths within a field that do not affect the case's results."""
     sliced = catalogue.MODELS[case.model].sliced
     paths = () if sliced else SPATIAL_FIELDS.get(name, ())
-    if (
-        name == "bearing"
-        and not _uses_material(case)
-        and case.bearing.element == "roller"
-        and not _uses_pressure(case)
-    ):
+    if name == "bearing" and case.bearing.element == "roller" and not _uses_material(case):
         return (*paths, "material.young_modulus", "material.poisson_ratio")
     if name == "rig":
         return ("sensor", "load") if case.rig.ring is None else (SENSOR_ANGLE,)
@@ -168,15 +163,20 @@ def extensions(case: Case) -> dict[str, str]:
 
 
 def _uses_material(case: Case) -> bool:
-    """Return True if results depend on the elastic constants, by a contact law or a flexible ring."""
+    """Return True if results with rollers depend on the elastic constants: by a contact law, a flexible ring, or
+    the width of the contact.
+    """
     damping = getattr(case.contact.damping, "law", "")
     laws = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
-    return case.rig.ring is not None or any(law.material for law in laws)
+    return case.rig.ring is not None or any(law.material for law in laws) or _uses_width(case)
 
 
-def _uses_pressure(case: Case) -> bool:
-    """Return True if the excitation depends on the contact pressure, and therefore on the material."""
-    return bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge")
+def _uses_width(case: Case) -> bool:
+    """Return True if results depend on the width of the contact: by the excitation, or because it averages
+    waviness.
+    """
+    is_wavy = case.surfaces is not None and bool(case.surfaces.highest_orders)
+    return is_wavy or (bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge"))
 
 
 def _remove_inactive(value: Any, inactive: Any) -> Any:

@@ -221,6 +221,10 @@ def test_elastic_constants_change_the_id_if_they_are_used() -> None:
     assert len(ids()) == 1
     assert len(ids(contact={"stiffness": "johnson"})) == 2
     assert len(ids(contact={"damping": {"law": "film", "viscosity": "30 mPa s"}})) == 2
+    assert len(ids(surfaces={"rollers": {"diameter": {"scatter": 1e-6}}})) == 1
+    # a contact averages waviness over its width, which is proportional to E^-1/2
+    assert len(ids(surfaces={"outer": {"harmonics": [{"order": 100, "amplitude": 1e-6}]}})) == 2
+    assert len(ids(surfaces={"rollers": {"spectrum": {"amplitude": 1e-6}}})) == 2
 
 
 def test_new_field_at_its_default_keeps_the_id(monkeypatch: pytest.MonkeyPatch) -> None:
