@@ -10,7 +10,7 @@ from decimal import Context, Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.study.paths import dimension
-from bearingsim.study.sweep import EntryError, number_in, number_node
+from bearingsim.study.sweep import EntryError, difference_in, number_in, number_node
 from bearingsim.text.units import UNITS, UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Node
 
@@ -164,7 +164,7 @@ def _normal(path: str, node: Node) -> Range:
             at_key(node.mapping["normal"]), "`within` is missing", "a normal distribution needs bounds"
         )
     _, deviation_node, mean, _, unit = _pair(path, node.mapping["normal"])
-    deviation = _difference(deviation_node, unit)
+    deviation = difference_in(deviation_node, unit)
     if deviation <= 0.0:
         raise EntryError(deviation_node, f"expected a standard deviation above zero, got `{deviation_node.text}`")
     lower, upper, low, high, bounds_unit = _bounds(path, node.mapping["within"])
@@ -191,13 +191,6 @@ MAX_DEVIATIONS = 8
 than 1e-15 of the distribution."""
 MAX_DEVIATION_RATIO = 1000
 """Limit of the ratio of standard deviation to range; with larger ones the density is practically uniform."""
-
-
-def _difference(node: Node, unit: str) -> float:
-    """Return a temperature or other difference in `unit`; 5 K is the same difference as 5 C."""
-    node_unit = split(node.text)[1]
-    zero = Node(f"0 {node_unit}".strip(), node.mark)
-    return number_in(node, unit)[0] - number_in(zero, unit)[0]
 
 
 DISTRIBUTIONS: dict[str, Callable[[str, Node], Range]] = {"uniform": _uniform, "log": _log, "normal": _normal}

@@ -30,7 +30,7 @@ from bearingsim.study.uncertainty import (
 )
 from bearingsim.study.used import extensions, json_text, relevant_fields
 from bearingsim.text.html import describe_values, table_html
-from bearingsim.text.units import show
+from bearingsim.text.units import DISPLAY, show
 
 
 @dataclass(frozen=True)
@@ -233,8 +233,11 @@ class Study:
 
 
 def _written(path: str, unit: str, value: float | str) -> str:
-    """Format a swept value in the unit of the study file."""
-    return value if isinstance(value, str) else show(value, unit, dimension(path))
+    """Format a swept value in the unit of the study file, or of display if the first value is a word."""
+    if isinstance(value, str):
+        return value
+    kind = dimension(path)
+    return show(value, unit or (DISPLAY[kind] if kind else ""), kind)
 
 
 def _unique(jobs: Iterable[Job]) -> list[Job]:

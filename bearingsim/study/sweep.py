@@ -11,7 +11,7 @@ from bearingsim.config.fields import describe_value
 from bearingsim.designs import KINDS
 from bearingsim.study.paths import dimension, normal_form
 from bearingsim.study.words import SWEEP_SETTINGS, assigned_paths
-from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
+from bearingsim.text.units import UNITS, UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
 MAX_VALUES = 100_000
@@ -167,6 +167,12 @@ def number_in(node: Node, unit: str | None) -> tuple[float, str]:
         raise EntryError(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
 
 
+def difference_in(node: Node, unit: str) -> float:
+    """Return a difference in ``unit``; 5 K is the same difference of temperatures as 5 C. Raises EntryError."""
+    number, node_unit = number_in(node, unit)
+    return number - number_in(Node(f"0 {node_unit}".strip(), node.mark), unit)[0]
+
+
 def _convert(text: str, text_unit: str, unit: str) -> float:
     dimension = common_dimension(text_unit, unit)
     if dimension is None:
@@ -186,8 +192,11 @@ def _interpolate(start: Node, stop: Node, count: Node, interpolate: Interpolatio
     a, unit = number_in(start, None)
     b, _ = number_in(stop, unit)
     n = _count(count)
-    if interpolate is _geometric and not (a > 0.0 and b > 0.0):
-        raise EntryError(stop if a > 0.0 else start, "logspace needs values above zero")
+    if interpolate is _geometric:
+        if not (a > 0.0 and b > 0.0):
+            raise EntryError(stop if a > 0.0 else start, "logspace needs values above zero")
+        if unit in UNITS["temperature"]:
+            raise EntryError(start, "a temperature has no logarithm", "use `linspace`")
     inner = [number_node(interpolate(a, b, i / (n - 1)), unit, start) for i in range(1, n - 1)]
     return (start, *inner, stop)
 
@@ -216,7 +225,7 @@ def repeat_axes(node: Node, problems: list[Problem]) -> list[Axis]:
 def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
     a, unit = number_in(start, None)
     b, _ = number_in(stop, unit)
-    h, _ = number_in(step, unit)
+    h = difference_in(step, unit)
     steps = (b - a) / h if h else math.nan
     if not steps >= 0.0:
         raise EntryError(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")

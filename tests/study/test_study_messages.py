@@ -67,6 +67,7 @@ def text_at_caret(problem: Problem) -> str:
         ("sweep: {load: {logspace: [0 N, 2 N, 3]}}", "0 N", "sweep.load: logspace needs values above zero"),
         ("sweep: {load: {range: [1 N, 2 N, 0 N]}}", "0 N", "sweep.load: a step of `0 N` does not lead from `1 N` to `2 N`"),
         ("sweep: {zip: {load: [1 N, 2 N], settle: [1 ms]}}", "load", "zip: lists of unequal length (`load` has 2, `settle` has 1)"),
+        ("contact: {damping: {law: film, oil: VG 68, temperature: 20 C}}\nsweep: {contact.damping.temperature: {logspace: [10 C, 90 C, 3]}}", "10 C", "sweep.contact.damping.temperature: a temperature has no logarithm (use `linspace`)"),
         ("sweep: {load: [1 N], zip: {load: [1 N], settle: [1 s]}}", "load: [1 N], settle", "`load` is swept twice"),
         ("sweep: {load: [1 N], defect.width: [1 mm], defects.1.width: [1 mm]}", "defects.1", "`defects.1.width` is swept twice"),
         ("sweep: {defect.length: [3 mm, 13 mm], load: [1 N, 2 N]}", "13 mm", "defect.length: a defect of 13 mm is longer than the roller (12 mm)"),

@@ -62,6 +62,29 @@ def test_paths_swept_by_an_entry(write: Write, entry: str, values: list[float | 
     assert [row[0] for row in swept(load_study(write(BASE + f"sweep: {{{entry}}}\n")))] == values
 
 
+@pytest.mark.parametrize("step", ["10 K", "10 C"])
+@pytest.mark.parametrize(("low", "high"), [("20 C", "40 C"), ("293.15 K", "313.15 K"), ("293.15 K", "40 degC")])
+def test_step_of_temperatures_is_a_difference(write: Write, low: str, high: str, step: str) -> None:
+    oil = "contact: {damping: {law: film, oil: VG 68, temperature: 20 C}}\n"
+    axis = f"sweep: {{contact.damping.temperature: {{range: [{low}, {high}, {step}]}}}}\n"
+    values = [row[0] for row in swept(load_study(write(BASE + oil + axis)))]
+    assert values == pytest.approx([293.15, 303.15, 313.15], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("entry", "texts"),
+    [
+        ("step: [auto, 0.5 us]", ["auto", "5e-07 s"]),
+        ("clearance: [C3, 10 um]", ["C3", "0.01 mm"]),
+        ("clearance: [10 um, C3]", ["10 um", "C3"]),
+        ("rig.ring: [none, {bends: true}], model: [rollers]", ["none", "{bends: true}"]),
+    ],
+)
+def test_summary_lists_words_and_quantities(write: Write, entry: str, texts: list[str]) -> None:
+    page = load_study(write(BASE + f"sweep: {{{entry}}}\n"))._repr_html_()
+    assert all(text in page for text in texts)
+
+
 def test_inner_values_of_linspace_equal_written_ones(write: Write) -> None:
     spaced = load_study(write(BASE + "sweep: {defect.depth: {linspace: [0.1 um, 0.7 um, 7]}}\n"))
     listed = BASE + "sweep: {defect.depth: [0.1 um, 0.2 um, 0.3 um, 0.4 um, 0.5 um, 0.6 um, 0.7 um]}\n"
