@@ -215,13 +215,14 @@ class Study:
     def variations(self) -> list[Variation]:
         """List the variations of cases: those of `uncertainty`, by default of the damping in a few cases.
 
-        A design without `uncertainty` has no variations, so that extending it only adds its new points.
+        A design without `uncertainty` has no variations, so that extending it only adds its new points; a reduced
+        grid has none either.
         """
         return self._variations
 
     @cached_property
     def _variations(self) -> list[Variation]:
-        if self.uncertainty is not None or self.sampled_design is not None:  # none for a design
+        if self.uncertainty is not None or self.sampled_design is not None or self.quick:
             cases, uncertain = self.cases(), self.uncertainty or ()
         else:
             cases, uncertain = sample_cases(self.cases(), len(self.planned())), (DEFAULT_DAMPING,)

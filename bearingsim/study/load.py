@@ -72,7 +72,7 @@ def load_study(
         figures=settings.figures,
         units=plan.units(),
         swept_cases=swept_cases,
-        notes=(*file.notes, *(plan.sampled_design.notes() if plan.sampled_design is not None else ()), *remarks),
+        notes=(*file.notes, *_design_notes(plan), *plan.repetition_notes(), *remarks),
         uncertainty=()
         if reduced and settings.uncertain
         else settings.uncertain,  # no variations of a reduced grid
@@ -82,6 +82,12 @@ def load_study(
         measured=measured,
     )
     return study if settings.goal is None else _with_goal(study, settings.goal, plan)
+
+
+def _design_notes(plan: Plan) -> Iterator[str]:
+    """Yield the remarks on the design of a study, if it has one."""
+    if plan.sampled_design is not None:
+        yield from plan.sampled_design.notes()
 
 
 def _measured(

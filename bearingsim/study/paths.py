@@ -172,8 +172,11 @@ def normal_form(text: str) -> Path:
         return ("defects", "1", *rest)
     if head == "defects" and rest:
         return ("defects", rest[0].lstrip("0"), *rest[1:])
-    if text == without_number(text) and (items := _list_of(text)) and text != items:
-        return (*items.split("."), "1", *text.removeprefix(items + ".").split("."))
+    if (items := _list_of(without_number(text))) and text != items:
+        number, _, rest = text.removeprefix(items + ".").partition(".")
+        if not _is_number(number):
+            number, rest = "1", text.removeprefix(items + ".")
+        return (*items.split("."), number.lstrip("0"), *filter(None, rest.split(".")))
     return SYNONYMS.get((head, *rest), (head, *rest))
 
 

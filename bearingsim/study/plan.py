@@ -1,6 +1,7 @@
 """Plan of a study: its base tree and its axes, and the cases built from them."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -51,7 +52,16 @@ MAX_INVALID_CASES = 500
 """Limit of the invalid cases that are reported: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
 """Limit of the paths that a study sweeps: with more, the search for suggestions takes too long."""
-_LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at", *ITEM_LISTS)
+_LIST_VALUED = (
+    "defects",
+    "record",
+    "features",
+    "rig.load.angles",
+    "rig.load.at",
+    *(f"surfaces.{part}.spectrum.orders" for part in ("outer", "inner", "rollers")),
+    *(f"surfaces.{race}.roundness.orders" for race in ("outer", "inner")),
+    *ITEM_LISTS,
+)
 
 SweptValues = dict[str, float | str]
 
@@ -61,8 +71,9 @@ class Plan:
     """Study under construction: base tree, axes, and problems so far.
 
     settings: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
-    case_problems: problems of single cases; named_paths: paths named by a sweep, valid or not; key_paths:
-    locations of the valid ones in a case; variants: cache of ``otherwise``.
+    case_problems: problems of single cases; repeated: numbers of combinations, by the paths in which they differ
+    from the first one with an equal case; named_paths: paths named by a sweep, valid or not; key_paths: locations
+    of the valid ones in a case; variants: cache of ``otherwise``.
     """
 
     base: Node
@@ -73,6 +84,7 @@ class Plan:
     relations: Relations = field(default_factory=Relations)
     problems: list[Problem] = field(default_factory=list)
     case_problems: Problems = field(default_factory=dict)
+    repeated: Counter[tuple[str, ...]] = field(default_factory=Counter)
     named_paths: set[str] = field(default_factory=set)
     key_paths: dict[str, Path] = field(default_factory=dict)
     sections: Sections = field(default_factory=Sections)
@@ -148,7 +160,7 @@ class Plan:
         mark = argument_mark(argument, len("--set ") + 1)
         if path in COMMAND_LINE_SETTINGS:
             self.apply_setting(path, Node(value.value, value.mark, mark))
-        elif is_sweep(value) and path not in _LIST_VALUED:
+        elif is_sweep(value) and (path not in _LIST_VALUED or _is_list_of_lists(value)):
             axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
             self.settings = remove_path(self.settings, path)
             self.axes = replace_axis(self.axes, axis) if axis else self.axes
@@ -169,7 +181,10 @@ class Plan:
             self.problems.append(problem(mark, f"the study has no `{kind}`", "name it in `sweep`"))
 
     def set_value(self, path: str, value: Node, mark: Mark) -> None:
-        """Set the value at a path of the base tree, which also replaces a sweep of the path."""
+        """Set the value at a path of the base tree, which also replaces a sweep of the path.
+
+        In a section that is swept as a whole, the value replaces that of every swept section.
+        """
         key_path = self.key_path(path, mark)
         if key_path is None:
             return
@@ -177,7 +192,9 @@ class Plan:
         self.expand()
         path = self.swept_spelling(path)
         self.settings = remove_path(self.settings, path)
-        if any(path in axis.paths for axis in self.axes):
+        place = normal_form(path)
+        swept = [normal_form(other) for axis in self.axes for other in axis.paths]
+        if any(place[: len(section)] == section for section in swept):
             self.axes = replace_axis(self.axes, Axis((path,), ((value,),), (value,)))
 
     def swept_spelling(self, path: str) -> str:
@@ -280,9 +297,9 @@ class Plan:
         for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
-                key = identity(case)
-                if key not in cases:
-                    cases[key] = (case, self.swept(case, row))
+                key, values = identity(case), self.swept(case, row)
+                _, first_values = cases.setdefault(key, (case, values))
+                self.repeated[tuple(path for path in values if values[path] != first_values[path])] += 1
                 indices.append(numbers.setdefault(key, len(numbers)))
             elif (invalid := invalid + 1) == MAX_INVALID_CASES:
                 break
@@ -290,20 +307,29 @@ class Plan:
             self.sampled_design = replace(self.sampled_design, cases=tuple(indices))
         return list(cases.values())
 
+    def repetition_notes(self) -> Iterator[str]:
+        """Yield a remark for the combinations whose values differ from those of an equal case."""
+        total = self.repeated.total()
+        for paths, count in self.repeated.items():
+            if paths:
+                words = " and ".join(f"`{path}`" for path in paths)
+                yield f"left out: {count} of {total} combinations, equal to cases with another {words}"
+
     def check_settings(self) -> None:
         """Add a problem if `where` excludes every case, or if no case is random although `repeat` is used."""
         if self.problems or self.case_problems:
             return
         self.relations.excluded.clear()
-        single_seed = [
-            axis if axis.paths != ("seed",) else replace(axis, rows=axis.rows[:1]) for axis in self.axes
-        ]
-        cases = filter(None, map(self.case, self.rows(rows_of(single_seed))))
+        reads_seed = self.relations.reads("seed")
+        axes = self.axes if reads_seed else list(map(_with_one_seed, self.axes))
+        cases = filter(None, map(self.case, self.rows(rows_of(axes))))
         example = next(cases, None)
         if example is None and self.relations.excluded:
             self.problems.append(self.relations.no_cases_problem())
         node = self.settings.get("repeat")
-        if node is not None and example is not None and not any(map(is_random, (example, *cases))):
+        if node is None or example is None or reads_seed:
+            return
+        if not any(map(is_random, (example, *cases))):
             message = "repeat: nothing in this study depends on `seed`"
             advice = "only `excitation: random-impulses` and rollers with play in a free cage (`model: planar`) do"
             self.problems.append(problem(node.key or node.mark, message, advice))
@@ -392,3 +418,13 @@ class Plan:
         return self.problems + [
             p for (_, path, kind), p in problems if not (kind == "missing" and path in invalid)
         ]
+
+
+def _is_list_of_lists(value: Node) -> bool:
+    """Return True for a list of lists, the values of a path that is a list itself."""
+    return bool(value.items) and all(isinstance(item.value, tuple) for item in value.items)
+
+
+def _with_one_seed(axis: Axis) -> Axis:
+    """Return the axis of `seed` with its first value only, any other axis unchanged."""
+    return replace(axis, rows=axis.rows[:1]) if axis.paths == ("seed",) else axis

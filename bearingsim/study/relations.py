@@ -60,6 +60,11 @@ class Relations:
     def __bool__(self) -> bool:
         return bool(self.derived or self.where)
 
+    def reads(self, path: str) -> bool:
+        """Return True if a formula contains a path."""
+        formulas = (*(derived.formula for derived in self.derived), *self.where)
+        return any(name == path for formula in formulas for name, _ in formula.names())
+
     def complete(self, tree: Node) -> Row | None:
         """Compute the derived values of a case; None if a condition excludes the case. Raises UndefinedValue."""
         row: Row = []

@@ -221,3 +221,25 @@ def test_equal_problems_are_reported_once(write: Write) -> None:
 def test_other_problems_are_reported_as_well(write: Write) -> None:
     text = sweep(WIDTHS + "derived: {defect.depth: lod}\n  where: [lad > 1]").replace("1800 rpm", "1800")
     assert [problem.line for problem in problems(write(text))] == [3, 8, 9]
+
+
+RANDOM = "model: impulse\nexcitation: random-impulses\n"
+
+
+@pytest.mark.parametrize(
+    ("entries", "seeds"),
+    [
+        ("seed: [0, 1, 2], where: [seed > 0]", [1, 2]),
+        ("repeat: 3, where: [seed > 1]", [2, 3]),
+        ("repeat: 2, load: [1 N, 2 N], where: [seed > 1 or load > 1 N]", [2, 1, 2]),
+    ],
+)
+def test_conditions_on_the_seed_keep_other_seeds(write: Write, entries: str, seeds: list[int]) -> None:
+    """The first seed may be excluded in all cases."""
+    study = load_study(write(BASE + RANDOM + f"sweep: {{{entries}}}\n"))
+    assert [case.seed for case in study.cases()] == seeds
+
+
+def test_values_derived_from_the_seed_are_repeated(write: Write) -> None:
+    study = load_study(write(sweep("{repeat: 2, derived: {load: 'seed * 10 N'}}")))
+    assert [case.load for case in study.cases()] == [10.0, 20.0]

@@ -148,6 +148,32 @@ def test_files_named_by_a_sweep_are_files_of_the_study(write: Write) -> None:
 def test_equal_cases_are_kept_once(write: Write) -> None:
     study = load_study(write(BASE + "sweep: {load: [150 N, 0.15 kN, 200 N]}\n"))
     assert [case.load for case in study.cases()] == [150.0, 200.0]
+    assert study.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("entries", "cases", "notes"),
+    [
+        ("seed: [0, 1, 2]", 1, ["2 of 3 combinations, equal to cases with another `seed`"]),
+        (
+            "contact.stiffness: [palmgren, johnson], bearing.material.young_modulus: [200 GPa, 210 GPa]",
+            3,
+            ["1 of 4 combinations, equal to cases with another `bearing.material.young_modulus`"],
+        ),
+        (
+            "zip: {contact.slices: [8, 16], seed: [1, 2]}, load: [1 N, 1 N, 2 N]",
+            2,
+            ["3 of 6 combinations, equal to cases with another `contact.slices` and `seed`"],
+        ),
+        ("clearance: [0 um, 1 um], load: [1 N, 2 N]", 4, []),
+    ],
+)
+def test_combinations_of_values_without_effect_are_noted(
+    write: Write, entries: str, cases: int, notes: list[str]
+) -> None:
+    study = load_study(write(BASE + f"sweep: {{{entries}}}\n"))
+    assert len(study.cases()) == cases
+    assert list(study.notes) == [f"left out: {note}" for note in notes]
 
 
 # Healthy baselines
@@ -255,3 +281,46 @@ def test_override_of_unswept_parameter(write: Write) -> None:
     assert (case.duration, len(case.record), case.bearing.roller_length) == (2.0, 2, 0.009)
     assert "duration" not in study.jobs()[0].swept
     assert len(load_study(write(SWEPT), {"speed": "[20 Hz, 30 Hz]"}).cases()) == 12
+
+
+@pytest.mark.parametrize("path", ["surfaces.outer.spectrum.orders", "surfaces.inner.spectrum.orders"])
+def test_override_of_a_list(write: Write, path: str) -> None:
+    surfaces = "surfaces: {outer: {spectrum: {amplitude: 1 um}}, inner: {spectrum: {amplitude: 1 um}}}\n"
+    for text, orders in (("[2, 50]", [(2, 50)]), ("[[2, 50], [3, 60]]", [(2, 50), (3, 60)])):
+        cases = load_study(write(BASE + surfaces), {path: text}).cases()
+        races = [getattr(case.surfaces, path.split(".")[1]) for case in cases]
+        assert [race.spectrum.orders for race in races] == orders
+
+
+DEFECTS = [f"{{shape: {shape}, length: 3 mm, width: 1 mm, depth: 1 um}}" for shape in ("circular", "triangular")]
+
+
+@pytest.mark.parametrize(
+    ("sweep", "path", "text", "value"),
+    [
+        (f"defect: [{', '.join(DEFECTS)}]", "defect.width", "0.4 mm", 0.4e-3),
+        (f"defect: [{', '.join(DEFECTS)}]", "defects.1.width", "0.4 mm", 0.4e-3),
+        (f"zip: {{defect: [{', '.join(DEFECTS)}], load: [1 N, 2 N]}}", "defect.width", "0.4 mm", 0.4e-3),
+        ("bearing: [nf308, nu204]", "bearing.roller_length", "10 mm", 10e-3),
+        ("contact.damping: [kraemer]", "contact.damping.beta", "5 us", 5e-6),
+        ("contact: [{stiffness: johnson}, {stiffness: iso16281}]", "contact.damping.beta", "5 us", 5e-6),
+    ],
+)
+def test_an_override_replaces_a_value_in_swept_sections(
+    write: Write, sweep: str, path: str, text: str, value: float
+) -> None:
+    base = BASE + f"sweep: {{{sweep}}}\n"
+    for study in (
+        load_study(write(base), {path: text}),
+        load_study(write(f"{base}quick: {{{path}: {text}}}\n"), quick=True),
+    ):
+        assert len(study.cases()) == len(load_study(write(base)).cases())
+        values = {
+            {
+                "width": case.defects[0].width,
+                "roller_length": case.bearing.roller_length,
+                "beta": case.contact.damping.model_dump()["beta"],
+            }[path.rpartition(".")[2]]
+            for case in study.cases()
+        }
+        assert values == {value}

@@ -200,6 +200,16 @@ def test_another_spelling_of_a_path_replaces_its_values(
             assert {case.defects[0].width for case in study.cases()} == {0.5e-3}, sweep
 
 
+@pytest.mark.parametrize("written", ["harmonics.01", "harmonics.1", "harmonics"])
+@pytest.mark.parametrize("override", ["harmonics.1", "harmonics.001", "harmonics"])
+def test_another_spelling_of_an_item_replaces_its_values(write: Write, written: str, override: str) -> None:
+    race = "surfaces: {outer: {harmonics: [{order: 3, amplitude: 1 um}]}}\n"
+    path = write(BASE + race + f"sweep: {{surfaces.outer.{written}.amplitude: [2 um, 3 um]}}\n")
+    cases = load_study(path, {f"surfaces.outer.{override}.amplitude": "9 um"}).cases()
+    races = [case.surfaces.outer for case in cases if case.surfaces is not None]
+    assert [race.harmonics[0].amplitude for race in races if race is not None] == [9e-6]
+
+
 def test_figure_may_use_the_spelling_of_the_file(write: Write) -> None:
     text = BASE + "sweep: {defect.width: [1 mm, 2 mm]}\nfigures: [{y: velocity@BPFO, x: defect.width}]\n"
     for value in ("[3 mm, 4 mm]", "3 mm"):

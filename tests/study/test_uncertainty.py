@@ -171,8 +171,12 @@ def test_variation_has_the_id_of_the_same_written_case(write: Write) -> None:
 
 def large_study(write: Write, loads: int, text: str = "", model: str = "ring") -> Any:
     """Study of ``loads`` cases and as many healthy ones."""
+    return load_study(write(large_text(loads, model) + text))
+
+
+def large_text(loads: int, model: str) -> str:
     sweep = f"sweep: {{load: {{linspace: [100 N, 400 N, {loads}]}}}}\nmodel: {model}\n"
-    return load_study(write(BASE.replace("load: 150 N\n", sweep) + text))
+    return BASE.replace("load: 150 N\n", sweep)
 
 
 def test_large_study_varies_damping_in_three_cases(write: Write) -> None:
@@ -186,6 +190,8 @@ def test_large_study_varies_damping_in_three_cases(write: Write) -> None:
     assert [variation.job.id for variation in large_study(write, 45).variations()] == [
         variation.job.id for variation in variations
     ]
+    quick = load_study(write(large_text(45, "ring") + "quick: {duration: 0.5 s}\n"), quick=True)
+    assert quick.variations() == []
     seeded = sample_cases([case.model_copy(update={"seed": 1}) for case in study.cases()], 90)
     assert {case.load for case in seeded} != {case.load for case in sample_cases(study.cases(), 90)}
 
