@@ -173,10 +173,9 @@ def normal_form(text: str) -> Path:
     if head == "defects" and rest:
         return ("defects", rest[0].lstrip("0"), *rest[1:])
     if (items := _list_of(without_number(text))) and text != items:
-        number, _, rest = text.removeprefix(items + ".").partition(".")
-        if not _is_number(number):
-            number, rest = "1", text.removeprefix(items + ".")
-        return (*items.split("."), number.lstrip("0"), *filter(None, rest.split(".")))
+        number, *keys = text.removeprefix(items + ".").split(".")
+        item = (number.lstrip("0"), *keys) if _is_number(number) else ("1", number, *keys)
+        return (*items.split("."), *item)
     return SYNONYMS.get((head, *rest), (head, *rest))
 
 
