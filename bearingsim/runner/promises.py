@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
@@ -64,11 +65,12 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     refuted_jobs, bounds = store.withdrawn_errors(plan, frame), store.error_bounds(plan, frame)
     jobs = [job for job in accuracy["jobs"] if job not in refuted_jobs]
     done = [job for job in jobs if frame["status"].get(job) == "done"]
-    parts = bounds.loc[done, [*store.ERROR_PARTS]]
-    total_errors = parts.sum(axis=1, skipna=False).dropna()
+    parts = {feature: part.loc[done] for feature, part in store.error_parts(plan, frame).items()}
+    total_errors = store.total_errors(parts)
+    total_errors = total_errors[total_errors < inf]
     exceeding = total_errors[total_errors > accuracy["within"]]
     within = len(total_errors) - len(exceeding)
-    unknown = parts.drop(index=total_errors.index)
+    unknown = bounds.loc[done, [*store.ERROR_PARTS]].drop(index=total_errors.index)
     further = f"{len(exceeding)} more" if len(unknown) else "the others"
     others = f", {further} within {percent(exceeding.max())}" if len(exceeding) else ""
     if done and refuted_jobs:
@@ -77,7 +79,7 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     elif done:
         count = f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
         yield f"{count}; relative to the largest value of the curve"
-    yield from _remedies(bounds, exceeding, accuracy)
+    yield from _remedies({name: part.loc[exceeding.index] for name, part in parts.items()}, accuracy["within"])
     yield from _unknown_texts(unknown)
     if done:
         yield from empty_error_notes(plan)
@@ -123,21 +125,20 @@ def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, 
     return audits
 
 
-def _remedies(bounds: "pd.DataFrame", exceeding: "pd.Series[float]", accuracy: Mapping[str, Any]) -> Iterator[str]:
+def _remedies(parts: "Mapping[str, pd.DataFrame]", limit: float) -> Iterator[str]:
     """Yield the number of cases that a longer record or a finer discretisation would bring within the accuracy.
 
-    bounds: parts of the error by job; exceeding: total error of the cases that exceed the accuracy.
+    parts: those of the errors by requested feature, of the cases that exceed the accuracy ``limit``.
     """
-    parts = bounds.loc[exceeding.index]
-    margin = accuracy["within"] - parts[[name for name in store.ERROR_PARTS if name != "error.scatter"]].sum(
-        axis=1
-    )
-    scatter = parts["error.scatter"]
-    length_factors = ((scatter / margin) ** 2)[(margin > 0.0) & (scatter > margin)]
-    if len(length_factors):
-        factor = length_factors.max()
-        yield f"  {len(length_factors)} more would be within it with {factor:.1f} times the `duration`"
-    nodes = parts["error.nodes"]
-    finer_count = int(((nodes > 0.0) & (exceeding - nodes <= accuracy["within"])).sum())
+    import pandas as pd
+
+    scatter = pd.DataFrame({feature: part["error.scatter"] for feature, part in parts.items()})
+    others = {feature: part.drop(columns="error.scatter").sum(axis=1) for feature, part in parts.items()}
+    margin = limit - pd.DataFrame(others)
+    factors = ((scatter / margin) ** 2)[(margin > 0.0).all(axis=1)].max(axis=1)  # the scatter falls with the root
+    if len(factors):
+        yield f"  {len(factors)} more would be within it with {factors.max():.1f} times the `duration`"
+    finer = {feature: part.drop(columns="error.nodes") for feature, part in parts.items()}
+    finer_count = int((store.total_errors(finer) <= limit).sum())
     if finer_count:
         yield f"  {finer_count} more would be within it with more `contact.length_nodes` (slices, harmonics)"

@@ -40,7 +40,15 @@ from bearingsim.store.marker import ForeignFolder, OtherStudy, claim
 from bearingsim.store.measured import MeasuredSet
 from bearingsim.store.merge import MergeSummary, Unmergeable, merge
 from bearingsim.store.names import case_of, flat_parameters
-from bearingsim.store.nearness import ERROR_PARTS, AuditResult, audit_results, error_bounds, withdrawn_errors
+from bearingsim.store.nearness import (
+    ERROR_PARTS,
+    AuditResult,
+    audit_results,
+    error_bounds,
+    error_parts,
+    total_errors,
+    withdrawn_errors,
+)
 from bearingsim.store.provenance import provenance, study_digest
 from bearingsim.store.prune import RemovableFiles, find_removable, prune
 from bearingsim.store.results import Results, open_results, planned_jobs, results_folder
@@ -117,6 +125,7 @@ __all__ = [
     "default_ranges",
     "discard",
     "error_bounds",
+    "error_parts",
     "errors",
     "find_removable",
     "flat_parameters",
@@ -161,6 +170,7 @@ __all__ = [
     "study_digest",
     "sweep",
     "take_suspects",
+    "total_errors",
     "unit_name",
     "unit_names",
     "unit_path",

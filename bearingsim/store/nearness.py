@@ -66,21 +66,38 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
     """
     import pandas as pd
 
-    accuracy = plan.get("accuracy")
     table = pd.DataFrame(index=frame.index, columns=[*ERROR_PARTS, "error"], dtype=float)
-    if accuracy is None:
+    if plan.get("accuracy") is None:
         return table.iloc[:, :0]
-    cases = [job for job in accuracy["jobs"] if job in frame.index]
-    parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"]}
+    parts = error_parts(plan, frame)
     for name in ERROR_PARTS:
         by_feature = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
-        table.loc[cases, name] = by_feature.max(axis=1).replace(inf, nan).reindex(cases)
+        table[name] = by_feature.max(axis=1).replace(inf, nan).reindex(table.index)
     if RIGID_RING not in plan.get("assumptions", ()):
-        sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
-        table.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
+        table["error"] = total_errors(parts).replace(inf, nan).reindex(table.index)
     refuted_jobs = pd.Series(withdrawn_errors(plan, frame), dtype=float).reindex(table.index)
     table["error"] = table["error"].where(~(refuted_jobs > table["error"].fillna(0.0)), refuted_jobs)
     return table.where(frame["status"] == "done")
+
+
+def error_parts(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "dict[str, pd.DataFrame]":
+    """Return the columns ``ERROR_PARTS`` by case for each requested feature, infinite where unknown.
+
+    NaN for cases that are not done, and for the change from healthy of a healthy bearing.
+    """
+    cases = [job for job in plan["accuracy"]["jobs"] if job in frame.index]
+    return {feature: _parts(plan, frame, feature).loc[cases] for feature in plan["accuracy"]["of"]}
+
+
+def total_errors(parts: "Mapping[str, pd.DataFrame]") -> "pd.Series[float]":
+    """Return by case the largest sum of the parts of one feature, infinite if unknown; parts: ``error_parts``.
+
+    The largest parts of a case may be those of different features, so their sum may exceed every error.
+    """
+    import pandas as pd
+
+    sums = {feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()}
+    return pd.DataFrame(sums).max(axis=1)
 
 
 def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
@@ -163,7 +180,8 @@ def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Au
             if value != value or reference != reference:  # NaN
                 continue
             scale = float(scale_values[feature][audit["of"]]) or abs(float(reference)) or 1.0
-            errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
+            jobs = [*pair, *frame["healthy"].loc[pair]] if feature.endswith(HEALTHY) else pair
+            errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(list(dict.fromkeys(jobs)))
             scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / scale
             yield AuditResult(audit["of"], feature, abs(float(value - reference)) / scale, scatter)
 

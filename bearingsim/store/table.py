@@ -187,8 +187,9 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     if models_chosen:
         names = [models_chosen[job]["model"] if job in models_chosen else "" for job in frame.index]
         models = pd.DataFrame({"model": names})
-        bound_columns = bounds.drop(columns=[name for name in bounds if name in features])  # such as `error.start`
-        features = pd.concat([models.set_index(frame.index), bound_columns.reindex(frame.index), features], axis=1)
+        # `error.start` is also a feature: the relative error of the line, which is no part of the sum `error`.
+        features = features.drop(columns=bounds.columns, errors="ignore")
+        features = pd.concat([models.set_index(frame.index), bounds.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     states = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)
@@ -274,9 +275,12 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 def _fingerprint(root: Path) -> str:
     """Return the digest of the sources of the table: plan, and names, sizes and times of units and failures."""
-    sources = [*UNITS.find(root), *FAILURES.find(root)]
-    states = ((path.name, path.lstat()) for path in sources)
-    listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in states)
+    states = []
+    for path in (*UNITS.find(root), *FAILURES.find(root)):
+        with suppress(FileNotFoundError):  # another run has removed the failure, or renamed a damaged unit
+            status = path.lstat()
+            states.append(f"{path.name} {status.st_size} {status.st_mtime_ns}")
+    listing = "\n".join(states)
     return hashlib.sha256(regular.read_regular(root / "plan.json") + listing.encode()).hexdigest()
 
 

@@ -105,6 +105,28 @@ def test_unknown_error_of_nodes_leaves_no_total_error() -> None:
     assert bounds["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
 
 
+@pytest.mark.parametrize("assumptions", [[], [RIGID_RING]])
+def test_case_counts_by_the_error_of_each_feature(assumptions: list[str]) -> None:
+    """The error of the model of one feature is not added to the step error of another."""
+    steps = {"step_error.line": [0.0] * 3, "step_error.rms": [0.03, 0.03, 0.06]}
+    results = frame({LINE: [1.0] * 3, RMS: [1.0] * 3} | steps)
+    goal = plan([LINE, RMS], {LINE: 0.03}) | {"assumptions": assumptions}
+    expected = f"2 of 3 cases are within 5 % of the reference model, the others within 6 %; {RELATIVE}"
+    assert next(iter(accuracy_notes(goal, results))) == expected
+
+
+def test_remedies_apply_to_each_feature() -> None:
+    """More nodes do not bring the line within 5 %; twice its scatter is 4 times the duration."""
+    goal = plan([LINE, RMS])
+    goal["accuracy"]["jobs"]["a"] |= {"error": {LINE: 0.06}, "nodes": {RMS: 0.03}}
+    goal["accuracy"]["jobs"]["b"] |= {"error": {LINE: 0.03, RMS: 0.045}}
+    columns = {LINE: [1.0] * 3, RMS: [1.0] * 3, f"{LINE}-scatter": [0.0, 0.04, 0.0], "chaotic": [0.0, 1.0, 0.0]}
+    assert list(accuracy_notes(goal, frame(columns | {"rms_scatter": [0.0] * 3}))) == [
+        f"1 of 3 cases are within 5 % of the reference model, the others within 7 %; {RELATIVE}",
+        "  1 more would be within it with 4.0 times the `duration`",
+    ]
+
+
 RELATIVE = "relative to the largest value of the curve"
 
 
@@ -195,6 +217,17 @@ def test_audit_fails_beyond_the_accuracy(audit: float, is_failed: bool) -> None:
 def test_audit_passes_within_the_scatter_of_both_runs() -> None:
     columns = {LINE: [1.0, 2.0, 2.0, 1.4], f"{LINE}-scatter": [0.15, 0.0, 0.0, 0.1], "chaotic": [1.0] * 4}
     assert not withdrawn_errors(plan([LINE], audits=AUDIT), frame(columns))
+
+
+@pytest.mark.parametrize(("baseline", "count"), [("d", 1), ("e", 0)])
+def test_audit_of_a_change_includes_the_scatter_of_its_baselines(baseline: str, count: int) -> None:
+    """Job `a` and its audit `c` differ by 0.3; two standard errors of 0.1 in each baseline are 0.28."""
+    change = f"{LINE}-healthy"
+    columns = {change: [1.0, 1.0, 1.3, math.nan, math.nan], LINE: [1.0] * 5, "chaotic": [0.0, 0.0, 0.0, 1.0, 1.0]}
+    columns[f"{LINE}-scatter"] = [0.0, 0.0, 0.0, 0.1, 0.1]
+    goal = plan([change], audits=[{"of": "a", "job": "c"}], curves=[])
+    results = frame(columns, healthy=["d", "", baseline, "", ""])
+    assert len(withdrawn_errors(goal, results)) == count
 
 
 def test_failed_audit_withdraws_the_curve_of_its_feature_only() -> None:

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from bearingsim import selection, store
+from bearingsim.plots.points import relative_bounds
 from bearingsim.selection import Choice
 from bearingsim.selection.choices import key
 from bearingsim.store import layouts
@@ -63,6 +64,22 @@ def test_table_has_each_part_of_the_error_once() -> None:
     assert table["error.start"].tolist() == [0.02, 0.03]
     assert table["error.model"].tolist() == pytest.approx([0.01, 0.01])
     assert table["error"].tolist() == pytest.approx([0.03, 0.04])
+
+
+def test_error_bar_of_a_chaotic_result_includes_its_scatter_once() -> None:
+    """The feature `error.start` includes the scatter, the part of the error only the excess over it."""
+    accuracy = {"within": 0.05, "of": ["velocity@BPFO"], "curves": [], "audits": []}
+    accuracy |= {"jobs": {"a": {"model": "ring", "why": "", "error": {}}}}
+    columns = {"velocity@BPFO": 2.0, "velocity@BPFO-scatter": 0.04, "chaotic": 1.0, "error.start": 0.03}
+    frame = pd.DataFrame([columns], index=pd.Index(["a"], name="job")).add_prefix("features/")
+    frame = frame.assign(healthy="", unit="u", status="done", reason="")
+    plan = {"jobs": [{"job": "a", "swept": {}, "variation": False}], "accuracy": accuracy, "assumptions": []}
+    table = store.table.table(plan, frame)
+    assert table["error.start"].tolist() == pytest.approx([0.03 - 0.04 / 2.0])
+    bounds = relative_bounds(table)
+    assert bounds is not None
+    assert bounds.tolist() == pytest.approx([0.03])
+    assert table["error"].tolist() == pytest.approx([0.03])
 
 
 def test_swept_values_replace_no_column_of_the_table() -> None:
