@@ -1,5 +1,6 @@
 """Effect of the variations of `uncertainty:` on the results, in words."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,7 +40,7 @@ def variation_effects(
                 if PARAMETER_KINDS[quantity].choices
                 else f" {PARAMETER_KINDS[quantity].range_text(tried_values)}"
             )
-            effects_text = ", ".join(map(str, effects)).replace("by", preposition, 1)
+            effects_text = re.sub("by(?! an unknown)", preposition, ", ".join(map(str, effects)), count=1)
             yield f"{quantity}{values_text} changes {effects_text} {MEANING}"
             yield from _chaotic_variations(plan, frame, quantity)
 

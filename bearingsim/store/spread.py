@@ -24,9 +24,9 @@ def spread(
 ) -> "pd.DataFrame":
     """Return ``least`` and ``largest`` of a feature (SI) over a job and its variations.
 
-    quantity: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs whose variations all
-    have a result; the range is NaN if one of their standard errors is unknown. The column ``chaotic`` is True if
-    any of the motions is chaotic. Empty for a phase, which has no range.
+    quantity: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs that have a result, as
+    all of their variations; the range is NaN if one of their standard errors is unknown. The column ``chaotic`` is
+    True if any of the motions is chaotic. Empty for a phase, which has no range.
     """
     import numpy as np
     import pandas as pd
@@ -39,12 +39,12 @@ def spread(
     if not entries or name not in frame or name.endswith(".phase"):
         return pd.DataFrame(columns=columns)
     pairs = pd.DataFrame([(variation["of"], variation["job"]) for variation in entries], columns=["of", "job"])
+    nominal = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
+    pairs = pd.concat([nominal, pairs], ignore_index=True)
     is_missing = frame[name].reindex(pairs["job"]).isna().to_numpy()
     pairs = pairs[~pairs["of"].isin(pairs["of"][is_missing])]  # a partial range would be mistaken for the full one
     if pairs.empty:
         return pd.DataFrame(columns=columns)
-    nominal = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
-    pairs = pd.concat([nominal, pairs], ignore_index=True)
     value = frame[name].reindex(pairs["job"]).to_numpy()
     standard_errors = standard_error(frame, feature).reindex(pairs["job"]).to_numpy()
     pairs = pairs.assign(least=value - standard_errors, largest=value + standard_errors)
@@ -119,7 +119,7 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if block_errors is not None:
         relative = block_errors.where(block_errors.notna(), relative)
     if base != feature.removesuffix(".phase") and f"features/{base}-healthy" in frame:  # the change may be small
-        relative = relative * (frame[f"features/{reference}"] / frame[f"features/{base}-healthy"]).abs()
+        relative = relative * (frame[f"features/{base}"] / frame[f"features/{base}-healthy"]).abs()
     return relative
 
 

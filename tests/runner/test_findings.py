@@ -122,6 +122,16 @@ def test_chaotic_jobs_are_reported_with_a_remedy(line: list[float], rms: list[fl
     assert not list(scatter_warnings(pd.DataFrame({"status": ["failed"]})))
 
 
+def test_error_of_a_change_in_a_band_is_that_of_its_own_value() -> None:
+    """1 % of an RMS of 10 m/s^2 is 2 % of a change by 5 m/s^2, whatever the RMS of the velocity is."""
+    name = "acceleration.rms@10-1000Hz-healthy"
+    features = {"velocity.rms": 1e-3, "standard_error.rms": 0.01, "rms_scatter": 0.025, "chaotic": 1.0}
+    features |= {name: 5.0, name.removesuffix("-healthy"): 10.0}
+    frame = pd.DataFrame([features], index=[JOB]).add_prefix("features/")
+    [text] = scatter_warnings(frame, [name])
+    assert f"standard error of {name} up to 2 %; a `duration` 16 times as long" in text
+
+
 @pytest.mark.parametrize(
     ("errors", "parts"),
     [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],

@@ -13,7 +13,7 @@ from bearingsim.plots.points import relative_bounds
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.variations import variation_effects
 from bearingsim.sensitivity import Effects, Estimate, effects_text
-from bearingsim.store import ERROR_PARTS
+from bearingsim.store import ERROR_PARTS, spread
 from bearingsim.store.nearness import error_bounds
 from tests.store.test_nearness import AUDIT, LINE, RMS, frame, plan
 
@@ -162,3 +162,15 @@ def test_small_effects_are_not_printed_as_zero() -> None:
     """For example those of the cage slip, a share."""
     estimate = Estimate(*(np.array([value, 1e-6]) for value in (0.004, 0.003, 0.005)))
     assert "mu* 0.004 (0.003 to 0.005)" in effects_text(Effects(estimate, estimate, estimate), "x", ["p", "q"])
+
+
+def test_unknown_effect_is_not_stated_as_a_limit() -> None:
+    """A range relative to zero is unknown; that of the RMS is 50 % in the case `b`."""
+    results = frame({LINE: [0.0, 0.0, 1.0, 1.0], "velocity.rms": [1.0, 1.0, 1.1, 1.5]})
+    [text] = variation_effects(VARIED, results, [LINE, "velocity.rms"])
+    assert f"changes {LINE} by an unknown amount, velocity.rms by up to 50 % (" in text
+
+
+def test_case_without_a_value_has_no_range() -> None:
+    """The range of its variations alone could be taken for that of the case."""
+    assert spread(VARIED, frame({LINE: [nan, 1.0, 3.0, 1.2]}), LINE).index.tolist() == ["b"]
