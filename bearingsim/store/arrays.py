@@ -63,21 +63,26 @@ def _attributes(name: str, swept: bool) -> dict[str, str]:
 
 
 def _stack(series: dict[str, Series]) -> dict[str, Any]:
-    """Stack channels to arrays (job, time), and return them with the time axis as variables for xarray."""
+    """Stack channels to arrays (job, time), and return them with the time axis as variables for xarray.
+
+    A channel that a job has not recorded is NaN there: a healthy baseline has no slices.
+    """
     if not series:
         return {}
-    reference = next(iter(series.values()))
-    if not all(np.array_equal(signals.time, reference.time) for signals in series.values()):
+    recorded = [job_series for job_series in series.values() if job_series.channels]
+    time = recorded[0].time if recorded else np.empty(0)
+    if not all(np.array_equal(job_series.time, time) for job_series in recorded):
         raise ResultsError("the jobs have different time axes; select jobs of one duration and sampling")
+    absent = np.full(len(time), np.nan, np.float32)
     stacked = {
         name: (
             ("job", "time"),
-            np.stack([signals.channels[name] for signals in series.values()]),
+            np.stack([job_series.channels.get(name, absent) for job_series in series.values()]),
             channel_attributes(name),
         )
-        for name in reference.channels
+        for name in dict.fromkeys(name for job_series in recorded for name in job_series.channels)
     }
-    return {"time": ("time", reference.time, {"units": "s"}), **stacked}
+    return {"time": ("time", time, {"units": "s"}), **stacked}
 
 
 def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":

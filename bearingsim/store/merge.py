@@ -131,7 +131,15 @@ def _entry_text(results: Results, name: str) -> str:
     value = results.plan.get(name)
     if name == "accuracy" and value:  # the notes depend on the run: they mention the plan of each choice
         value = {key: entry for key, entry in value.items() if key != "notes"}
+    if name == "measured" and value:  # the folder of the study may be another on each machine
+        value = [entry | {"points": [_without_folder(point) for point in entry["points"]]} for entry in value]
     return json.dumps(value, sort_keys=True)
+
+
+def _without_folder(point: dict[str, Any]) -> dict[str, Any]:
+    """Return a measured point with the name of its signal's file instead of the path."""
+    signal = point.get("signal")
+    return point if signal is None else point | {"signal": signal | {"path": Path(signal["path"]).name}}
 
 
 def _difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.store.scans import find_scan_copy, short_path
+from bearingsim.text.numbers import is_number
 from bearingsim.text.units import UNITS, Dimension
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
     tree: dict[str, Any] = {}
     for path, value in parameters.items():
         if value == value and value != "":
-            _set_nested(tree, str(path).split("."), _as_integer(value))
+            _set_nested(tree, str(path).split("."), _as_integer(_as_number(str(path), value)))
     if root is not None:
         surfaces = _mapping(tree.get("surfaces", {}))
         races = [_mapping(surfaces.get(race, {})) for race in ("outer", "inner")]
@@ -68,6 +69,19 @@ def _use_scan_copy(root: Path, section: dict[str, Any]) -> None:
     """Set the file of a scanned defect or race to its stored copy. Raises ScanError if there is no copy."""
     if "file" in section:
         section["file"] = str(find_scan_copy(root, str(section.get("digest")), str(section["file"])))
+
+
+def _as_number(path: str, value: Any) -> Any:
+    """Convert a number stored as text, because other jobs have a word such as `auto` there, to float."""
+    from bearingsim.study import dimension
+
+    if not isinstance(value, str) or not is_number(value):
+        return value
+    try:
+        dimension(path)
+    except KeyError:  # a name or a digest, which cannot be swept
+        return value
+    return float(value)
 
 
 def _as_integer(value: Any) -> Any:

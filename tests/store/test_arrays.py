@@ -100,3 +100,24 @@ def test_cases_that_are_no_full_grid_are_refused(tmp_path: Path, values: list[di
     ):
         results.to_xarray(grid=True)
     assert dict(results.to_xarray().sizes) == {"job": 1 + len(values), "time": 205}
+
+
+def test_channel_that_some_jobs_lack_is_nan_there(tmp_path: Path) -> None:
+    """The healthy baseline of a study that records slices has no slices, or no series."""
+    study = FakeStudy()
+    records = [(job, record_of(job.case)) for job in study.jobs()]
+    records[1][1].series["ring.acceleration.x"] = records[1][1].series.pop("ring.velocity.y")
+    records[3][1].series.clear()
+    store.write_plan(tmp_path, study, study.jobs())  # type: ignore[arg-type]
+    store.write_units(tmp_path, records, PROVENANCE)  # type: ignore[arg-type]
+    results = store.open_results(tmp_path)
+    data = results.to_xarray()
+    expected = {
+        "ring.velocity.x": [False, False, False, True],
+        "ring.velocity.y": [False, True, False, True],
+        "ring.acceleration.x": [True, False, True, True],
+    }
+    assert {name: np.isnan(data[name].values).all(axis=1).tolist() for name in expected} == expected
+    job, other = results.jobs[1], "ring.acceleration.x"
+    np.testing.assert_array_equal(data[other].sel(job=job), results.series(job)[other])
+    assert set(expected) <= set(results.to_xarray(results.jobs[::-1]))

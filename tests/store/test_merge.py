@@ -15,6 +15,7 @@ from bearingsim import selection, store
 from bearingsim.runner import run
 from bearingsim.selection import Choice
 from bearingsim.store.sealed import write_json
+from bearingsim.study.measured_values import MeasuredPoint, MeasuredSet, SignalFile
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
@@ -191,6 +192,21 @@ def test_path_of_the_study_file_may_differ(tmp_path: Path) -> None:
     first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     second = make_folder(tmp_path / "b", FakeStudy(WIDTHS, path=Path("/elsewhere/fake.yaml")), [[1]])
     assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
+
+
+def test_folder_of_measured_signals_may_differ(tmp_path: Path) -> None:
+    """The plan contains the absolute path of a signal, which is another one on each machine."""
+
+    def folder_of(name: str, signal: str, unit: list[int]) -> Path:
+        signals = SignalFile(signal, "1", "m/s^2")
+        points = (MeasuredPoint({"load": 150.0}, {"velocity@BPFO": 1e-6}, "fake.yaml:5", signals),)
+        study = FakeStudy(WIDTHS, measured=(MeasuredSet("rig", False, points),))
+        return make_folder(tmp_path / name, study, [unit])
+
+    first, second = folder_of("a", "/home/a/run1.wav", [0]), folder_of("b", "/home/b/run1.wav", [1])
+    assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
+    with pytest.raises(store.Unmergeable, match="`measured` differs"):
+        store.merge([first, folder_of("c", "/home/a/run2.wav", [1])], tmp_path / "other")
 
 
 def make_accuracy(within: float, notes: list[str]) -> dict[str, Any]:
