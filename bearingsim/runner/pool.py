@@ -79,11 +79,30 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
         except BrokenProcessPool as death:
             pending = [work for work in pending if work.unit not in finished_units]
             suspect_ids = take_suspects(pending[0].root, [work.unit for work in pending])
+            stored_ids = _stored_ids(pending)
+            for outcome in _stored_outcomes(pending, stored_ids):
+                deaths.reset()
+                yield outcome
+            suspect_ids -= stored_ids
             deaths.add(death, suspect_ids)
             suspect_works += [work.subset([job]) for work in pending for job in _ids(work) & suspect_ids]
-            remaining = (work.subset(_ids(work) - suspect_ids) for work in pending)
+            remaining = (work.subset(_ids(work) - suspect_ids - stored_ids) for work in pending)
             pending = [work for work in remaining if work.jobs]
     yield from _compute_one_by_one(suspect_works, deaths, workers)
+
+
+def _stored_ids(works: Sequence[Work]) -> set[str]:
+    """List the jobs of unfinished units that are stored: the outcomes of their units were lost with the pool."""
+    others = works[0].others
+    return set() if others is None else others.list_jobs() & {job.id for work in works for job in work.jobs}
+
+
+def _stored_outcomes(works: Sequence[Work], stored_ids: set[str]) -> Iterator[Outcome]:
+    """Yield the outcome of each unit with stored jobs; its CPU times are unknown."""
+    for work in works:
+        done = tuple(job.id for job in work.jobs if job.id in stored_ids)
+        if done:
+            yield Outcome(work.unit, done, ())
 
 
 def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:

@@ -127,7 +127,8 @@ def _request_stop(number: int, frame: FrameType | None) -> None:
     if _flag is not None:
         _flag.set()
     for other in SIGNALS:
-        signal.signal(other, signal.SIG_DFL)
+        if signal.getsignal(other) is _request_stop:  # a signal that was ignored remains so
+            signal.signal(other, signal.SIG_DFL)
     say("finishing the running jobs (press again to stop at once)", err=True)
 
 

@@ -38,11 +38,16 @@ class Plan:
 def make_plan(
     root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, stored_before: set[str] | None
 ) -> Plan:
-    """Determine the jobs to compute.
+    """Determine the jobs to compute; remove failures of jobs that have been computed since.
+
+    Such a failure remains if a run is killed between the two steps, and would prevent the repetition of the job if
+    its unit were damaged later.
 
     stored_before: ids of the jobs stored when the run began, None if no trials may have added some since.
     """
     holdings = store.holdings(root, verify)
+    for job in holdings.failures.keys() & holdings.sealed:
+        store.clear_failure(root, job)
     remaining = [job for job in jobs if job.id not in holdings.sealed]
     ids = {job.id for job in remaining}
     failures = {job: failure for job, failure in holdings.failures.items() if job in ids}

@@ -62,7 +62,7 @@ class OtherRuns:
     """Jobs that other runs have stored in a folder since this run began.
 
     known_units: names of the units in the folder when the jobs were planned. Units that this run has stored since
-    are included, which has no effect because their jobs are not started again.
+    are included, which has no effect because their jobs are not started again (``pool.outcomes``).
     """
 
     root: Path
@@ -73,10 +73,14 @@ class OtherRuns:
     def has_stored(self, job: str) -> bool:
         """Check if another run has stored a job; the list of units is at most LISTING_INTERVAL_S old."""
         if time.monotonic() - self._checked_at >= LISTING_INTERVAL_S:
-            others = store.unit_names(self.root) - self.known_units
-            self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
+            self._jobs = self.list_jobs()
             self._checked_at = time.monotonic()
         return job in self._jobs
+
+    def list_jobs(self) -> set[str]:
+        """List the jobs that this and other runs have stored since this run began."""
+        units = store.unit_names(self.root) - self.known_units
+        return {name for unit in units for name in _jobs(store.unit_path(self.root, unit))}
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,10 @@ def check_units(
     """
     checked, known_stamps = CheckedUnits(), {} if verify else _known_stamps(table)
     for path in units:
-        stamp = _stamp(path)
+        try:
+            stamp = _stamp(path)
+        except FileNotFoundError:  # another run has renamed it, because it is damaged
+            continue
         if known_stamps.get(path.stem) == stamp:
             checked.in_table.add(path.stem)
         elif path.stem in known_rows and known_rows[path.stem]["stamp"].iloc[0].startswith(f"{stamp} "):

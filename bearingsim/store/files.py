@@ -245,6 +245,6 @@ def sweep(root: Path) -> list[Path]:
         for path in temporary_files(root):
             with lock_leftover(path) as is_leftover:
                 if is_leftover:
-                    path.unlink()
+                    path.unlink(missing_ok=True)  # its writer closes a file before removing it
                     removed.append(path)
     return removed

@@ -127,5 +127,5 @@ def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
             if is_leftover:
                 with suppress(*UNREADABLE):
                     suspects.update(read_regular(path).decode().split()[-1:])
-                path.unlink()
+                path.unlink(missing_ok=True)
     return suspects

@@ -1,6 +1,7 @@
 """Interruptions whose exception is lost, as in a destructor, and raised again before a long wait."""
 
 import signal
+from typing import Any
 
 import pytest
 
@@ -48,3 +49,21 @@ def test_work_begins_without_a_signal(monkeypatch: pytest.MonkeyPatch) -> None:
     with defer_signals():
         has_begun = True
     assert has_begun
+
+
+def _handlers_after(number: int) -> dict[int, Any]:
+    """Raise a signal in this process; return the handlers of SIGHUP and of this signal after it."""
+    signal.raise_signal(number)
+    return {other: signal.getsignal(other) for other in (signal.SIGHUP, number)}
+
+
+def test_ignored_hangup_stays_ignored_while_jobs_finish() -> None:
+    """Under `nohup` the first SIGTERM must not make the later hangup fatal."""
+    before, handlers = signal.signal(signal.SIGHUP, signal.SIG_IGN), dict[int, Any]()
+    try:
+        with pytest.raises(Signalled), defer_signals():
+            handlers.update(_handlers_after(signal.SIGTERM))
+        assert handlers == {signal.SIGHUP: signal.SIG_IGN, signal.SIGTERM: signal.SIG_DFL}
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)

@@ -7,6 +7,7 @@ import os
 import re
 import sys
 import time
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 from bearingsim import store
-from bearingsim.runner import progress, run
+from bearingsim.runner import pool, progress, run
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
 from bearingsim.runner.summary import group_failures
 from bearingsim.text import announcer
@@ -284,6 +285,42 @@ def test_job_that_succeeds_alone_does_not_fail(tmp_path: Path) -> None:
     assert (tmp_path / "died").exists()
     assert (summary.done, summary.failed) == (4, 0)
     assert "worker died" in [line["event"] for line in journal_of(tmp_path / "out")]
+
+
+def test_unit_whose_outcome_is_lost_with_the_pool_is_of_this_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A worker dies after another has stored a unit, before this process has received its outcome."""
+    original, deaths = pool._compute_in_pool, list[BrokenProcessPool]()
+
+    def lose_first_unit(works: Any, workers: int) -> Any:
+        if deaths:
+            yield from original(works, workers)
+            return
+        list(original(works[:1], workers))
+        deaths.append(BrokenProcessPool("died"))
+        raise deaths[0]
+
+    monkeypatch.setattr(pool, "_compute_in_pool", lose_first_unit)
+    counts = tmp_path / "counts"
+    study = FakeStudy([1e-3 * (i + 1) for i in range(5)], dict.fromkeys(range(5), f"count {counts}"), seconds=0.1)
+    summary = compute(study, tmp_path / "out", 2)
+    assert (summary.done, summary.missing, summary.exit_code) == (6, 0, 0)
+    assert "another run" not in str(summary)
+    assert sorted(counts.read_text().split()) == sorted(job.id for job in study.jobs()[:5])  # none twice
+
+
+def test_failure_of_a_computed_job_does_not_prevent_its_repetition(tmp_path: Path) -> None:
+    """The failure remains if `--retry-failed` is killed between storing the result and removing the failure."""
+    study = FakeStudy()
+    compute(study, tmp_path)
+    store.Failure(study.jobs()[0].id, "left").write(tmp_path)
+    compute(study, tmp_path)
+    assert not store.read_failures(tmp_path)
+    for path in tmp_path.glob("units/??/*.h5"):
+        path.write_bytes(path.read_bytes()[:-100])
+    assert compute(study, tmp_path).failed == 0
+    assert set(table_of(tmp_path)["status"]) == {"done"}
 
 
 # Shards and packing

@@ -5,6 +5,8 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,6 +24,7 @@ from bearingsim.store import files
 from bearingsim.store.columns import columns
 from bearingsim.store.files import temporary, write_bytes
 from bearingsim.store.names import parameter_attributes
+from bearingsim.store.own_files import FAILURES, OwnFiles
 from bearingsim.store.sealed import new_hdf5
 from tests.scenes.fake_studies import PROVENANCE, FakeCase, FakeJob, FakeStudy, case_id, record_of, store_jobs
 
@@ -316,3 +319,55 @@ def test_an_error_names_the_file_instead_of_its_temporary_name(tmp_path):
     with pytest.raises(OSError, match="too long") as caught:
         write_bytes(path, b"")
     assert caught.value.filename == str(path)
+
+
+def test_case_is_rebuilt_from_a_column_of_words_and_numbers() -> None:
+    """The numbers of `step: [auto, 2 us]` are stored as text; a name of digits remains a text."""
+    sizes = {"rollers": 9, "roller_diameter": 0.01, "roller_length": 0.01, "pitch_diameter": 0.05}
+    bearing = {"name": "6205", "bore": 0.03, "outside_diameter": 0.07, "width": 0.015} | sizes
+    base = Case.model_validate({"bearing": bearing, "speed": 100.0, "load": 50.0})
+    cases = [base, base.model_copy(update={"step": 2e-6}), base.model_copy(update={"settle": 0.1})]
+    stored = columns([store.flat_parameters(case) for case in cases])
+    rows = [{name: values[row] for name, values in stored.items()} for row in range(len(cases))]
+    rebuilt = [store.case_of(row) for row in rows]
+    assert [(case.step, case.settle) for case in rebuilt] == [("auto", "auto"), (2e-6, "auto"), ("auto", 0.1)]
+    assert {case.bearing.name for case in rebuilt} == {"6205"}
+
+
+def test_marker_removed_by_its_writer_does_not_stop_a_sweep(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A writer closes its marker, which releases the lock, before removing it."""
+    original = files.lock_leftover
+
+    @contextmanager
+    def removed_meanwhile(path: Path) -> Iterator[bool]:
+        with original(path) as is_leftover:
+            path.unlink()
+            yield is_leftover
+
+    monkeypatch.setattr(files, "lock_leftover", removed_meanwhile)
+    monkeypatch.setattr("bearingsim.store.journal.lock_leftover", removed_meanwhile)
+    folder = tmp_path / "units" / "ab"
+    folder.mkdir(parents=True)
+    for take in (store.sweep, lambda root: store.take_suspects(root, [UNIT])):
+        (folder / f"{UNIT}.host-1-00000000.started").write_text("")
+        take(tmp_path)
+        assert not list(folder.iterdir())
+
+
+def test_failure_cleared_by_another_run_does_not_stop_the_table(
+    tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store_jobs(tmp_path, study, study.jobs()[:3])
+    store.Failure(study.jobs()[3].id, "left").write(tmp_path)
+    original = OwnFiles.find
+
+    def remove_meanwhile(kind: OwnFiles, root: Path) -> list[Path]:
+        paths = original(kind, root)
+        if kind is FAILURES:
+            store.clear_failure(root, study.jobs()[3].id)
+        return paths
+
+    monkeypatch.setattr(OwnFiles, "find", remove_meanwhile)
+    assert list(store.build_table(tmp_path)["status"]) == ["done"] * 3 + ["missing"]
