@@ -4,6 +4,7 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from string import ascii_lowercase
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure as Canvas
@@ -239,6 +240,9 @@ def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str,
         ax.set_xticks(range(len(distinct)), [labels.value_text(figure.x, value, units) for value in distinct])
         ax.margins(x=0.12)
     elif "x" in figure.log:
+        if min(distinct) <= 0.0:
+            zero = labels.value_text(figure.x, min(distinct), units)
+            raise labels.PlotError(f"a logarithmic axis has no place for {labels.name_text(figure.x)} {zero}")
         ax.set_xscale("log")
         log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
     else:
@@ -249,6 +253,8 @@ def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str,
 def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
     """Set limits and ticks of a feature's y axis, from zero if no value is negative."""
     if "y" in figure.log and not name.endswith(".phase"):
+        if not math.isfinite(ax.dataLim.minposy):
+            raise labels.PlotError(f"no value of `{name}` is above zero, as a logarithmic axis needs")
         ax.set_yscale("log", nonpositive="mask")
         log_ticks(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
     elif name.endswith(".phase"):
@@ -263,8 +269,14 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
 
 def letter(ax: "Axes", number: int, count: int, text: str) -> None:
     """Write `(a)` and the panel's text above its upper left corner."""
-    letter = f"({chr(ord('a') + number)})" if count > 1 else ""
-    ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
+    letters = f"({_letters(number)})" if count > 1 else ""
+    ax.set_title(" ".join(filter(None, [letters, text])), loc="left")
+
+
+def _letters(number: int) -> str:
+    """Return the letters of a panel, from 0: a to z, then aa, ab."""
+    more, last = divmod(number, len(ascii_lowercase))
+    return (_letters(more - 1) if more else "") + ascii_lowercase[last]
 
 
 EDGE = 0.03  # minimum distance of a curve from the edge of its axes, over their height

@@ -16,6 +16,7 @@ from bearingsim.plots.caption import fixed_values, sampling_of
 from bearingsim.plots.overlay import overlaid_signals
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shaded
+from bearingsim.plots.ticks import NumberFormatter
 from bearingsim.plots.units import Scale, scale_of
 
 if TYPE_CHECKING:
@@ -312,7 +313,7 @@ def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
         width, order = (HEALTHY_WIDTH, 2.5) if curve.is_healthy else (WIDTH, 1.8 if curve.is_measured else 2.0)
         ax.plot(x, scale.shown(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name or None)
     ax.margins(x=0.0)
-    ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+    ax.yaxis.set_major_formatter(NumberFormatter())
 
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool, height: float) -> None:

@@ -51,6 +51,7 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
 SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # quantities in mrad instead of degrees
 SMALL_ANGLES = (("mrad", 1e3), ("µrad", 1e6), ("nrad", 1e9))
 SHARES = ("cage.slip",)  # dimensionless quantities shown in per cent, as are their statistics
+DIGITS = 5  # significant digits of a number in a text
 NO_BREAK = "\u00a0"  # space at which no line is broken
 COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
 """Column of the table that is drawn like a feature: name, unit, text."""
@@ -119,7 +120,7 @@ def shown(path: str, value: float, unit: str) -> float:
     return display(value, unit, _dimension(path)) if unit else value
 
 
-def number_text(value: float, digits: int = 5) -> str:
+def number_text(value: float, digits: int = DIGITS) -> str:
     """Format a number with at most some significant digits, without an exponent up to a million: `2e6`, `1e-5`."""
     rounded = float(f"{value:.{digits}g}")
     text = f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
@@ -132,6 +133,8 @@ def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
     if not isinstance(value, int | float):
         return phrase(str(value))
     unit = unit_of(path, units)
+    if _dimension(path) is None and float(value).is_integer():  # a seed or a count, which is not rounded
+        return f"{value:.0f}"
     return with_unit(number_text(shown(path, float(value), unit)), unit)
 
 

@@ -15,6 +15,7 @@ from bearingsim.plots.passage import Passage, Reals, ends_of_slices, first_passa
 from bearingsim.plots.recorded import Job
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.style import COLOURS, LINES
+from bearingsim.plots.ticks import NumberFormatter
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -231,6 +232,6 @@ def _draw_tilts(ax: "Axes", legend_axes: "Axes", picture: "Axes", load: LoadAlon
     ax.set_xlim(picture.get_xlim())
     ax.set_xlabel("Time (ms)")
     ax.set_ylabel(f"Tilt, skew ({unit})" if len(load.tilts) > 1 else axis_label(next(iter(load.tilts)), unit))
-    ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+    ax.yaxis.set_major_formatter(NumberFormatter())
     legend_axes.set_axis_off()
     legend_axes.legend(*ax.get_legend_handles_labels(), loc="upper left", fontsize=7, borderaxespad=0.0)

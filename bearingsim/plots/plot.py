@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, view_of
+from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, is_given, view_of
 from bearingsim.plots.labels import PlotError, PlotWarning
 from bearingsim.plots.sheet import ALL, Sheet, file_words
 from bearingsim.study import Figure
@@ -66,7 +66,7 @@ def drawn(
 
     Warns of figures of the study that cannot be drawn; raises the first error if none can.
     """
-    options = {key: value for key, value in options.items() if value}
+    options = {key: value for key, value in options.items() if is_given(value)}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
     figures = requested(results, kind, options)
@@ -75,8 +75,10 @@ def drawn(
     numbered = kind is None or not KINDS[kind].of_jobs
     sheets: list[tuple[str, Canvas]] = []
     problems = []
+    is_only_design = [figure.kind for figure in figures].count("design") == 1
     for number, figure in enumerate(figures, 1):
-        prefix = f"{'plot' if options else 'fig'}{number}" if numbered and figure.kind != "design" else ""
+        is_numbered = numbered and not (figure.kind == "design" and is_only_design)
+        prefix = f"{'plot' if options else 'fig'}{number}" if is_numbered else ""
         try:
             for sheet in draw(results, figure, jobs):
                 named = "y" in options and sheet.words[0] == options["y"][0]

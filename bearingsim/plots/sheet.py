@@ -1,6 +1,7 @@
 """Drawn figure and the words of its file name."""
 
 from collections.abc import Sequence
+from hashlib import sha256
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -20,6 +21,10 @@ class Sheet(NamedTuple):
 
 
 def file_words(figure: "Figure", jobs: Sequence[str]) -> list[str]:
-    """List the words of the file name of a figure of signals: its kind, channels and jobs."""
-    more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
+    """List the words of the file name of a figure of signals: its kind, channels and jobs.
+
+    Of many jobs the first are named; a digest of the others keeps the name apart from that of other jobs.
+    """
+    others = sha256(" ".join(jobs[MAX_NAMED:]).encode()).hexdigest()[:4]
+    more = [f"and {len(jobs) - MAX_NAMED} more {others}"] if len(jobs) > MAX_NAMED else []
     return [figure.kind, *figure.y, *(job[:8] for job in jobs[:MAX_NAMED]), *more]

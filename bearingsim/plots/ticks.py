@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.ticker import FixedLocator, Locator, LogLocator, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, Formatter, Locator, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from bearingsim.plots import labels
 from bearingsim.plots.style import RC
@@ -20,6 +20,35 @@ INTERVAL_COUNTS = (7, 5, 4, 3, 2, 1)  # largest numbers of intervals between lin
 DIGIT_WIDTH = 0.65  # em, of a digit in DejaVu Sans (0.636), with a margin
 LINE_HEIGHT = 1.2  # em, of a label
 GAP_POINTS = 4.0  # points, minimum distance of two labels
+MAX_DIGITS = 15  # significant digits of a double
+ROUNDING = 0.01  # largest deviation of a label from its tick, over the distance of two ticks
+
+
+def digits_of(values: Sequence[float]) -> int:
+    """Return the number of significant digits of tick labels: 5, or more if ticks are so close that these differ.
+
+    A label may deviate from its tick by ``ROUNDING`` of the smallest distance of two ticks.
+    """
+    steps = np.abs(np.diff(values))
+    room = ROUNDING * float(min(steps[steps > 0.0], default=np.inf))
+    wide = range(labels.DIGITS, MAX_DIGITS)
+    fits = (d for d in wide if all(abs(float(labels.number_text(v, d)) - v) <= room for v in values))
+    return next(fits, MAX_DIGITS)
+
+
+class NumberFormatter(Formatter):
+    """Formatter of ticks as decimal numbers, with as many digits as distinguish neighbouring ticks."""
+
+    digits = labels.DIGITS
+
+    def set_locs(self, locs: Any) -> None:
+        """Choose the number of digits for the ticks of the axis."""
+        super().set_locs(locs)
+        self.digits = digits_of(locs)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the label of a tick."""
+        return labels.number_text(x, self.digits)
 
 
 class FittingLocator(Locator):
@@ -64,8 +93,10 @@ class FittingLocator(Locator):
         is_vertical = axis.axis_name == "y"
         low, high = transform(np.array(axis.get_view_interval()))
         points_per_unit = (box.height if is_vertical else box.width) * 72.0 / axis.figure.dpi / abs(high - low)
+        digits = digits_of(values)
         lengths = [
-            LINE_HEIGHT if is_vertical else DIGIT_WIDTH * len(labels.number_text(value)) for value in values
+            LINE_HEIGHT if is_vertical else DIGIT_WIDTH * len(labels.number_text(value, digits))
+            for value in values
         ]
         widths = size * 0.5 * np.add(lengths[1:], lengths[:-1]) + GAP_POINTS
         return bool(np.all(points_per_unit * np.abs(np.diff(transform(values))) >= widths))
@@ -81,7 +112,7 @@ def log_ticks(axis: "Axis", low: float, high: float) -> None:
         FittingLocator(_linear_locators(MAX_LINEAR_INTERVALS) if has_linear_ticks else [*dense, *sparse])
     )
     axis.set_minor_locator(NullLocator() if has_linear_ticks else LogLocator(subs="auto"))
-    axis.set_major_formatter(lambda value, _: labels.number_text(value))
+    axis.set_major_formatter(NumberFormatter())
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -92,7 +123,7 @@ def linear_ticks(axis: "Axis", values: Sequence[float] = ()) -> None:
     """
     at_values = [FixedLocator(values)] if len(values) else []
     axis.set_major_locator(FittingLocator([*at_values, *_linear_locators(INTERVAL_COUNTS[0])]))
-    axis.set_major_formatter(lambda value, _: labels.number_text(value))
+    axis.set_major_formatter(NumberFormatter())
 
 
 def _linear_locators(max_intervals: int) -> list[Locator]:

@@ -145,3 +145,12 @@ def test_log_sampled_range_has_log_axis(results):
     text = SOBOL.replace("defect.length: [3 mm, 9 mm]", "contact.damping.beta: {log: [0.5 us, 10 us]}")
     _, canvas = only(drawn(results(text), kind="design", y=["velocity@BPFO"]))
     assert [ax.get_xscale() for ax in canvas.axes] == ["linear", "log", "linear"]
+
+
+def test_several_figures_of_a_design_have_names_of_their_own(results):
+    text = SOBOL + "  model: [static, ring]\nfigures:\n"
+    text += "".join(
+        f"  - {{kind: design, y: velocity@BPFO, where: {{model: {model}}}}}\n" for model in ("static", "ring")
+    )
+    names = [name for name, _ in drawn(results(text))]
+    assert names == ["fig1-design-velocity-bpfo", "fig2-design-velocity-bpfo"]
