@@ -99,14 +99,19 @@ def frequencies(line: Line, parameters: "pd.DataFrame") -> list[float]:
 def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
     """Yield the lines up to ``highest`` (Hz) of the families of a job's defects, sidebands and their spacing."""
     for race in races(parameters) or ["outer"]:
-        family = FAMILIES[race]
-        fundamental = frequency(family.fundamental, parameters)
+        yield from (mark for mark in _family_marks(race, parameters, highest) if mark.hertz <= highest)
+
+
+def _family_marks(race: str, parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
+    """Yield the lines of one element: all up to ``highest`` (Hz), and some above."""
+    family = FAMILIES[race]
+    fundamental = frequency(family.fundamental, parameters)
+    spacing = frequency(family.modulation, parameters) if family.modulation else 0.0
+    if family.modulation:
+        yield Mark(spacing, race, family.spacing_name, 0, side=1)
+    for k in range(1, int((highest + spacing) / fundamental) + 1):  # the last lower sideband may be below
+        yield Mark(k * fundamental, race, family.name(k), k)
         if family.modulation:
-            yield Mark(frequency(family.modulation, parameters), race, family.spacing_name, 0, side=1)
-        for k in range(1, int(highest / fundamental) + 1):
-            yield Mark(k * fundamental, race, family.name(k), k)
-            if family.modulation:
-                spacing = frequency(family.modulation, parameters)
-                for sign, side in (("-", -1), ("+", 1)):
-                    name = f"{family.name(k)} {sign} {family.spacing_name}"
-                    yield Mark(k * fundamental + side * spacing, race, name, k, side)
+            for sign, side in (("-", -1), ("+", 1)):
+                name = f"{family.name(k)} {sign} {family.spacing_name}"
+                yield Mark(k * fundamental + side * spacing, race, name, k, side)

@@ -51,13 +51,14 @@ def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
         colour = MARK_COLOURS[race]
         marks = [mark for mark in lines.marks(job.parameters, high) if mark.race == race]
         marks = [mark for mark in marks if low <= mark.hertz <= high]
-        drawn_marks = _apart(marks, MARKS_APART * (high - low))
+        fundamental = lines.frequency(lines.FAMILIES[race].fundamental, job.parameters)
+        drawn_marks = _apart(marks, fundamental, MARKS_APART * (high - low))
         for mark in drawn_marks:
             dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.side else {"alpha": 0.5}
             ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
         if named:
             distance = NAMES_APART_IN / _width(ax) * (high - low)
-            harmonics = _apart([mark for mark in marks if not mark.side], distance)
+            harmonics = _apart([mark for mark in marks if not mark.side], fundamental, distance)
             sidebands = [mark for mark in drawn_marks if mark.side and mark.number]
             for row in (sidebands, [*(mark for mark in drawn_marks if not mark.number), *harmonics]):
                 height += ROW_POINTS * _name_marks(ax, row, colour, height)
@@ -117,16 +118,13 @@ def _width(ax: "Axes") -> float:
     return float(canvas.get_size_inches()[0]) / subplot.get_gridspec().ncols
 
 
-def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:
+def _apart(marks: Sequence[lines.Mark], fundamental: float, distance: float) -> list[lines.Mark]:
     """Select marks about ``distance`` (Hz) apart: the fundamental, multiples of a round number, their sidebands.
 
     Sidebands are left out if they would be closer than a third of that.
     """
-    fundamentals = [mark.hertz / mark.number for mark in marks if not mark.side]
-    if not fundamentals:
-        return []
-    every = next((step for step in ROUND_STEPS if step * fundamentals[0] >= distance), ROUND_STEPS[-1])
-    spacings = [abs(mark.hertz - mark.number * fundamentals[0]) for mark in marks if mark.side]
+    every = next((step for step in ROUND_STEPS if step * fundamental >= distance), ROUND_STEPS[-1])
+    spacings = [abs(mark.hertz - mark.number * fundamental) for mark in marks if mark.side]
     with_sidebands = every == 1 and min(spacings, default=0.0) >= distance / 3.0
     round_ones = [mark for mark in marks if mark.number == 1 or mark.number % every == 0]
     return [mark for mark in round_ones if with_sidebands or not mark.side]

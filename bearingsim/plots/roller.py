@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-FEW_TICKS = 90.0  # deg, minimum range of angles with a tick every 90 deg
+FEW_TICKS = 90.0  # deg, distance of ticks, and minimum range of angles that has them
 
 
 def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
@@ -43,7 +42,8 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
         values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, figure.view))
-        angle = np.degrees(recorded.roller_angle(job, (roller_of(channel) or (1, ""))[0]) + pi) % 360.0 - 180.0
+        angle = np.degrees(recorded.roller_angle(job, (roller_of(channel) or (1, ""))[0]))
+        angle = _around(angle, 0.5 * (low + high))
         return _in_range(angle, values, low, high, one_pass=bool(figure.view.around))
 
     if figure.view.healthy is None:
@@ -52,13 +52,19 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
     panels = grid(content(results, records, channels, figure, display), figure.title)
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
         for ax in row:
-            ax.set_xlim(low, high)
             if high - low > FEW_TICKS:
-                ax.set_xticks(range(-180, 181, 90))
+                ax.set_xticks(np.arange(np.ceil(low / FEW_TICKS), high / FEW_TICKS + 1e-9) * FEW_TICKS)
+            ax.set_xlim(low, high)
             for job in jobs_of_row:
                 for angle in outer_defects(job.parameters):
-                    ax.axvline(np.degrees(angle), color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
+                    position = _around(np.degrees(angle), 0.5 * (low + high))
+                    ax.axvline(position, color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
     return [Sheet(file_words(figure, jobs), panels.canvas)]
+
+
+def _around(angle: Any, middle: float) -> Any:
+    """Return angles (deg) in the revolution around the middle of the axis (deg)."""
+    return (angle - middle + 180.0) % 360.0 - 180.0 + middle
 
 
 def _in_range(angle: np.ndarray, values: np.ndarray, low: float, high: float, one_pass: bool) -> Curve:

@@ -103,7 +103,7 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     joined_paths = joined(x, [], rows, units)
     leading = [x, *(path for path in design_paths(results) if path != x)]
     paths = [path for path in varied(rows, list(units)) if path not in (*joined_paths, *leading)]
-    others = [path for path in paths if not _follows(path, leading, rows)]
+    others = [path for path in paths if not follows(path, leading, rows)]
     ordered = sorted(others, key=lambda path: len(values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
     panels = tuple(ordered[:1]) if curves > MAX_CURVES and len(ordered) > 1 else ()
@@ -122,7 +122,7 @@ def some_jobs(rows: "pd.DataFrame") -> list[str]:
     return list(dict.fromkeys(done[round(i * (len(done) - 1) / (SOME - 1))] for i in range(SOME))) if done else []
 
 
-def _follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
+def follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
     """Check if a path has a single value for each combination of values of other paths."""
     return set(leading) <= set(rows) and bool(rows.groupby(list(leading))[path].nunique().max() <= 1)
 
@@ -264,11 +264,13 @@ def _as_categories(
     """Merge paths into one, whose column has the joined words: `envelope, ring` for `excitation, model`."""
     if len(paths) == 1:
         return paths[0], rows
-    texts = [
-        ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != NONE)
-        for _, row in rows[list(paths)].iterrows()
-    ]
+    texts = [category(paths, row, units) for row in rows[list(paths)].to_dict("records")]
     return ", ".join(paths), rows.assign(**{", ".join(paths): texts})
+
+
+def category(paths: Sequence[str], row: Mapping[Any, Any], units: Mapping[str, str]) -> str:
+    """Join the words of some paths to one category; words for `none` are left out."""
+    return ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != NONE)
 
 
 def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
@@ -343,7 +345,7 @@ def undrawn_paths(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
     """
     drawn = [*figure.x.split(", "), *figure.by, *figure.panels]
     for path in varied(rows, [path for path in units if path not in drawn]):
-        yield path, next((leader for leader in drawn if _follows(path, [leader], rows)), "")
+        yield path, next((leader for leader in drawn if follows(path, [leader], rows)), "")
 
 
 def splits(

@@ -10,7 +10,7 @@ from bearingsim.plots.grid import Content, Curve, Display, content, grid
 from bearingsim.plots.overlay import signal_points
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
-from bearingsim.plots.window import cut, pass_period, window_of
+from bearingsim.plots.window import cut, origin_text, pass_period, window_of
 
 if TYPE_CHECKING:
     from bearingsim.store import Results
@@ -54,7 +54,7 @@ def series_of(
         part = cut(signal._replace(values=values), window)
         return (part.time - window.origin) / scale, part.values
 
-    since = " from the middle of the defect" if view.around else ""
+    since = origin_text(records.values()) if view.around else ""
     texts = _texts(figure, records, channels)
     if any(True for job in jobs for _ in signal_points(results, job)):
         texts.append("measured signals from their own start")

@@ -14,7 +14,7 @@ from bearingsim.plots.labels import PlotError
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.style import COLUMN_IN
 from bearingsim.plots.units import scale_of
-from bearingsim.plots.window import cut, pass_period, window_of
+from bearingsim.plots.window import cut, origin_text, pass_period, window_of
 
 if TYPE_CHECKING:
     from bearingsim.plots.recorded import Signal
@@ -38,6 +38,8 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     view = figure.view
     records = recorded.load_jobs(results, jobs)
     channel = recorded.channels_for(records, figure.y)[0]
+    if view.range:
+        recorded.check_passband("range", view.range, *records.values())
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     maps = {}
     for name, job in records.items():
@@ -59,14 +61,15 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
         ax.set_ylabel("Frequency (kHz)")
         ax.grid(False)
         ax.set_title(labels.swept_text(swept[name], results.plan["units"]), loc="left", fontsize=8)
-    axes[-1].set_xlabel(f"Time{' from the impact' if view.around else ''} (ms)")
+    axes[-1].set_xlabel(f"Time{origin_text(records.values()) if view.around else ''} (ms)")
     text = recorded.text_of(channel)
     canvas.colorbar(colours, ax=list(axes), label=f"{text} ({scale.unit_text(amplitude=True)})")
     table = select.case_rows(results)
     swept_paths = set().union(*(swept[name] for name in jobs))
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)
-    length = pass_period(next(iter(records.values()))) / PER_PASS
-    finish(canvas, figure.title, [f"segments of {1e3 * length:.2g} ms", *sampling_of(records.values()), *fixed])
+    lengths = sorted(1e3 * pass_period(job) / PER_PASS for job in records.values())
+    ends = " to ".join(dict.fromkeys(f"{length:.2g}" for length in (lengths[0], lengths[-1])))
+    finish(canvas, figure.title, [f"segments of {ends} ms", *sampling_of(records.values()), *fixed])
     return [Sheet(file_words(figure, jobs), canvas)]
 
 

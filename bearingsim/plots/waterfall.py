@@ -1,6 +1,7 @@
 """Spectra stacked over a swept parameter."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.figure import Figure as Canvas
 
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish
-from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.caption import fixed_values, following_parameters, sampling_of
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import mark_lines, share_lines
 from bearingsim.plots.sheet import Sheet
@@ -38,8 +39,10 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
 
     units = results.plan["units"]
     table = select.case_rows(results).set_index("job").loc[list(jobs)].reset_index()
-    path = _stacked_path(figure, select.varied(table, list(units)), table)
-    others = [other for other in select.varied(table, list(units)) if other != path]
+    select.check_paths(figure.by, units)
+    varied = select.varied(table, list(units))
+    path = _stacked_path(figure, varied, table)
+    others = [other for other in varied if other != path and not select.follows(other, [path], table)]
     groups = list(select.splits(table, others, units))
     records = recorded.load_jobs(results, jobs)
     channel = recorded.channels_for(records, figure.y)[0]
@@ -80,7 +83,8 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(step, 3)} {scale.unit}"
     caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
     fixed = fixed_values(results, table, {path, *others})
-    finish(canvas, figure.title, [*caption, *sampling_of(records.values()), *fixed])
+    tied = following_parameters(replace(figure, x=path, by=(), panels=tuple(others)), table, units)
+    finish(canvas, figure.title, [*caption, *sampling_of(records.values()), *fixed, *tied])
     return [Sheet(["waterfall", channel, "over", path], canvas)]
 
 

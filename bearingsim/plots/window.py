@@ -1,5 +1,6 @@
 """Part of a record that a figure shows."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -73,6 +74,17 @@ def pass_period(job: Job) -> float:
     return 1.0 / lines.frequency(lines.FAMILIES["outer"].fundamental, job.parameters)
 
 
+def origin_text(jobs: Iterable[Job]) -> str:
+    """Name the zero of the time axis of a window around an impact, as ``impact_time`` finds it."""
+    names = ("the largest deviation" if is_on_rollers(job) else "the middle of the defect" for job in jobs)
+    return f" from {' or '.join(dict.fromkeys(names))}"
+
+
+def is_on_rollers(job: Job) -> bool:
+    """Check if all defects of a job are on rollers, so that no passage can be found."""
+    return lines.races(job.parameters) == ["roller"]
+
+
 def impact_time(
     results: "Results", name: str, job: Job, channel: str, span: float
 ) -> tuple[float, tuple[float, float] | None]:
@@ -82,10 +94,9 @@ def impact_time(
     recorded, the time at which the channel deviates most from its mean. Raises PlotError for a healthy bearing, or
     if no roller passes.
     """
-    races = lines.races(job.parameters)
-    if not races:
+    if not lines.races(job.parameters):
         raise PlotError(f"job {name} has no defect, so there is no impact; use `from` and `span`")
-    if races == ["roller"]:
+    if is_on_rollers(job):
         signal = next(recorded.signals_of(job, channel))
         return float(signal.time[np.argmax(np.abs(signal.values - signal.values.mean()))]), None
     passage = passage_of(results, name, job, channel, span)

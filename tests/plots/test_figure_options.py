@@ -227,7 +227,8 @@ def test_an_invalid_option_is_named(make_results, kind, options, option, message
         ("sweep", {"where": {"lod": "1 N"}}, r"no swept path `lod` in these results \(did you mean `load`"),
         ("waterfall", {"by": ["load"]}, "a waterfall needs 3 spectra or more over `load`"),
         ("waterfall", {"by": ["load", "defect.length"]}, "give `by` once"),
-        ("roller", {"range": "190 deg..200 deg"}, "no sample has an angle from 190 to 200"),
+        ("waterfall", {"by": ["lod"]}, r"no swept path `lod` in these results \(did you mean `load`"),
+        ("spectrogram", {"range": "0..21 kHz"}, "the records are flat to 20480 Hz, 0.4 of their `sampling`"),
     ],
 )
 def test_option_beyond_the_records_is_refused(make_results, kind, options, message):

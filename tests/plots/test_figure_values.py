@@ -3,6 +3,7 @@
 import math
 import re
 
+import numpy as np
 import pytest
 
 from bearingsim.figure_kinds import View, limits, view_of
@@ -206,3 +207,98 @@ def test_a_stored_view_is_restored():
     entry = {"y": [], "x": "", "by": [], "panels": [], "where": {}, "title": None, "log": [], "kind": "spectrum",
              "view": {"range": [0.0, 2000.0], "db": True, "start": 1e-3, "of a later version": 1}}  # fmt: skip
     assert stored_figure(entry).view == view
+
+
+def marks_of(ax):
+    """Positions of the vertical lines in axes."""
+    return [float(line.get_xdata()[0]) for line in ax.lines if len(line.get_xdata()) == 2]
+
+
+@pytest.mark.parametrize("limits", [(-60.0, 60.0), (-180.0, 180.0), (80.0, 200.0)])
+def test_angles_of_a_roller_and_its_defect_are_within_the_range(make_results, limits):
+    """The range is that of the axis also if ticks at 90 deg lie beyond it; 250 deg is -110 deg."""
+    stored = make_results(STUDY.replace("angle: 0 deg", "angle: 250 deg"))
+    low, high = limits
+    where = {"load": "150 N", "defect.length": "3 mm"}
+    _, canvas = only(drawn(stored, kind="roller", range=f"{low} deg..{high} deg", where=where))
+    [ax] = canvas.axes
+    assert ax.get_xlim() == pytest.approx(limits)
+    assert [mark for mark in marks_of(ax) if low <= mark <= high] == pytest.approx(
+        [-110.0] if low < -110.0 else []
+    )
+    angles = long_curves(ax)[0].get_xdata()
+    assert np.nanmin(angles) == pytest.approx(low, abs=0.5)
+    assert np.nanmax(angles) == pytest.approx(high, abs=0.5)
+
+
+def test_passage_over_a_defect_opposite_the_load_is_complete(make_results):
+    stored = make_results(STUDY.replace("angle: 0 deg", "angle: 180 deg"))
+    where = {"load": "150 N", "defect.length": "3 mm"}
+    _, canvas = only(drawn(stored, kind="roller", around="impact", where=where))
+    [ax] = canvas.axes
+    low, high = ax.get_xlim()
+    [mark] = marks_of(ax)
+    angles = long_curves(ax)[0].get_xdata()
+    assert low < mark < high
+    assert mark % 360.0 == pytest.approx(180.0)
+    assert (angles[0] - low, high - angles[-1]) == pytest.approx((0.0, 0.0), abs=0.3)
+
+
+def test_spectra_over_a_tied_parameter_are_stacked(make_results):
+    text = STUDY.partition("sweep:")[0]
+    text += "sweep: {zip: {defect.length: [3 mm, 6 mm, 9 mm], load: [150 N, 200 N, 250 N]}}\n"
+    _, canvas = only(drawn(make_results(text), kind="waterfall", by=["load"]))
+    [ax] = canvas.axes
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["150 N", "200 N", "250 N"]
+    assert "defect length varies with x: 3 to 9 mm" in " ".join(canvas.get_supxlabel().split())
+
+
+def test_caption_has_the_segments_of_all_speeds(make_results):
+    """A ball pass takes 1/79.5 s and 1/159 s; a segment is an eighth of it."""
+    stored = make_results(STUDY.replace("load: [150 N, 300 N]", "speed: [900 rpm, 1800 rpm]"))
+    _, canvas = only(drawn(stored, kind="spectrogram", where={"defect.length": "3 mm"}))
+    assert " ".join(canvas.get_supxlabel().split()).startswith("segments of 0.79 to 1.6 ms")
+
+
+@pytest.mark.parametrize("mean", [0, 0.0, "0"])
+def test_mean_is_subtracted_for_a_number_too(make_results, mean):
+    _, canvas = only(drawn(make_results(), kind="series", mean=mean, where={"load": "150 N"}))
+    assert long_curves(canvas.axes[0])[0].get_ydata().mean() == pytest.approx(0.0, abs=0.01)
+
+
+def test_zero_of_the_time_axis_is_named(make_results):
+    """The angle of a roller defect is unknown, so no passage is found."""
+    stored = make_results(STUDY.replace("race: outer", "race: roller, roller: 1"))
+    _, canvas = only(
+        drawn(stored, kind="series", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
+    )
+    assert canvas.axes[-1].get_xlabel() == "Time from the largest deviation (ms)"
+
+
+def test_sideband_without_its_harmonic_is_marked(make_results):
+    """BPFI - fr of 201 Hz, below BPFI of 231 Hz."""
+    stored = make_results(STUDY.replace("race: outer", "race: inner"))
+    where = {"load": "150 N", "defect.length": "3 mm"}
+    _, canvas = only(drawn(stored, kind="spectrum", range="120 Hz..220 Hz", where=where))
+    assert marks_of(canvas.axes[0]) == pytest.approx([201.0])
+
+
+def test_labels_of_close_ticks_differ(make_results, monkeypatch):
+    """A force of 100 N that varies by 1 mN."""
+
+    def steady(case):
+        result = record_of(case)
+        wave = 100.0 + 1e-3 * np.sin(1e3 * result.time)
+        result.series = dict.fromkeys(result.series, wave)
+        return result
+
+    stored = make_results()
+    monkeypatch.setattr("tests.scenes.figure_results.record", steady)
+    stored.path.rename(stored.path.with_name("first"))
+    where = {"load": "150 N", "defect.length": "3 mm"}
+    _, canvas = only(drawn(make_results(), kind="series", y=["roller.1.outer_force"], where=where))
+    canvas.draw_without_rendering()
+    [axis] = [ax.yaxis for ax in canvas.axes]
+    texts = [text.get_text() for text in axis.get_ticklabels()]
+    assert len(set(texts)) == len(texts)
+    assert [float(text) for text in texts] == pytest.approx(list(axis.get_ticklocs()), abs=1e-5)
