@@ -8,6 +8,7 @@ from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.plots import labels
 from bearingsim.plots.points import relative_bounds
 from bearingsim.store import relative_error
+from bearingsim.store.nearness import scales
 from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
@@ -26,6 +27,19 @@ START_ERRORS = {"line": "error.start", "rms": "error.start.rms", "force": "error
 """Column with the relative error of the initial transient, by the kind of step error."""
 STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
 SMALLEST_VALUE = 1e-3  # of the largest value; errors of smaller ones are below the width of a curve
+
+
+def with_errors(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> "pd.DataFrame":
+    """Add columns ``error NAME`` (SI), the error bounds of the features that the `accuracy` of the study covers.
+
+    They are relative to the curves of the study, which may be longer than those of the figure.
+    """
+    relative, accuracy = relative_bounds(rows), results.plan.get("accuracy")
+    if relative is None or accuracy is None:
+        return rows
+    names = [name for name in features if name in accuracy["of"] and results.has_feature(name)]
+    largest = {name: scales(results.plan, results.frame, name).reindex(rows["job"]).to_numpy() for name in names}
+    return rows.assign(**{f"error {name}": relative * largest[name] for name in names})
 
 
 def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
@@ -47,11 +61,9 @@ def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd
 def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) -> Iterator[str]:
     """Yield the errors of features that exceed 1 % of a value, for the caption of a figure of these rows.
 
-    Nothing is yielded for a study with `accuracy`, whose figures have error bars.
+    Features with error bars, in the columns of ``with_errors``, are left out.
     """
-    if relative_bounds(rows) is not None:
-        return
-    for name in names:
+    for name in (name for name in names if f"error {name}" not in rows):
         numerical, start = numerical_errors(results, rows, name), _start_errors(rows, name)
         for text, error in (("numerical error", numerical), ("start error", start)):
             if error is not None and (share := _largest_shares(error, rows[name].abs())) is not None:

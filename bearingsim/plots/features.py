@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import design, select, sweep
 from bearingsim.plots.caption import band_of_record, fixed_values, following_parameters, varying
-from bearingsim.plots.error_bounds import error_texts
+from bearingsim.plots.error_bounds import error_texts, with_errors
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.sheet import Sheet
 
@@ -84,9 +84,11 @@ def prepared(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Prep
     """Complete a figure over a swept path, and collect its content. Raises PlotError, as ``select.completed``."""
     units, design = results.plan["units"], select.design_paths(results)
     figure, part = select.completed(wanted, rows, units, design)
+    is_scattered = bool(select.scattered(figure, part, design))
+    part = part if is_scattered else with_errors(results, part, figure.y)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
     caption += [*band_of_record(results, part, figure.y), *error_texts(results, part, figure.y)]
-    if select.scattered(figure, part, design):
+    if is_scattered:
         texts = [*varying(figure, part, units), *_design_texts(results)]
         return Prepared(figure, part, caption + texts, scattered=True)
     caption += following_parameters(figure, part, units)
@@ -103,7 +105,7 @@ def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
     if scattered:
         return Sheet(words, design.draw(figure, part, units, caption))
     if sweep.are_many(figure, part, units):
-        return Sheet(words, sweep.draw_names(figure, part, units, caption))
+        return Sheet(words, sweep.draw_names(figure, part, units, caption, results.measured))
     return Sheet(words, sweep.draw(figure, part, units, caption, results.measured))
 
 

@@ -44,15 +44,18 @@ def mark_measured(
     curves: Sequence["Curve"],
     sets: Sequence["MeasuredSet"],
     factor: float,
+    upright: bool = False,
 ) -> None:
     """Draw the measured values of feature ``name`` as open marks.
 
     A mark has the colour of its curve, or ``COLOUR`` if it may belong to several. Points at other parameters than
-    those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis.
+    those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis; upright:
+    whether x is on the vertical axis.
     """
     for entry, shape in zip(sets, _shapes(sets), strict=True):
         for x, y, colour in _marks(drawing, name, part, curves, entry):
-            ax.plot([x], [y * factor], marker=shape, mec=colour, **MARK)
+            place = ([y * factor], [x]) if upright else ([x], [y * factor])
+            ax.plot(*place, marker=shape, mec=colour, **MARK)
 
 
 def entries(drawing: Drawing, sets: Sequence["MeasuredSet"]) -> list[Line2D]:
@@ -84,12 +87,15 @@ def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]
     None if the point has no value of x, or if its other parameters match no row.
     """
     parameters, x = point["parameters"], drawing.figure.x
-    others = {path: value for path, value in parameters.items() if path != x and path in part}
-    if x not in parameters or not all(
-        any(same(stored, value) for stored in part[path]) for path, value in others.items()
+    paths = x.split(", ")  # several if words are joined to a category
+    others = {path: value for path, value in parameters.items() if path not in paths and path in part}
+    cases = part[list(others)].drop_duplicates().to_dict("records") if others else [{}]
+    if not set(paths) <= set(parameters) or not any(
+        all(same(case[path], value) for path, value in others.items()) for case in cases
     ):
         return None
-    return _position(x, parameters[x], drawing.rows, drawing.units)
+    value = parameters[x] if len(paths) == 1 else select.category(paths, parameters, drawing.units)
+    return _position(x, value, drawing.rows, drawing.units)
 
 
 def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mapping[str, str]) -> float | None:
@@ -103,7 +109,7 @@ def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mappin
 def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", parameters: Mapping[str, float | str], x: str) -> str:
     """Return the colour of the only curve that matches ``parameters`` except ``x``, else ``COLOUR``."""
     by_job = part.set_index("job")
-    others = {path: value for path, value in parameters.items() if path != x and path in part}
+    others = {path: value for path, value in parameters.items() if path not in x.split(", ") and path in part}
     colours = {
         str(curve.style.colour)
         for curve in curves

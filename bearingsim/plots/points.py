@@ -1,7 +1,7 @@
 """Points of the curves in a figure of features, without their style."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,12 +33,6 @@ class Points:
     status: list[str]
     models: list[str]
 
-    def having(self, name: str) -> Iterator[tuple[float, float, float]]:
-        """Yield x, y and another quantity of the points at which all are finite."""
-        for x, y, value in zip(self.x, self.y, getattr(self, name), strict=True):
-            if math.isfinite(x * y * value):
-                yield x, y, value
-
 
 def points_of(
     figure: Figure,
@@ -50,22 +44,21 @@ def points_of(
 ) -> Points:
     """Return the points of feature ``name`` along a curve of a completed figure.
 
-    curve: its rows in order of x; rows: all rows of the figure, with the columns of ``select.with_spread`` and
-    ``select.with_baselines``; factor: from SI to the unit of the axis.
+    curve: its rows in order of x; rows: all rows of the figure, with the columns of ``error_bounds.with_errors``,
+    ``select.with_spread`` and ``select.with_baselines``; factor: from SI to the unit of the axis.
     """
 
     def column(key: str) -> list[float]:
         return list(curve[key] * factor) if key in curve else [math.nan] * len(curve)
 
-    y = column(name)
     has_several_models = "error.model" in rows and len(set(filter(None, rows["model"]))) > 1
     return Points(
         jobs=list(curve["job"]),
         x=positions(figure.x, curve, rows, units),
-        y=y,
+        y=column(name),
         low=column(f"least {name}"),
         high=column(f"largest {name}"),
-        error=_error_bounds(curve, y),
+        error=column(f"error {name}"),
         healthy=column(f"baseline {name}"),
         chaotic=list(map(bool, is_uncertain(curve, name))),
         status=list(curve["status"]),
@@ -73,20 +66,11 @@ def points_of(
     )
 
 
-def _error_bounds(curve: "pd.DataFrame", y: Sequence[float]) -> list[float]:
-    """Return the error bounds of model, step and scatter; NaN unless the study names an accuracy.
-
-    They are relative to the largest value of a curve, and larger if an audit failed.
-    """
-    relative = relative_bounds(curve)
-    if relative is None:
-        return [math.nan] * len(curve)
-    largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
-    return list(largest * relative)
-
-
 def relative_bounds(rows: "pd.DataFrame") -> "pd.Series[float] | None":
-    """Return the error bounds of rows relative to their curve's largest value; None without an accuracy."""
+    """Return the error bounds of rows relative to the largest value of their curve in the study.
+
+    A difference found by a failed audit is one if it is larger. None without an accuracy.
+    """
     if not all(name in rows for name in (*ERROR_PARTS, "error")):
         return None
     parts = rows[[*ERROR_PARTS]].sum(axis=1, skipna=False)  # an unknown part leaves no bound

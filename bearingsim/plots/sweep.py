@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -29,7 +29,6 @@ from bearingsim.plots.axes import (
     y_axis,
     y_label,
 )
-from bearingsim.plots.points import Points
 from bearingsim.plots.style import PAGE_IN
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.plots.units import ROUNDING_NOTE, feature_scale
@@ -67,8 +66,8 @@ def draw(
             points = curve.points
             ax.plot(*_broken(points.x, points.y, name), **curve.style.keywords())
             mark_spread(ax, curve)
-            mark_errors(ax, curve)
-            mark_models(ax, points, models_of(rows))
+            mark_errors(ax, curve, points.x, points.y)
+            mark_models(ax, points.x, points.y, points.models, models_of(rows))
             mark_chaotic(ax, points.x, points.y, points.chaotic)
             mark_jobs_without_result(ax, points)
         if f"baseline {name}" in rows:
@@ -84,7 +83,7 @@ def draw(
 
 def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:
     """Draw the level of the healthy bearing, dashed: one line if all curves share it, else in their colours."""
-    shared = len({(*curve.points.x, *curve.points.healthy) for curve in curves}) == 1
+    shared = len({str((curve.points.x, curve.points.healthy)) for curve in curves}) == 1  # NaN equals NaN
     for curve in curves[:1] if shared else curves:
         colour = BASELINE_COLOUR if shared else curve.style.colour
         ax.plot(curve.points.x, curve.points.healthy, **BASELINE, color=colour)
@@ -110,22 +109,23 @@ def mark_spread(ax: "Axes", curve: Curve) -> None:
         ax.vlines(abscissas, lowest, highest, color=curve.style.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
-def mark_errors(ax: "Axes", curve: Curve) -> None:
-    """Draw the error bound of model, step and scatter as bars, if the study names an accuracy."""
-    bounded = list(curve.points.having("error"))
+def mark_errors(ax: "Axes", curve: Curve, x: Sequence[float], y: Sequence[float], along: str = "y") -> None:
+    """Draw the error bounds of model, step and scatter as bars ``along`` an axis, if the study has an accuracy."""
+    errors = curve.points.error
+    bounded = [(a, b, error) for a, b, error in zip(x, y, errors, strict=True) if math.isfinite(a * b * error)]
     if bounded:
-        abscissas, value, error = zip(*bounded, strict=True)
-        ax.errorbar(abscissas, value, error, fmt="none", ecolor=curve.style.colour, elinewidth=1.0, capsize=2.5)
+        *places, lengths = zip(*bounded, strict=True)
+        bars: dict[str, Any] = {f"{along}err": lengths, "ecolor": curve.style.colour}
+        ax.errorbar(*places, fmt="none", elinewidth=1.0, capsize=2.5, **bars)
 
 
-def mark_models(ax: "Axes", points: Points, marks: Mapping[str, str]) -> None:
+def mark_models(
+    ax: "Axes", x: Sequence[float], y: Sequence[float], models: Sequence[str], marks: Mapping[str, str]
+) -> None:
     """Mark each point by its model if several were chosen."""
     for model, mark in marks.items() if len(marks) > 1 else ():
-        chosen = [
-            (a, b)
-            for a, b, name in zip(points.x, points.y, points.models, strict=True)
-            if name == model and math.isfinite(b)
-        ]
+        points = zip(x, y, models, strict=True)
+        chosen = [(a, b) for a, b, name in points if name == model and math.isfinite(a * b)]
         if chosen:
             ax.plot(*zip(*chosen, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
 
@@ -159,16 +159,23 @@ def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> 
     return not select.is_numeric(categories) and (len(categories) > MAX_UPRIGHT or characters > MAX_CHARACTERS)
 
 
-def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
+def draw_names(
+    figure: Figure,
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+    caption: Sequence[str],
+    measured: Sequence["MeasuredSet"] = (),
+) -> Canvas:
     """Draw a completed figure with the words of x on the vertical axis: a point per case, the first on top.
 
     A column of axes per y, a row per panel, a colour per combination of `by`; the points of a single curve
-    are labelled with their values. Arguments as of ``axes.draw_panels``.
+    are labelled with their values. Arguments as of ``draw``.
     """
+    drawing = overlay.Drawing(figure, rows, units)
     names = select.values(rows, figure.x)
     panels = list(select.splits(rows, figure.panels, units))
     styles = styles_of_curves(figure, rows, units)
-    entries = legend_entries(figure, styles, rows)
+    entries = [*legend_entries(figure, styles, rows), *overlay.entries(drawing, measured)]
     texts = [labels.value_text(figure.x, name, units) for name in names]
     names_in = NAME_CHARACTER_IN * max(map(len, texts))
     values_in = max(MIN_VALUES_IN, min(VALUES_IN, (PAGE_IN - names_in) / len(figure.y)))
@@ -179,7 +186,7 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     for row, (text, part) in enumerate(panels):
         for column, feature in enumerate(figure.y):
             ax = axes[row][column]
-            _values(ax, feature, figure, part, rows, units)
+            _values(ax, feature, drawing, part, measured)
             ax.set_xlabel(textwrap.fill(ax.get_xlabel(), int(values_in / VALUE_CHARACTER_IN)))
             letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
     corner = axes[0][0]
@@ -190,9 +197,10 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
 
 
 def _values(
-    ax: "Axes", name: str, figure: Figure, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]
+    ax: "Axes", name: str, drawing: overlay.Drawing, part: "pd.DataFrame", measured: Sequence["MeasuredSet"]
 ) -> None:
-    """Draw the points of one feature, a row per category."""
+    """Draw the points of one feature, a row per category; part: rows of the panel."""
+    figure, rows, units = drawing
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
     ax.set_xlabel(axis_label(labels.feature_text(name), scale.unit), fontsize=8.0)
     if scale.is_rounding:
@@ -203,10 +211,13 @@ def _values(
         shift = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         values, heights = curve.points.y, [rank + shift for rank in curve.points.x]
         ax.plot(values, heights, **curve.style.keywords())
+        mark_errors(ax, curve, values, heights, along="x")
+        mark_models(ax, values, heights, curve.points.models, models_of(rows))
         mark_chaotic(ax, values, heights, curve.points.chaotic)
         if len(curves) == 1:
             _numbers(ax, values, heights, is_log)
         _mark_jobs_without_result_left(ax, heights, curve.points.status)
+    overlay.mark_measured(ax, drawing, name, part, curves, measured, scale.factor, upright=True)
     _value_axis(ax, name, is_log)
     ax.grid(visible=False, axis="x")
 
@@ -248,5 +259,7 @@ def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
         ax.set_xlim(-190.0, 190.0)
         ax.set_xticks(range(-180, 181, 90))
     else:
-        ax.set_xlim(0.0, ax.get_xlim()[1] * (1.0 + ROOM))
+        low, high = ax.get_xlim()
+        low = low if ax.dataLim.x0 < 0.0 else 0.0
+        ax.set_xlim(low, high + ROOM * (high - low))
         linear_ticks(ax.xaxis)

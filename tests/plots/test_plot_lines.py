@@ -1,13 +1,17 @@
 """Spectral lines that figures show and mark, and axes of words."""
 
+from unittest import mock
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.plots import PlotError, lines
+from bearingsim.plots import PlotError, lines, select
+from bearingsim.plots.axes import MODEL_MARK
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.ticks import log_ticks
 from bearingsim.report import columns
+from bearingsim.store import ERROR_PARTS
 from tests.scenes.figure_results import STUDY, only, record, results, text_of
 
 __all__ = ["results"]
@@ -37,6 +41,13 @@ def test_marks_are_at_fault_frequencies():
     assert frequency_of("2 BPFI + fr", INNER) == pytest.approx(492.0, abs=1e-9)
     assert frequency_of("2 BSF", ROLLER) == pytest.approx(156.96, abs=5e-3)
     assert frequency_of("4 BSF + FTF", ROLLER) == pytest.approx(313.92 + 12.23, abs=1e-2)
+
+
+def test_last_lower_sideband_is_marked_below_its_harmonic():
+    """3 BPFI is at 693 Hz, 3 BPFI - fr at 663 Hz."""
+    names = [mark.name for mark in lines.marks(NF308 | INNER, 690.0)]
+    assert names[-1] == "3 BPFI - fr"
+    assert "3 BPFI" not in names
 
 
 def test_marks_of_defects_on_several_elements_are_ordered():
@@ -185,6 +196,46 @@ def test_curves_over_categories_are_offset(results):
     low, high = canvas.axes[0].lines[:2]
     assert text_of(canvas) == ["load 150 N", "load 300 N"]
     assert np.subtract(high.get_ydata(), low.get_ydata()) == pytest.approx([0.25] * 5)
+
+
+def test_negative_values_beside_names_are_inside_their_axis(results, monkeypatch):
+    def slipping(case):
+        result = record(case)
+        result.features["cage.slip.mean"] = -case.load / 15e3
+        return result
+
+    monkeypatch.setattr("tests.scenes.figure_results.record", slipping)
+    text = with_pairs("  load: [150 N, 300 N]\n")
+    _, canvas = only(drawn(results(text), x="excitation", y=["cage.slip.mean"]))
+    [ax] = canvas.axes
+    low, high = ax.get_xlim()
+    points = np.concatenate([line.get_xdata() for line in ax.lines])
+    assert points.min() == pytest.approx(-2.0)  # per cent
+    assert low < points.min() < points.max() < high
+
+
+@pytest.mark.parametrize("has_errors", [False, True])
+def test_names_have_error_bars_models_and_measured_values(results, has_errors):
+    measured = "measured: [{label: rig, points: [{excitation: envelope, model: ring, friction: none, load: 150 N, "
+    measured += "velocity@BPFO: 9 um/s}]}]\n"
+    stored = results(with_pairs("  load: [150 N, 300 N]\n") + measured)
+    table = stored.table()
+    if has_errors:
+        table = table.assign(**dict.fromkeys((*ERROR_PARTS, "error"), 0.0))
+        table["error.model"] = 0.1
+        jobs = [list(part["job"]) for _, part in select.case_rows(stored).groupby("load")]
+        curves = [{"feature": "velocity@BPFO", "jobs": group} for group in jobs]
+        stored.plan["accuracy"] = {"of": ["velocity@BPFO"], "curves": curves}
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored, x="excitation", y=["velocity@BPFO"]))
+    [ax] = canvas.axes
+    bars = [segment for part in ax.collections for segment in part.get_segments()]
+    assert {round(float(np.ptp(bar[:, 0])) / 2.0, 9) for bar in bars} == ({0.7, 0.8} if has_errors else set())
+    marked = {line.get_marker() for line in ax.lines if line.get_markersize() == MODEL_MARK["ms"]}
+    assert len(marked) == (5 if has_errors else 0)
+    [mark] = [line for line in ax.lines if line.get_gid() == "measured"]
+    assert (list(mark.get_xdata()), list(mark.get_ydata())) == ([pytest.approx(9.0)], [1.0])
+    assert "rig" in text_of(canvas)
 
 
 @pytest.mark.parametrize(("low", "high", "most"), [(9.0, 12.0, 6), (1.0, 80.0, 8), (1e-3, 1e4, 12)])

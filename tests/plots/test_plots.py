@@ -132,6 +132,7 @@ def test_error_bars_and_model_marks_of_study_with_accuracy(results, total, is_dr
         table[name] = share
     table["model"] = "planar"
     table.loc[table["defect.length"] == 6e-3, "model"] = "rollers"
+    stored.plan["accuracy"] = accuracy_of(stored)
     with mock.patch.object(type(stored), "table", return_value=table):
         _, canvas = only(drawn(stored, panels=["load"], by=[]))
     ax = canvas.axes[0]
@@ -142,6 +143,44 @@ def test_error_bars_and_model_marks_of_study_with_accuracy(results, total, is_dr
     marks = [line for line in ax.lines if line.get_markersize() == axes.MODEL_MARK["ms"]]
     positions = {line.get_marker(): set(line.get_xdata()) for line in marks}
     assert positions == {"o": {3.0, 9.0}, "s": {6.0}}
+
+
+def accuracy_of(stored):
+    """Make the accuracy of a plan with a curve over the length of the defect for each load and model."""
+    rows = select.case_rows(stored)
+    names = ["velocity@BPFO", "velocity@BPFO-healthy"]
+    groups = [list(part["job"]) for _, part in rows.groupby(["load", "model"])]
+    return {"of": names, "curves": [{"feature": name, "jobs": jobs} for name in names for jobs in groups]}
+
+
+@pytest.mark.parametrize(
+    ("options", "bars"),
+    [
+        ({"x": "defect.length"}, [0.19] * 3),
+        ({"x": "defect.length", "where": {"defect.length": "3 mm"}}, [0.19]),
+        ({"x": "load", "where": {"defect.length": "3 mm"}}, [0.19, 0.2]),
+        ({"x": "defect.length", "y": ["velocity.rms"]}, []),
+        ({"x": "defect.length", "y": ["seconds"]}, []),
+        ({"x": "defect.length", "kind": "phase"}, []),
+    ],
+)
+def test_error_bars_are_relative_to_the_curves_of_the_study(results, options, bars):
+    """1 % of the largest value over the length, 19 and 20 um/s, only for features that the accuracy covers."""
+    stored = results(STUDY)
+    table = stored.table().assign(**dict.fromkeys((*store.ERROR_PARTS, "error"), 0.0), model="ring")
+    table["error.model"] = 0.01
+    stored.plan["accuracy"] = accuracy_of(stored)
+    table = table[
+        table["job"].isin([job["job"] for job in stored.plan["jobs"] if job["swept"]["model"] == "ring"])
+    ]
+    where = {"load": "150 N"} if options["x"] != "load" else {}
+    options = {"y": ["velocity@BPFO"], **options, "where": options.get("where", {}) | where}
+    if "kind" in options:
+        del options["y"]
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored, **options))
+    drawn_bars = [segment for part in canvas.axes[0].collections for segment in part.get_segments()]
+    assert [(top[1] - low[1]) / 2.0 for low, top in drawn_bars] == pytest.approx(bars)
 
 
 def test_study_without_figures_has_one_per_swept_number(results):
@@ -232,3 +271,60 @@ def test_figures_are_written_with_their_names(results, suffix):
     assert path.read_bytes().startswith(head)
     if suffix == "svg":
         assert "Defect length (mm)" in path.read_text()
+
+
+@pytest.mark.parametrize("log", ["x", "y"])
+def test_logarithmic_axis_without_room_for_a_point_is_refused(results, log):
+    """A point at zero would be outside the axis."""
+    stored = results(STUDY.replace("load: [150 N, 300 N]", "load_across: [0 N, 10 N, 100 N]"))
+    table = stored.table().assign(**{"velocity.rms": 0.0})
+    message = {"x": "no place for load across 0 N", "y": "no value of `velocity.rms` is above zero"}[log]
+    with mock.patch.object(type(stored), "table", return_value=table), pytest.raises(PlotError, match=message):
+        drawn(stored, x="load_across", y=["velocity.rms"], log=[log], where={"model": "ring"})
+
+
+def test_panels_after_the_26th_have_two_letters(results):
+    lengths = ", ".join(f"{3.0 + 0.1 * n:.1f} mm" for n in range(28))
+    stored = results(STUDY.replace("3 mm, 6 mm, 9 mm", lengths).replace("[static, ring]", "[ring]"))
+    _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"], panels=["defect.length"]))
+    assert [ax.get_title(loc="left").split()[0] for ax in canvas.axes[24:]] == ["(y)", "(z)", "(aa)", "(ab)"]
+
+
+def test_curves_of_long_seeds_are_told_apart(results):
+    text = STUDY.replace("load: [150 N, 300 N]", "defect.seed: [20240101, 20240102, 20240103]")
+    stored = results(text.replace("shape: circular, length: 3 mm", "shape: spall, length: 3 mm, seed: 1"))
+    where = {"model": "ring"}
+    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], by=["defect.seed"], where=where))
+    assert text_of(canvas) == [*(f"seed {20240101 + n}" for n in range(3)), "healthy"]
+    assert len({line.get_color() for line in lines(canvas.axes[0])}) == 3
+    _, canvas = only(drawn(stored, x="defect.seed", y=["velocity@BPFO"], where=where))
+    canvas.draw_without_rendering()
+    ticks = {text.get_text() for text in canvas.axes[0].get_xticklabels()}
+    assert ticks <= {"20240101", "20240102", "20240103"}
+    assert len(ticks) >= 2
+
+
+def test_baselines_that_are_missing_at_one_point_are_one_line(results):
+    stored = results()
+    table = stored.table()
+    healthy = [entry["job"] for entry in stored.plan["jobs"] if entry["twin"]]
+    table.loc[table["job"].isin(healthy[:2]), "velocity@BPFO"] = math.nan
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"], where={"model": "ring"}))
+    levels = [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
+    assert [line.get_color() for line in levels] == ["0.35"]
+
+
+def test_a_measured_point_at_no_case_of_a_tied_sweep_has_no_mark(results):
+    """Cases with 0.8 mm and with 150 N exist, but none with both."""
+    text = STUDY.replace(
+        "  load: [150 N, 300 N]\n", "  zip: {defect.width: [0.4 mm, 0.8 mm], load: [150 N, 300 N]}\n"
+    )
+    points = [
+        f"{{load: 150 N, defect.width: {width} mm, defect.length: 3 mm, velocity@BPFO: {value} um/s}}"
+        for width, value in ((0.4, 4.0), (0.8, 8.0))
+    ]
+    stored = results(text + f"measured: [{{label: rig, points: [{', '.join(points)}]}}]\n")
+    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], by=["load"], where={"model": "ring"}))
+    marks = [line.get_ydata() for line in canvas.axes[0].lines if line.get_gid() == "measured"]
+    assert [list(values) for values in marks] == [[pytest.approx(4.0)]]
