@@ -161,15 +161,16 @@ def _window(case: "Case", record: Job, passage: Passage | None, span: float | No
 def instants(load: LoadAlong) -> dict[str, int]:
     """Select the samples at which the distribution is drawn, by name.
 
-    `over the defect`: the median sample among those with the smallest load on the slices over the defect. `largest
-    after`: the largest total load from then on. Without a defect: the largest and the smallest total load.
+    `over the defect`: the median sample among those with the smallest load on the part of the roller over the
+    defect, which may be shorter than a slice. `largest after`: the largest total load from then on. Without a
+    defect: the largest and the smallest total load.
     """
     total = _total_forces(load)
     if load.passage is None:
         return {"largest load": int(np.argmax(total)), "least load": int(np.argmin(total))}
     low, high = load.passage.defect.z
-    middles = (load.ends[1:] + load.ends[:-1]) / 2.0
-    inside = np.maximum(_slice_forces(load)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
+    lengths = np.maximum(np.minimum(load.ends[1:], high) - np.maximum(load.ends[:-1], low), 0.0)  # over the defect
+    inside = np.maximum(lengths @ load.load, 0.0)
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
     over = int(least[len(least) // 2])
     largest = over + int(np.argmax(total[over:]))

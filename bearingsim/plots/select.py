@@ -327,15 +327,16 @@ def _check(word: str, valid: Any, kind: str) -> None:
 
 
 def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]":
-    """Compare a swept column with a value written as ``text``."""
+    """Compare a swept column, of numbers, words or both, with a value written as ``text``."""
     unit_kind = dimension(path)
     try:
         value = parse(text, unit_kind) if unit_kind else float(text)  # seeds have no unit
     except (UnitError, ValueError):
         value = None
-    if value is None or not is_numeric(list(column.dropna())):
+    if value is None:
         return column == text
-    return (column - value).abs() <= 1e-9 * abs(value) + 1e-300
+    numbers = column.where(column.map(lambda entry: is_numeric([entry]))).astype(float)
+    return (column == text) | ((numbers - value).abs() <= 1e-9 * abs(value) + 1e-300)
 
 
 def undrawn_paths(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[tuple[str, str]]:

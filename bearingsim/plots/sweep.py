@@ -114,9 +114,9 @@ def mark_errors(ax: "Axes", curve: Curve, x: Sequence[float], y: Sequence[float]
     errors = curve.points.error
     bounded = [(a, b, error) for a, b, error in zip(x, y, errors, strict=True) if math.isfinite(a * b * error)]
     if bounded:
-        *places, lengths = zip(*bounded, strict=True)
+        across, up, lengths = zip(*bounded, strict=True)
         bars: dict[str, Any] = {f"{along}err": lengths, "ecolor": curve.style.colour}
-        ax.errorbar(*places, fmt="none", elinewidth=1.0, capsize=2.5, **bars)
+        ax.errorbar(across, up, fmt="none", elinewidth=1.0, capsize=2.5, **bars)
 
 
 def mark_models(

@@ -24,7 +24,7 @@ MAX_DIGITS = 15  # significant digits of a double
 ROUNDING = 0.01  # largest deviation of a label from its tick, over the distance of two ticks
 
 
-def digits_of(values: Sequence[float]) -> int:
+def digits_of(values: Sequence[float] | np.ndarray) -> int:
     """Return the number of significant digits of tick labels: 5, or more if ticks are so close that these differ.
 
     A label may deviate from its tick by ``ROUNDING`` of the smallest distance of two ticks.

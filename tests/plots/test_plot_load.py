@@ -243,6 +243,15 @@ def test_instant_over_defect_has_least_load_even_if_no_slice_lifts():
     assert instants(load_along) == {"before": 0, "over the defect": 4, "largest after": 6, "after": 8}
 
 
+def test_instant_over_a_defect_without_the_middle_of_a_slice_is_found():
+    """The middles of the slices are at -0.5 and 0.5, the defect is from -0.2 to 0.2."""
+    load = np.full((2, 9), 4.0)
+    load[:, 1:4] = 2.0
+    passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(-0.2, 0.2)))
+    load_along = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    assert instants(load_along)["over the defect"] == 2
+
+
 def test_largest_load_is_integral_of_line_load():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])

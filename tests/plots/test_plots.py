@@ -87,6 +87,14 @@ def test_where_selects_rows(results):
     assert list(line.get_ydata()) == pytest.approx([8.0, 14.0, 20.0])
 
 
+@pytest.mark.parametrize("value", ["auto", "50 ms", "0.05 s"])
+def test_where_selects_among_words_and_numbers(results, value):
+    stored = results(STUDY.replace("load: [150 N, 300 N]", "settle: [auto, 50 ms]"))
+    rows = select.matching(select.case_rows(stored), {"settle": value}, stored.plan["units"])
+    assert set(rows["settle"]) == {"auto" if value == "auto" else 0.05}
+    assert len(rows) == 6
+
+
 def test_failed_and_missing_jobs_are_marked_at_their_x(results):
     _, canvas = only(drawn(results(lost={0: "failed", 11: "missing"})))
     failed = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
