@@ -49,7 +49,7 @@ def _interpolate_block(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     indices = np.minimum(np.floor(positions).astype(int), rows.shape[1] - TAPS // 2 - 1)
     fractions = positions - indices
     values, total = np.zeros((len(rows), len(positions))), np.zeros(len(positions))
-    fractions = np.maximum(fractions, 1e-12)  # against 0/0
+    fractions = np.clip(fractions, 1e-12, 1.0 - 1e-12)  # against 0/0, also at the last position
     sines = np.sin(pi * fractions)  # of all taps but for the sign
     for tap in range(1 - TAPS // 2, TAPS // 2 + 1):
         distances = fractions - tap

@@ -109,8 +109,10 @@ def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     inside = (frequencies >= low) & (frequencies <= high)
     if not inside.any():
         return float("nan")
-    power = np.abs(transform[inside]) ** 2
-    return float(np.sqrt(2.0 * power.sum() / (len(series) * np.sum(weight**2))))
+    power = 2.0 * np.abs(transform) ** 2
+    if len(series) % 2 == 0:
+        power[-1] /= 2.0  # the Nyquist line has no mirror image
+    return float(np.sqrt(power[inside].sum() / (len(series) * np.sum(weight**2))))
 
 
 MIRROR_LENGTH = 64

@@ -123,6 +123,17 @@ def test_resampling_returns_whole_passes_and_first_number() -> None:
     assert resampled[1, ::64] == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.parametrize("period", [32, 64])
+def test_resampling_reaches_a_pass_that_ends_at_the_last_usable_sample(period: int) -> None:
+    n = np.arange(10 * period + 16)  # sample n - 16 is the end of the tenth pass
+    (resampled,), first = at_equal_angles(
+        1.0 + np.cos(2 * np.pi * 3 * n / period)[np.newaxis], 2 * np.pi * n / period, 64
+    )
+    assert (first, len(resampled)) == (1, 9 * 64 + 1)
+    exact = 1.0 + np.cos(2 * np.pi * 3 * np.arange(len(resampled)) / 64)
+    assert np.abs(resampled - exact).max() < 3e-5
+
+
 def test_line_locked_to_varying_cage_speed_is_exact() -> None:
     t = np.arange(4 * 10240) / FS
     angle = varying_angle(t, BPFO, 0.01, 0.6)

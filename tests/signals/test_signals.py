@@ -9,6 +9,7 @@ import scipy.stats
 
 from bearingsim.core.sampling import RESAMPLE_REACH, kaiser_sinc
 from bearingsim.signals import (
+    band_rms,
     derivative_lines,
     envelope_spectrum,
     line,
@@ -246,3 +247,9 @@ def test_lines_of_repeated_windows_equal_those_of_the_series(
     for n in range(4):
         expected = line_at(series, angle[n] + turn[n] * np.arange(series.shape[1]))
         assert lines[:, n] == pytest.approx(expected, rel=1e-9, abs=1e-12, nan_ok=True)
+
+
+@pytest.mark.parametrize("period", [2, 4])
+def test_rms_of_a_tone_is_right_up_to_half_of_the_rate(period: int) -> None:
+    tone = 3.0 * np.cos(2 * np.pi * np.arange(1000) / period)
+    assert band_rms(7.0 + tone, FS, (0.0, FS / 2)) == pytest.approx(np.std(tone), rel=1e-9)
