@@ -1,6 +1,6 @@
 """Identification of signals, time, sampling rate and speed among the named arrays of a file."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import pi
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     rates: list[Stated[float]] = []
     speeds: dict[str, Stated[float]] = {}
     other_speed = None
-    time = None
+    times: list[Stated[np.ndarray]] = []
     for name, values in arrays.items():
         word, own_unit = word_of(name), (_own_unit(name, texts) or "").strip().lower()
         if values.size == 1:
@@ -48,18 +48,38 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
             elif name.lower().endswith(OWN_SPEED):
                 owner = name[: -len(OWN_SPEED)].rstrip(".")
                 speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
-        elif word in TIMES and values.size >= MIN_SAMPLES and time is None:
+        elif (
+            word in TIMES
+            and values.size >= MIN_SAMPLES
+            and (not times or (own_unit in SECONDS and rises(values.ravel())))
+        ):
             if own_unit not in SECONDS:
                 raise MeasuredError(path, f"has times in `{own_unit}`: expected s, ms or us")
-            time = Stated(SECONDS[own_unit] * values.astype(float).ravel(), f"the variable `{name}`")
+            times.append(Stated(SECONDS[own_unit] * values.astype(float).ravel(), f"the variable `{name}`"))
         else:
             channels |= _columns(name, values)
-    if time is not None:
-        channels = {name: values for name, values in channels.items() if len(values) == len(time.value)}
+    if times:
+        lengths = {len(time.value) for time in times}
+        channels = {name: values for name, values in channels.items() if len(values) in lengths}
     if not channels:
         raise MeasuredError(path, f"has no signal: {_listed(arrays)}{_advice(arrays)}")
-    rate = rates[0] if rates else None
-    return Content(channels, time, rate, speeds, _units(channels, texts), contradiction(rates), other_speed)
+    time, rate = times[0] if times else None, rates[0] if rates else None
+    other_rate = contradiction(rates) or rate_of_other_times(times)
+    return Content(channels, time, rate, speeds, _units(channels, texts), other_rate, other_speed)
+
+
+def rises(values: np.ndarray) -> bool:
+    """Check if values (n,) do not decrease, and are not constant."""
+    return bool(np.all(np.diff(values) >= 0.0)) and bool(values[-1] > values[0])
+
+
+def rate_of_other_times(times: Sequence[Stated[np.ndarray]]) -> Stated[float] | None:
+    """Return the mean rate (Hz) of the instants (s) whose rate differs from that of the first; None if none do."""
+    rising = [time for time in times if rises(time.value)]
+    counts = [len(time.value) - 1 for time in rising]
+    spans = [float(time.value[-1] - time.value[0]) for time in rising]
+    rates = [Stated(n / span, time.source) for n, span, time in zip(counts, spans, rising, strict=True)]
+    return contradiction(rates)
 
 
 def _own_unit(name: str, texts: Mapping[str, str]) -> str | None:

@@ -10,6 +10,9 @@ from bearingsim.measured.content import Content, MeasuredError, Stated
 
 EXTRA = "`pip install 'bearingsim[formats]'`"
 
+FREQUENCY = 18
+"""Type of an abscissa in dataset 58 that is a frequency; 17 is time, 0 unknown."""
+
 
 def read_uff(path: Path) -> Content:
     """Read the time series (dataset 58) of a universal file."""
@@ -21,7 +24,8 @@ def read_uff(path: Path) -> Content:
     sets: list[dict[str, Any]] = data if isinstance(data, list) else [data]
     channels, units, steps = {}, {}, set()
     for number, entry in enumerate(sets):
-        if entry.get("type") == 58 and not np.iscomplexobj(entry["data"]):
+        is_spectrum = entry.get("abscissa_spec_data_type") == FREQUENCY
+        if entry.get("type") == 58 and not is_spectrum and not np.iscomplexobj(entry["data"]):
             name = str(entry.get("id1", "")).strip() or f"set {number + 1}"
             name = name if name not in channels and name.upper() != "NONE" else f"set {number + 1}"
             channels[name] = np.asarray(entry["data"], float)

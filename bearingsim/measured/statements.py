@@ -19,6 +19,8 @@ STATEMENT = re.compile(
 """Name, number and unit, such as `Sampling rate: 12800 Hz`."""
 UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<unit>[^\s;,\"']+)", re.IGNORECASE)
 SPEED_WORDS = (*SPEEDS, "speed", "shaftspeed", "rotationalspeed", "rotationspeed", "rotatingspeed", "drehzahl")
+COMMA = re.compile(r"(?<=\d),(?=\d)")
+"""Comma between two digits."""
 MAX_LENGTH = 40
 """Largest number of characters of a line that is printed as a source."""
 
@@ -34,18 +36,24 @@ class Statements(NamedTuple):
     other_speed: Stated[float] | None = None
 
 
-def statements(lines: Sequence[str]) -> Statements:
-    """Read the first statement of each value in lines of text; lines with unknown units are ignored."""
+def statements(lines: Sequence[str], decimal: str = ".", separator: str | None = None) -> Statements:
+    """Read the first statement of each value in lines of text; lines with unknown units are ignored.
+
+    decimal, separator: decimal sign and separator of the table below. A number such as `12,800` is ignored unless
+    its comma is one of both, because it may be 12.8 or 12800.
+    """
     rates: list[Stated[float]] = []
     speeds: list[Stated[float]] = []
     unit = None
     for line in (line.strip(MARKS) for line in lines):
+        if decimal == ",":
+            line = COMMA.sub(".", line)
         unit_match = UNIT.match(line)
         if unit_match and unit is None and any(unit_match["unit"] in units for units in FACTORS.values()):
             unit = unit_match["unit"]
         match = STATEMENT.match(line)
         header = HEADER.match(match["name"]) if match else None
-        if match is None or header is None:
+        if match is None or header is None or _is_ambiguous(match, separator):
             continue
         word, value = word_of(header["name"]), float(match["value"])
         own_unit, source = (header["unit"] or match["unit"] or "").lower(), f"the line `{line[:MAX_LENGTH]}`"
@@ -57,6 +65,13 @@ def statements(lines: Sequence[str]) -> Statements:
             speeds.append(Stated(speed_factor(word, own_unit) * value, source))
     rate, speed = (stated[0] if stated else None for stated in (rates, speeds))
     return Statements(rate, speed, unit, contradiction(rates), contradiction(speeds))
+
+
+def _is_ambiguous(match: re.Match[str], separator: str | None) -> bool:
+    """Check if a comma splits the digits of a number and does not separate two cells."""
+    begin, end = match.span("value")
+    is_quoted = match.string[begin - 1] in "\"'"
+    return bool(COMMA.match(match.string, end)) and (is_quoted or separator != ",")
 
 
 def is_speed(word: str, unit: str) -> bool:

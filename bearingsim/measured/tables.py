@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.measured.arrays import TIMES, word_of
+from bearingsim.measured.arrays import TIMES, rate_of_other_times, rises, word_of
 from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.measured.si import FACTORS, SECONDS
 from bearingsim.measured.statements import HEADER, MARKS, Statements, is_speed, speed_factor, statements
@@ -83,7 +83,7 @@ def read_csv(path: Path) -> Content:
             path, f"is not a table of numbers ({reason}); remove text below the headers, and use a decimal point"
         ) from None
     columns = [table[number].to_numpy() for number in range(len(headers))]
-    return _content(path, headers, columns, statements(above))
+    return _content(path, headers, columns, statements(above, decimal, separator))
 
 
 def decoded(path: Path, beginning: bytes) -> tuple[str, str]:
@@ -213,7 +213,8 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
 
     Columns without numbers are omitted, and so is an unnamed column of row numbers.
     """
-    channels, units, time, other_speed = {}, {}, None, stated.other_speed
+    channels, units, other_speed = {}, {}, stated.other_speed
+    times: list[Stated[np.ndarray]] = []
     speeds = {"": stated.speed} if stated.speed else {}
     filled = [
         n for n, column in enumerate(columns) if len(column) == 0 or not np.all(np.isnan(column.astype(float)))
@@ -224,12 +225,10 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
         owner, _, last = name.rpartition("/")
         is_first = number == filled[0] and len(filled) > 1
         is_time = word_of(last) in TIMES or (header == f"column {number + 1}" and is_first and _is_even(column))
-        if is_time and time is not None and np.array_equal(SECONDS.get(unit.lower(), 0.0) * column, time.value):
-            continue
-        if is_time and time is None:
+        if is_time and (not times or (unit.lower() in SECONDS and rises(column))):
             if unit.lower() not in SECONDS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
-            time = Stated(SECONDS[unit.lower()] * column, f"the column `{header}`")
+            times.append(Stated(SECONDS[unit.lower()] * column, f"the column `{header}`"))
         elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MAX_CHANGE * abs(column.mean()):
             factor = speed_factor(word_of(last), unit.lower())
             speed = Stated(factor * float(column.mean()), f"the column `{header}`")
@@ -245,7 +244,8 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
     if not channels:
         raise MeasuredError(path, "has no column of a signal")
     units = {name: unit for name, unit in units.items() if unit}
-    return Content(channels, time, stated.rate, speeds, units, stated.other_rate, other_speed)
+    time, other_rate = times[0] if times else None, stated.other_rate or rate_of_other_times(times)
+    return Content(channels, time, stated.rate, speeds, units, other_rate, other_speed)
 
 
 def _name_and_unit(header: str) -> tuple[str, str]:

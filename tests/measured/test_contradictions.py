@@ -211,3 +211,62 @@ def test_a_line_that_cannot_be_assessed_is_not_compared(tmp_path):
     for name in ("line", "line_over_kinematic", "envelope_harmonic_2", "entry_to_exit_of_a_pass"):
         assert values["features"][name]["measured"] is None, name
     assert "cannot be assessed" in type_("compare", *words)[0]
+
+
+# Decimal commas and thousands in statements
+
+
+@pytest.mark.parametrize("lines", ["fs [kHz]; 51,2\nspeed [Hz]; 29,95\n", "fs: 51,2 kHz\nspeed: 29,95 Hz\n"])
+def test_statements_have_the_decimal_comma_of_the_table(tmp_path, lines):
+    rows = "".join(f"{value:.6f};{-value:.6f}\n".replace(".", ",") for value in NOISE)
+    (tmp_path / "a.csv").write_text(f"{lines}a [g];b [g]\n{rows}")
+    recording = read(tmp_path / "a.csv")
+    assert recording.rate.value == pytest.approx(51200.0)
+    assert recording.speed.value == pytest.approx(2.0 * np.pi * 29.95)
+
+
+@pytest.mark.parametrize(
+    ("separator", "lines"),
+    [
+        (";", "fs [Hz]: 12,800\n"),
+        ("\t", "fs (Hz)\t12,800\n"),
+        (",", 'fs [Hz],"12,800"\n'),
+        (";", "fs [kHz]; 51,2\n"),
+    ],
+)
+def test_a_comma_that_may_be_of_thousands_states_no_rate(tmp_path, separator, lines):
+    rows = "".join(f"{value:.6f}{separator}{-value:.6f}\n" for value in NOISE)
+    (tmp_path / "a.csv").write_text(f"{lines}a{separator}b\n{rows}")
+    with pytest.raises(MeasuredError, match="states no sampling rate"):
+        read(tmp_path / "a.csv")
+
+
+def test_a_comma_between_cells_is_no_decimal_sign(tmp_path):
+    path = table(tmp_path, "fs [Hz],12800,12800\na,b", NOISE, -NOISE)
+    assert read(path).rate.value == 12800.0
+
+
+# Two columns of time
+
+
+@pytest.mark.parametrize("count", [N, 2 * N])
+def test_two_times_of_several_rates_are_refused(tmp_path, count):
+    slow, fast = {"time": TIME, "x": NOISE}, {"time": np.arange(count) / (2.0 * RATE), "x": np.ones(count)}
+    savemat(tmp_path / "a.mat", {"slow": slow, "fast": fast})
+    with pytest.raises(
+        MeasuredError, match=r"two sampling rates, 12800 Hz .*slow.time.* and 25600 Hz .*fast.time"
+    ):
+        read(tmp_path / "a.mat", Request(channel="fast.x"))
+
+
+def test_two_columns_of_time_with_several_rates_are_refused(tmp_path):
+    path = table(tmp_path, "a/time,a/x,b/time,b/x", TIME, NOISE, TIME / 2.0, NOISE)
+    with pytest.raises(MeasuredError, match=r"two sampling rates, 12800 Hz .*a/time.* and 25600 Hz .*b/time"):
+        read(path, Request(channel="b/x"))
+
+
+def test_two_times_of_one_rate_serve_channels_of_both_lengths(tmp_path):
+    first, second = {"time": TIME, "x": NOISE}, {"time": 3.0 + np.arange(2 * N) / RATE, "x": np.tile(NOISE, 2)}
+    savemat(tmp_path / "a.mat", {"a": first, "b": second})
+    channels = read(tmp_path / "a.mat").channels
+    assert {name: len(values) for name, values in channels.items()} == {"a.x": N, "b.x": 2 * N}

@@ -88,6 +88,14 @@ def uff(path):
     pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
 
 
+def test_a_spectrum_in_a_universal_file_is_no_time_series(tmp_path):
+    pyuff = pytest.importorskip("pyuff", reason="the extra `formats` is not installed")
+    uff(tmp_path / "a.uff")
+    spectrum = pyuff.UFF(str(tmp_path / "a.uff")).read_sets()[0] | {"id1": "power", "abscissa_spec_data_type": 18}
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([spectrum], mode="add")
+    assert list(read(tmp_path / "a.uff").channels) == ["acc", "b"]
+
+
 def tdms(path):
     nptdms = pytest.importorskip("nptdms", reason="the extra `formats` is not installed")
     with nptdms.TdmsWriter(str(path)) as writer:
