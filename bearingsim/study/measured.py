@@ -343,7 +343,7 @@ def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
     """Check if a value is between the smallest and the largest swept number, or a swept word."""
     numbers = [number for number in swept if not isinstance(number, str)]
     if isinstance(value, str) or not numbers:
-        return value in swept
+        return any(same(value, other) for other in swept)
     margin = SAME * max(map(abs, numbers))
     return min(numbers) - margin <= value <= max(numbers) + margin
 

@@ -59,7 +59,7 @@ def signal_point(
     if signal.fs < case.sampling * (1.0 - SAME):
         remarks.append(
             f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {case.sampling:g} Hz: "
-            "their RMS, peak and shape are not comparable"
+            "their RMS, peak, shape and envelopes without a band are not comparable"
         )
     remarks += _remarks_on_passes(path, signal, case)
     values = dict(_features(signal, case.sampling, features))
@@ -150,7 +150,7 @@ def _low_passed(signal: MeasuredSignal, sampling: float) -> np.ndarray:
         return signal.series
     taps = sampling_kernel(ratio)
     reach = len(taps) // 2
-    extended = np.pad(signal.series, min(reach, len(signal.series) - 1), mode="reflect")
+    extended = np.pad(signal.series, reach, mode="reflect")
     return np.convolve(extended, taps, mode="valid")
 
 
@@ -160,8 +160,11 @@ def _band_value(signal: MeasuredSignal, feature: BandFeature, end: float) -> flo
         return float("nan")
     if not feature.line:
         return band_rms(signal.series, signal.fs, (band[0], band[1]))
+    expected = frequency_of(LINES[feature.line], signal.lines)
+    if not expected < band[1] - band[0]:  # an envelope has no content above its bandwidth
+        return float("nan")
     frequency, amplitude = envelope_spectrum(signal.series, signal.fs, (band[0], band[1]))
-    return _amplitude(frequency, amplitude, frequency_of(LINES[feature.line], signal.lines))
+    return _amplitude(frequency, amplitude, expected)
 
 
 def frequency_of(line: Line, lines: Lines) -> float:

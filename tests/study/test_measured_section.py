@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from scipy.io import wavfile
 
+from bearingsim.diagnosis import Lines
 from bearingsim.study import load_study
+from bearingsim.study.measured_signals import MeasuredSignal, _features, _low_passed
 from bearingsim.text.yamlfile import StudyError
 
 STUDY = """\
@@ -252,6 +254,7 @@ def test_a_signal_sampled_more_slowly_than_the_record_gives_a_remark(tmp_path):
     np.savez(tmp_path / "run.npz", a=signal(1.0, 6400.0), fs=6400.0)
     study = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n")
     assert "sampled at 6400 Hz, the simulated record at 10240 Hz" in study.notes[-1]
+    assert "shape and envelopes without a band are not comparable" in study.notes[-1]
 
 
 @pytest.mark.parametrize(
@@ -309,3 +312,32 @@ def test_tables_of_spreadsheets_are_read(tmp_path, encoding):
 def test_a_long_table_is_refused(tmp_path):
     (tmp_path / "line.csv").write_text("load [N],velocity@BPFO [um/s]\n" + 30_000 * "1,2\n")
     assert "line.csv: has over 100 kB" in problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+
+
+def measured_signal(series: np.ndarray, fs: float) -> MeasuredSignal:
+    lines = Lines(shaft=30.0, cage=12.0, outer=107.0, inner=162.5, roller=141.4)
+    return MeasuredSignal("acceleration", "m/s^2", "a", series, fs, lines)
+
+
+def test_an_envelope_has_no_line_above_its_bandwidth():
+    """The seed is of a record in which rounding errors of the envelope have a prominent maximum at BPFI."""
+    noise = measured_signal(np.random.default_rng(34).normal(size=20480), 20480.0)
+    names = ("envelope@BPFI@2000-2050Hz", "envelope@BPFI@2000-2160Hz")
+    assert not {name for name, value in _features(noise, 20480.0, names) if np.isfinite(value)} & set(names)
+
+
+def test_the_low_pass_keeps_the_length_of_a_series_shorter_than_its_taps():
+    series = np.full(20, 3.0)
+    assert _low_passed(measured_signal(series, 20480.0), 2048.0) == pytest.approx(series)
+
+
+def test_a_swept_word_is_within_the_sweep_in_any_case(tmp_path):
+    rows = "{bearing: NF308, velocity@BPFO: 12 um/s}, {bearing: NU207, velocity@BPFO: 12 um/s}"
+    text = STUDY.replace("length: 12 mm", "length: 5 mm").replace(
+        "load: [150 N, 300 N]", "bearing: [nf308, nu206]"
+    )
+    (tmp_path / "rig.yaml").write_text(text + f"measured: [{{points: [{rows}]}}]\n")
+    notes = [note for note in load_study(tmp_path / "rig.yaml").notes if "outside the sweep" in note]
+    assert len(notes) == 1
+    assert "rig.yaml:9:" in notes[0]
+    assert " and " not in notes[0]
