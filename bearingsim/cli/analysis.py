@@ -175,6 +175,10 @@ def verdict_text(diagnosis: "Diagnosis") -> str:
     needed = f"{decibels(diagnosis.threshold):.1f} dB"
     if diagnosis.verdict == RHYTHM:
         other = f"a periodicity of {diagnosis.strongest_other.frequency:.2f} Hz"
+        if diagnosis.is_of_shaft:
+            order = round(diagnosis.strongest_other.frequency / diagnosis.lines.shaft)
+            line = LINE_NAMES[diagnosis.best]
+            return f"verdict: {other}, order {order} of the shaft, whose harmonics explain {line}; check the shaft"
         return f"verdict: {other} that matches no line of this bearing at this speed; check bearing and speed"
     finding = diagnosis.findings[diagnosis.best]
     if diagnosis.verdict == NONE and finding.comb.score > diagnosis.threshold:
@@ -243,7 +247,7 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
     from bearingsim.diagnosis import NONE
     from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
 
-    other = diagnosis.strongest_other
+    other, line = diagnosis.strongest_other, LINE_NAMES[diagnosis.best]
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
         say(
             "this periodicity matches no line of this bearing at this speed: its cause is another part of the "
@@ -258,11 +262,16 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
         say(
             "this periodicity is a sideband of BPFI: if bearing and speed are right, the inner race may be damaged"
         )
+    if diagnosis.is_of_shaft:
+        say(
+            f"a knock once per revolution raises {line}, too, and may hide a defect: "
+            "a longer record separates their lines if these differ"
+        )
     if diagnosis.is_extrapolated:
         low, high = measured_turns()
         say(
             f"threshold extrapolated: measured for {low:g} to {high:g} revolutions of the shaft, the record has "
-            f"{diagnosis.turns:.4g}"
+            f"{diagnosis.turns:.4g}{_equivalent(diagnosis)}"
         )
     if diagnosis.may_be_doubled:
         half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
@@ -278,6 +287,12 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
             "clearance alone causes BPFO as well, and no width was found: "
             "compare with a record of the healthy bearing"
         )
+
+
+def _equivalent(diagnosis: "Diagnosis") -> str:
+    """Return the number of revolutions that the lines of many rollers are equal to."""
+    turns = diagnosis.equivalent_turns
+    return f", equal to {turns:.4g} for the orders of its lines" if turns > diagnosis.turns else ""
 
 
 def _whole(value: float) -> str:

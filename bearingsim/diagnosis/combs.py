@@ -15,6 +15,9 @@ OTHERS_FROM, OTHERS_TO = 1.2, 1.3
 """Range of other periodicities: from 1.2 shaft orders to 1.3 times the highest line."""
 SHAFT_SHARE = 0.01
 """Relative half width of the shaft orders, which do not count as other periodicities."""
+SCATTER = 2.0
+"""Largest score of a comb over that of the shaft order that explains it. Of constructed knocks it is up to 0.6,
+because heights of lines scatter, of an outer race or a rolling element at an order of the shaft 7 and more."""
 RELATIVE_SHARE, RELATIVE_BINS = 0.006, 2.0
 """Half width of the relatives of the line of a race: its share, and at least some bins."""
 RELATIVES = (1 / 3, 1 / 2, 2 / 3, 1.0, 3 / 2, 2.0, 3.0)
@@ -151,6 +154,28 @@ def _is_near(fundamentals: np.ndarray, relatives: Sequence[float], step: float) 
     half_widths = [max(RELATIVE_SHARE * relative, RELATIVE_BINS * step) for relative in relatives]
     pairs = zip(relatives, half_widths, strict=True)
     return np.any([np.abs(fundamentals - relative) <= width for relative, width in pairs], axis=0)
+
+
+def comb_of_shaft(
+    spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, comb: Comb, threshold: float
+) -> Comb | None:
+    """Return the comb of an order of the shaft that explains the comb of a race; None if there is none.
+
+    A knock once per revolution raises all orders of the shaft, of which a line within the tolerance may be one.
+    The order scores about as high as the race's comb, which is not over the threshold without the harmonics that
+    both share. A defect of the inner race raises orders of the shaft itself, so there the order must score higher.
+    """
+    fundamental = refined(spectra, best_comb(spectra, lines.shaft, SHAFT_SHARE)).frequency
+    least = max(threshold, comb.score - (0.0 if race == "inner" else SCATTER))
+    numbers = np.arange(1, HARMONICS + 1)
+    for order in range(1, round(comb.frequency / fundamental)):
+        candidate = comb_at(spectra, order * fundamental)
+        multiples = numbers * comb.frequency / candidate.frequency
+        distances = np.abs(multiples - np.round(multiples)) * candidate.frequency
+        own = np.log1p(comb.heights) * (distances > RELATIVE_BINS * spectra[0].step)
+        if candidate.score > least and own.sum(axis=1).min() <= threshold:
+            return candidate
+    return None
 
 
 def share_at_score(others: OtherPeriodicities, score: float, tolerance: float) -> float:

@@ -11,7 +11,7 @@ from bearingsim.diagnosis.detection import Detection, detect
 from bearingsim.diagnosis.envelopes import default_band
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
-from bearingsim.diagnosis.thresholds import threshold
+from bearingsim.diagnosis.thresholds import equivalent_turns, threshold
 from bearingsim.signals.events import spacing
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.picker import PickedLine, pick_from
@@ -52,7 +52,8 @@ def detect_line(signal: Signal, race: str) -> Detection:
     refuse_unsuitable(len(series), fs, lines, default_band(fs))
     spectra = envelope_spectra(series, fs, lines)
     comb = refined(spectra, best_comb(spectra, lines.of_race(race), TOLERANCE))
-    return detect(spectra, lines, race, comb, TOLERANCE, threshold(lines.shaft * len(series) / fs, TOLERANCE))
+    turns = equivalent_turns(lines, lines.shaft * len(series) / fs)
+    return detect(spectra, lines, race, comb, TOLERANCE, threshold(turns, TOLERANCE))
 
 
 def common_band(*signals: Signal) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import Comb, comb_at, other_periodicities, share_at_score
+from bearingsim.diagnosis.combs import Comb, comb_at, comb_of_shaft, other_periodicities, share_at_score
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import Lines
 
@@ -20,14 +20,17 @@ Damaged signals of the operating table have at most 0.06, a healthy record full 
 class Detection(NamedTuple):
     """Comb at the line of a race, the threshold of its score, and the other periodicities.
 
-    strongest_other: strongest other periodicity, or the comb itself if its peak lies beyond the tolerance;
-    crowded: share of other periodicities with a score as high as the line's.
+    strongest_other: strongest other periodicity, the order of the shaft that explains the comb, or the comb itself
+    if its peak lies beyond the tolerance;
+    crowded: share of other periodicities with a score as high as the line's; is_of_shaft: whether strongest_other
+    is an order of the shaft, one of whose harmonics is the line.
     """
 
     comb: Comb
     threshold: float
     strongest_other: Comb
     crowded: float
+    is_of_shaft: bool = False
 
     @property
     def is_over(self) -> bool:
@@ -45,7 +48,7 @@ class Detection(NamedTuple):
         if not self.is_over or self.is_crowded:
             return NONE
         is_weaker = self.strongest_other is self.comb or self.strongest_other.score > self.comb.score
-        return RHYTHM if is_weaker else None
+        return RHYTHM if is_weaker or self.is_of_shaft else None
 
 
 def detect(
@@ -56,4 +59,8 @@ def detect(
     other = comb_at(spectra, float(others.fundamentals[np.argmax(others.scores)]))
     if abs(comb.frequency / lines.of_race(race) - 1.0) > tolerance:  # the peak is beyond the searched range
         other = max(comb, other, key=lambda candidate: candidate.score)
-    return Detection(comb, threshold, other, share_at_score(others, comb.score, tolerance))
+    detection = Detection(comb, threshold, other, share_at_score(others, comb.score, tolerance))
+    if detection.objection == NONE:
+        return detection
+    of_shaft = comb_of_shaft(spectra, lines, race, comb, threshold)
+    return detection if of_shaft is None else detection._replace(strongest_other=of_shaft, is_of_shaft=True)

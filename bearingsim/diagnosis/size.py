@@ -1,6 +1,6 @@
 """Width of a defect of the outer race from the time between a roller's entry and exit."""
 
-from math import isfinite, pi, sqrt
+from math import cos, isfinite, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -41,7 +41,9 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
         return None
     if not all(map(isfinite, (whole, *halves))) or abs(halves[0] - halves[1]) > MAX_DIFFERENCE * whole:
         return None
-    roller, race = parts.roller_diameter / 2.0, (parts.pitch_diameter + parts.roller_diameter) / 2.0
-    low = whole * 2.0 * pi * race * outer / parts.rollers
+    roller, cosine = parts.roller_diameter / 2.0, cos(parts.contact_angle)
+    track = parts.pitch_diameter / 2.0 + roller * cosine  # radius of the circle of contact points
+    low = whole * 2.0 * pi * track * outer / parts.rollers
+    race = track / cosine  # radius of curvature along the track, normal to the race (Meusnier)
     effective = roller * race / (race - roller)
     return Size(low, low + sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * ENTRY_DROP), whole)

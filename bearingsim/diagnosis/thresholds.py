@@ -8,10 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from bearingsim.diagnosis.combs import HARMONICS
+from bearingsim.diagnosis.kinematics import Lines
 
 TABLE = Path(__file__).with_name("thresholds.csv")
 TOLERANCES = 0.005, 0.04
 """Range of the relative tolerance for which thresholds were measured."""
+MEASURED_ORDERS = 18.2
+"""Largest sum of the orders of the three lines of the bearings for which thresholds were measured (NF308)."""
 SLOPE_ROWS = 4
 """Last lengths of the table that give the slope beyond it: one octave alone is within the scatter of the table."""
 CLEAR_DB = 3.0
@@ -29,6 +32,16 @@ def threshold(turns: float, tolerance: float) -> float:
     x, last = log(turns), lengths[-1]
     slope = max(0.0, float(np.polyfit(lengths[-SLOPE_ROWS:], by_length[-SLOPE_ROWS:], 1)[0]))
     return float(np.interp(x, lengths, by_length) + max(0.0, x - last) * slope)
+
+
+def equivalent_turns(lines: Lines, turns: float) -> float:
+    """Return the revolutions of a measured bearing with as many fundamentals as a bearing has in some revolutions.
+
+    lines: of the bearing (Hz); turns: revolutions of its shaft. The number of fundamentals within the tolerance
+    is proportional to the orders of the lines and to the revolutions. Few rollers do not lower the threshold.
+    """
+    orders = (lines.outer + lines.inner + lines.roller) / lines.shaft
+    return turns * max(1.0, orders / MEASURED_ORDERS)
 
 
 @cache

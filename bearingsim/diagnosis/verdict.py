@@ -21,7 +21,7 @@ from bearingsim.diagnosis.detection import NONE, RHYTHM, Detection, detect
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import ELEMENTS, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
-from bearingsim.diagnosis.thresholds import clear, measured_turns, threshold
+from bearingsim.diagnosis.thresholds import clear, equivalent_turns, measured_turns, threshold
 
 OUTER, INNER, ROLLER = ELEMENTS
 EITHER = "outer or roller"
@@ -116,7 +116,17 @@ class Diagnosis(NamedTuple):
     def is_extrapolated(self) -> bool:
         """True if the threshold is of a shorter or longer record than those for which it was measured."""
         low, high = measured_turns()
-        return not low <= self.turns <= high
+        return not low <= self.equivalent_turns <= high
+
+    @property
+    def equivalent_turns(self) -> float:
+        """Revolutions of the shaft for which the threshold is taken, more than ``turns`` for many rollers."""
+        return equivalent_turns(self.lines, self.turns)
+
+    @property
+    def is_of_shaft(self) -> bool:
+        """True if the verdict is an order of the shaft, one of whose harmonics is the line of the best element."""
+        return self.verdict == RHYTHM and self.detection.is_of_shaft
 
     @property
     def best(self) -> str:
@@ -158,7 +168,7 @@ def diagnose(
     spectra = envelope_spectra(series, fs, lines, band)
     findings = {race: _finding(spectra, lines, race, tolerance) for race in ELEMENTS}
     turns = shaft * len(series) / fs
-    limit = threshold(turns, tolerance)
+    limit = threshold(equivalent_turns(lines, turns), tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)
     comb = findings[best].comb
     detection = detect(spectra, lines, best, comb, tolerance, limit)

@@ -200,6 +200,14 @@ def test_a_sideband_of_the_inner_race_is_stated(file, rhythm, is_sideband):
     assert ("is a sideband of BPFI: if bearing" in type_("analyze", file, "--bearing", "6205")[0]) is is_sideband
 
 
+def test_a_knock_of_the_shaft_is_named_instead_of_a_line_at_its_order(tmp_path):
+    knocks = impacts(SHAFT, noise=1.0, seconds=2.0)
+    np.savez(tmp_path / "a.npz", x=knocks, fs=RATE, rpm=60.0 * SHAFT)
+    out = type_("analyze", tmp_path / "a.npz", "--bearing", "nu206")[0]
+    assert "order 1 of the shaft, whose harmonics explain 2 BSF; check the shaft" in out
+    assert "a knock once per revolution raises 2 BSF, too, and may hide a defect" in out
+
+
 def test_noise_blames_neither_bearing_nor_speed(tmp_path):
     """The seed is of a record whose strongest periodicity exceeds the threshold."""
     np.savez(tmp_path / "a.npz", x=np.random.default_rng(1).normal(size=51200), fs=RATE, rpm=1500.0)

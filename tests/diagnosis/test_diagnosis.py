@@ -185,6 +185,56 @@ def test_the_kurtogram_finds_the_band_of_a_resonance():
     assert best[1] - best[0] < 0.2 * RATE
 
 
+# Orders of the shaft, and many rollers
+
+
+def knocks(seed, noise=1.0):
+    """Impacts once per revolution of the shaft, of scattering height."""
+    rng = np.random.default_rng(seed)
+    pulses = np.zeros(int(2.0 * RATE))
+    instants = (np.arange(int(2.0 * SHAFT)) + rng.uniform(0.0, 0.9)) / SHAFT
+    pulses[(instants * RATE).astype(int)] = 1.0 + 0.2 * rng.standard_normal(len(instants))
+    t = np.arange(int(0.02 * RATE)) / RATE
+    signal = np.convolve(pulses, np.exp(-600.0 * t) * np.sin(2.0 * np.pi * 3000.0 * t))[: len(pulses)]
+    return signal + noise * signal.std() * rng.standard_normal(len(signal))
+
+
+@pytest.mark.parametrize("bearing", ["nu205", "nu206", "nu209"])
+def test_a_knock_of_the_shaft_names_no_race_with_a_line_at_one_of_its_orders(bearing):
+    results = [diagnosis(knocks(seed), parts=load_rolling_parts(bearing)) for seed in range(5)]
+    assert [result.verdict for result in results] == ["other rhythm"] * 5
+    assert all(result.is_of_shaft for result in results)
+    orders = [result.strongest_other.frequency / SHAFT for result in results]
+    assert orders == pytest.approx(np.round(orders), rel=0.01)
+
+
+def test_orders_of_the_shaft_are_no_other_periodicity_without_a_line():
+    results = [diagnosis(knocks(seed), parts=NF308) for seed in range(5)]
+    unnamed = [result for result in results if result.verdict == "none"]
+    assert unnamed
+    for result in unnamed:
+        order = result.strongest_other.frequency / SHAFT
+        assert abs(order - round(order)) > 0.01 * round(order)
+
+
+@pytest.mark.parametrize(("bearing", "race", "order"), [("6309", "outer", 3.0), ("nu205", "roller", 5.0)])
+def test_a_race_whose_line_is_an_order_of_the_shaft_is_named_without_the_other_orders(bearing, race, order):
+    modulation = {"outer": 0.0, "roller": Lines.of(load_rolling_parts(bearing), SHAFT).cage}[race]
+    result = diagnosis(impacts(order * SHAFT, modulation, slip=0.01), parts=load_rolling_parts(bearing))
+    assert (result.verdict, result.is_of_shaft) == (race, False)
+
+
+def test_one_per_cent_of_noise_is_over_the_threshold_with_many_rollers_too():
+    parts = PARTS.model_copy(update={"rollers": 40, "roller_diameter": 3e-3, "pitch_diameter": 60e-3})
+    noise = np.random.default_rng(0).normal(size=(300, int(2.0 * RATE)))
+    results = [diagnosis(series, parts=parts) for series in noise]
+    over = sum(result.findings[result.best].comb.score > result.threshold for result in results)
+    assert over <= 8  # 3 expected; 99 % of binomial numbers are at most 8
+    assert results[0].turns == pytest.approx(50.0)
+    assert results[0].equivalent_turns == pytest.approx(50.0 * sum(results[0].lines[2:]) / SHAFT / 18.2)
+    assert diagnosis(noise[0]).equivalent_turns == diagnosis(noise[0]).turns
+
+
 # Size
 
 
@@ -202,6 +252,22 @@ def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_
         sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * ENTRY_DROP)
     )
     assert sqrt(2.0 * effective * ENTRY_DROP) == pytest.approx(0.12e-3, rel=0.02)
+
+
+def test_the_width_is_along_the_circle_of_contact_points():
+    angle = 0.7
+    parts = PARTS.model_copy(update={"contact_angle": angle})
+    outer = Lines.of(parts, SHAFT).outer
+    impact = impacts(outer, noise=0.02)
+    size = outer_race_size(impact + 0.5 * np.roll(impact, -round(0.2 / outer * RATE)), RATE, parts, outer)
+    circle = np.pi * (PARTS.pitch_diameter + PARTS.roller_diameter * np.cos(angle))
+    assert size is not None
+    assert size.low == pytest.approx(size.spacing * outer * circle / PARTS.rollers, rel=1e-9)
+    race, ball = circle / (2.0 * np.pi * np.cos(angle)), PARTS.roller_diameter / 2.0
+    effective = 1.0 / (1.0 / ball - 1.0 / race)
+    assert size.high - size.low == pytest.approx(
+        sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * ENTRY_DROP), rel=1e-9
+    )
 
 
 def test_no_width_without_two_events():
