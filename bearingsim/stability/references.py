@@ -146,6 +146,8 @@ def march(
             steps += 1
             if reason:
                 return STALL, str(reason), steps
+            if not np.isfinite(solver.y).all():  # LSODA goes on to the end and reports success
+                return STALL, "not finite", steps
             on_step(solver)
             start, stop = stop, int(np.searchsorted(times, solver.t, side="right"))
             if stop > start:

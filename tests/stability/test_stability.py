@@ -10,9 +10,10 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
+from bearingsim.core.methods.interface import Tolerances
 from bearingsim.plots import stability as maps
 from bearingsim.runner.pool import map_unordered
-from bearingsim.stability import classification, mapping, matrix
+from bearingsim.stability import classification, mapping, matrix, references
 from bearingsim.stability.classification import CLASSES, Reference, agreeing_solutions
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
 from bearingsim.stability.traces import Trace
@@ -101,6 +102,20 @@ def test_reference_needs_two_agreeing_solutions():
     assert agreeing_solutions({"a": solutions["a"], "b": solutions["b"]}).floor == pytest.approx(
         0.3 / 1.3, rel=1e-3
     )
+
+
+@pytest.mark.parametrize("solver", ["LSODA", "Radau", "BDF", "DOP853"])
+def test_solution_that_is_not_finite_has_stalled(solver):
+    """LSODA steps on to the end with states that are not numbers, and reports success."""
+
+    def spring(t, x):
+        return np.array([x[1], np.nan if t > 1e-3 else -1e6 * x[0]])
+
+    tolerances = Tolerances(SAMPLE_INTERVAL, 1e-4, 1e-6, 1e-6, 1e-3)
+    atol = np.full(2, 1e-6)
+    with np.errstate(all="ignore"):
+        failure, *_ = references.march(solver, spring, np.array([1.0, 0.0]), atol, tolerances, [], TIMES)
+    assert failure == "stalled"
 
 
 # The map
