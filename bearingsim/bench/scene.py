@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 from bearingsim.catalogue import MODELS, REFERENCE
@@ -20,6 +19,8 @@ ORDER = (
     *("bent-ring", "speed-6000", "light-load", "off-centre", "inner-race"),
 )
 """Built-in scenes in the order of the report."""
+AUTOMATIC = {"method": "auto", "step": "auto", "tolerance": "auto", "step_check": "true", "periodic": "true"}
+"""Values of a job with the automatic choice, which replace those of a study."""
 MAX_CASES = 3
 MAX_RECORD = 0.5  # s, limit of the record of a case
 
@@ -71,20 +72,15 @@ def built_in_scenes(names: Sequence[str], quick: bool) -> list[Scene]:
 def load_scenes(path: Path, quick: bool) -> list[Scene]:
     """Load the first cases of a study file, one scene each. Raises StudyError with all problems of the file."""
     study = load_study(path, quick=quick)
-    reference_cases = _changed_cases(study, path, {"model": REFERENCE}, quick)
+    if study.goal is None:  # otherwise its cases have the reference model
+        study = load_study(path, AUTOMATIC | {"model": REFERENCE}, quick)
+    reference_cases = _changed_cases(study, {})
     if any(case.ramp is not None for case in reference_cases if case is not None):
         raise UserError(f"{path}: no spectral line can be compared while the speed changes; omit `ramp`")
     return [
-        Scene(
-            *_name_and_title(study, n),
-            (
-                Variant(_label(reference_case), reference_case.model, reference_case),
-                *_cheaper_variants(study, path, n, case, quick),
-            ),
-        )
+        Scene(*_name_and_title(study, n), _variants(study, n, case))
         for n, case in enumerate(reference_cases[:MAX_CASES])
         if case is not None
-        for reference_case in [reference(case)]
     ]
 
 
@@ -97,27 +93,38 @@ def _name_and_title(study: Study, n: int) -> tuple[str, str]:
     return f"{study.name}-{n + 1}", f"{title} (case {n + 1})"
 
 
-def _cheaper_variants(study: Study, path: Path, n: int, reference_case: Case, quick: bool) -> list[Variant]:
-    """List cheaper models than the reference, from the most detailed down."""
-    variants = []
-    for candidate, changes in ladder(reference_case).items():
-        fields = {"model": REFERENCE} | changes
-        try:
-            case, reason = _changed_cases(study, path, fields, quick)[n], ""
-        except StudyError as error:
-            case, reason = None, error.problems[0].message
-        if case is None:
-            variants.append(
-                Variant(
-                    candidate,
-                    changes.get("model", candidate),
-                    None,
-                    reason or "the model cannot compute this case",
-                )
-            )
-        else:
-            variants.append(Variant(_label(case), case.model, case))
-    return variants
+def _variants(study: Study, n: int, case: Case) -> tuple[Variant, ...]:
+    """List the reference of a case, then its cheaper models from the most detailed down, each variant once.
+
+    A candidate is the reference itself if the slices or harmonics of the case cannot be doubled.
+    """
+    finest = reference(case)
+    variants = {_label(finest): Variant(_label(finest), finest.model, finest)}
+    for candidate, changes in ladder(case).items():
+        variant = _variant(study, n, candidate, changes)
+        variants.setdefault(variant.name, variant)
+    return tuple(variants.values())
+
+
+def _variant(study: Study, n: int, candidate: str, changes: Mapping[str, str]) -> Variant:
+    """Return a candidate of case ``n``, with the reason if its model cannot compute that case."""
+    case = _changed_cases(study, changes)[n]
+    if case is not None:
+        return Variant(_label(case), case.model, case)
+    return Variant(candidate, changes.get("model", candidate), None, _refusal(study, changes))
+
+
+def _refusal(study: Study, changes: Mapping[str, str]) -> str:
+    """Return the first problem of a study with other values at some paths.
+
+    A study with `accuracy` names no model, so that its problem is not known.
+    """
+    try:
+        if study.goal is None:
+            load_study(study.path, study.overrides | changes, study.quick)
+    except StudyError as error:
+        return error.problems[0].message
+    return "the model cannot compute this case"
 
 
 def _label(case: Case) -> str:
@@ -127,23 +134,9 @@ def _label(case: Case) -> str:
     return f"{case.model}, {case.contact.slices} slices" if MODELS[case.model].sliced else case.model
 
 
-def _changed_cases(study: Study, path: Path, changes: Mapping[str, str], quick: bool) -> list[Case | None]:
-    """Return the cases of a study with other values at some paths and shorter records."""
-    if study.goal is not None:
-        cases = study.cases() if changes == {"model": REFERENCE} else _goal_cases(study, changes)
-    else:
-        cases = list(_load(path, tuple(changes.items()), quick).cases())
-    return [case and _shorten(case) for case in cases]
-
-
-def _goal_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
-    assert study.otherwise is not None
-    return study.otherwise(changes)
-
-
-@cache
-def _load(path: Path, changes: tuple[tuple[str, str], ...], quick: bool) -> Study:
-    return load_study(path, dict(changes), quick)
+def _changed_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
+    """Return the cases of a study with the automatic choice, other values at some paths, and shorter records."""
+    return [case and _shorten(case) for case in study.otherwise(AUTOMATIC | changes)]
 
 
 def _shorten(case: Case) -> Case:

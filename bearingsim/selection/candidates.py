@@ -94,8 +94,6 @@ def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case
     The most detailed candidate comes first. Cases that become identical to another case of the study are left out,
     because they would have the same result.
     """
-    if study.otherwise is None:
-        return {}
     study_cases, cases_of = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
     for n in numbers:
         max_price = WORTH_TRYING * price(reference(study_cases[n]))
@@ -126,7 +124,7 @@ def computed_by(study: Study, number: int, candidate: str) -> Case | None:
     changes = ladder(case).get(FORMER_NAMES.get(candidate, candidate))
     if changes is None:
         return None
-    if not changes or study.otherwise is None:
+    if not changes:
         return case
     return study.otherwise(changes)[number]
 
@@ -135,7 +133,9 @@ def ladder(case: Case) -> dict[str, dict[str, str]]:
     """List the candidates below the reference of a case, by name, with the study keys that each changes."""
     steps = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
-        steps |= {GIVEN_HARMONICS: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
+        steps[GIVEN_HARMONICS] = {}
+        if int(case.rig.ring.harmonics) > FEW_HARMONICS:
+            steps[f"{FEW_HARMONICS} harmonics"] = {"rig.ring.harmonics": str(FEW_HARMONICS)}
     return steps | {name: {"model": name} | _same_cage(case, name) for name in simpler_models(case.model)}
 
 

@@ -131,13 +131,13 @@ class Study:
     figures: tuple[Figure, ...]
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
+    otherwise: Callable[[Mapping[str, str]], list[Case | None]] = field(repr=False, compare=False)
     notes: tuple[str, ...] = ()
     uncertainty: tuple[UncertainParameter, ...] | None = None
     left_out: tuple[UncertainParameter, ...] = ()
     files: Mapping[str, str | None] = field(default_factory=dict, repr=False)
     goal: Goal | None = None
     selection: Selection | None = None
-    otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)
     sampled_design: SampledDesign | None = None
     measured: tuple[MeasuredSet, ...] = ()
 

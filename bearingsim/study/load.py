@@ -80,6 +80,7 @@ def load_study(
         files=file.files,
         sampled_design=plan.sampled_design,
         measured=measured,
+        otherwise=plan.otherwise,
     )
     return study if settings.goal is None else _with_goal(study, settings.goal, plan)
 

@@ -66,6 +66,11 @@ def test_a_case_survives_its_own_dump() -> None:
     assert hash(test_case) == hash(Case.model_validate(test_case.model_dump()))
 
 
+def test_automatic_method_of_a_model_without_methods_is_its_own() -> None:
+    assert case(model="static", method="auto") == case(model="static")
+    assert case(model="static").method is None
+
+
 def test_damping_is_chosen_by_its_law() -> None:
     assert case().contact.damping.model_dump() == {"law": "kraemer", "beta": 2.5e-6}
     assert case(contact={"damping": {"chi": "5 s/m"}}).contact.damping.model_dump()["chi"] == 5.0

@@ -23,8 +23,8 @@ def complete(case: CaseFields) -> None:
     model = catalogue.MODELS[case.model]
     if not model.has_defect_geometry and "excitation" not in case.model_fields_set:
         _fill(case, "excitation", "impulse-train")
-    if case.method is None and not model.own_method:
-        _fill(case, "method", catalogue.AUTO)
+    if case.method in (None, catalogue.AUTO):
+        _fill(case, "method", None if model.own_method else catalogue.AUTO)
     if "start_angle" not in case.model_fields_set:
         _fill(case, "start_angle", math.pi / case.bearing.rollers)
     _fill(case, "contact", _complete_contact(case))
