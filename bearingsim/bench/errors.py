@@ -1,7 +1,8 @@
 """Errors of runs: numerical, from converged solutions of the same model, and total, from the reference model.
 
 Errors are relative, for the defect line, the RMS of the velocity and the largest outer force. The difference
-between the two solutions that agree best is the floor: smaller errors are set to it.
+between the two solutions that agree best is the floor: smaller errors are set to it. Errors are unknown if there
+is only one solution, which nothing confirms.
 
 An error may be small by chance, if a coarse step compensates for the error of the model. Therefore the counted
 error of a run is the largest of its own, of those of all finer runs of its model and method, and of that of its
@@ -31,9 +32,9 @@ class ConvergedSolution(NamedTuple):
     chaotic: bool
 
 
-def differences(row: Row, other: Row) -> dict[str, float]:
-    """Compute the relative differences of two rows."""
-    return {name: relative_error(row[name], other[name]) for name in QUANTITIES}
+def differences(row: Row, other: Row, names: Sequence[str] = QUANTITIES) -> dict[str, float]:
+    """Compute the relative differences of the named quantities of two rows."""
+    return {name: relative_error(row[name], other[name]) for name in names}
 
 
 def relative_error(value: float, exact: float) -> float:
@@ -44,30 +45,30 @@ def relative_error(value: float, exact: float) -> float:
 def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
     """Combine the reference rows of one model in one scene into its solution; None if there are none.
 
-    The solution of a memoryless model is its run with a four times smaller step, and has the minimum floor.
+    A quantity that no reference row has, such as the force of a model without forces, is unknown, and so is its
+    floor; a row that lacks one of the others is left out. The solution of a memoryless model is its run with a
+    four times smaller step, and has the minimum floor.
     """
-    references = [row for row in rows if row["role"] == REFERENCE and not row["failure"] and isfinite(row["line"])]
+    references = [row for row in rows if row["role"] == REFERENCE and not row["failure"]]
+    known = [name for name in QUANTITIES if any(isfinite(row[name]) for row in references)]
+    references = [row for row in references if known and all(isfinite(row[name]) for name in known)]
     if not references:
         return None
     chaotic = any(row["chaotic"] == 1.0 for row in rows)
-    if len(references) == 1:
-        floor = dict.fromkeys(QUANTITIES, MIN_FLOOR if not references[0]["method"] else nan)
-        return ConvergedSolution(
-            {name: references[0][name] for name in QUANTITIES}, floor, _name(references[0]), chaotic
-        )
     pairs = list(combinations(references, 2))
-    closest, partner = min(pairs, key=lambda pair: max(differences(*pair).values()))
-    floor = differences(closest, partner)
-    if chaotic or max(floor.values()) > CHAOTIC_DIFFERENCE:
-        solutions, chaotic = references, True
-        floor = {name: max(differences(*pair)[name] for pair in pairs) for name in QUANTITIES}
+    if not pairs:
+        solutions, floor = references, dict.fromkeys(known, nan if references[0]["method"] else MIN_FLOOR)
     else:
-        solutions = [closest, partner]
+        largest_differences = [max(differences(*pair, known).values()) for pair in pairs]
+        solutions = list(pairs[largest_differences.index(min(largest_differences))])
+        floor = differences(*solutions, known)
+        if chaotic or min(largest_differences) > CHAOTIC_DIFFERENCE:
+            solutions, chaotic = references, True
+            floor = {name: max(differences(*pair, known)[name] for pair in pairs) for name in known}
     values = {name: sum(row[name] for row in solutions) / len(solutions) for name in QUANTITIES}
     names = " and ".join(_name(row) for row in solutions)
-    return ConvergedSolution(
-        values, {name: max(value, MIN_FLOOR) for name, value in floor.items()}, names, chaotic
-    )
+    floor = {name: max(floor[name], MIN_FLOOR) if name in known else nan for name in QUANTITIES}
+    return ConvergedSolution(values, floor, names, chaotic)
 
 
 def _name(row: Row) -> str:
@@ -75,10 +76,10 @@ def _name(row: Row) -> str:
 
 
 def error(row: Row, solution: ConvergedSolution, name: str) -> float:
-    """Return the relative error of a row's quantity, at least the floor."""
-    return (
-        max(relative_error(row[name], solution.values[name]), solution.floor[name]) if isfinite(row[name]) else nan
-    )
+    """Return the relative error of a row's quantity, at least the floor; nan if the floor is unknown."""
+    if not (isfinite(row[name]) and isfinite(solution.floor[name])):
+        return nan
+    return max(relative_error(row[name], solution.values[name]), solution.floor[name])
 
 
 def with_errors(rows: Sequence[Row]) -> list[Row]:

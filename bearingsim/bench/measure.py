@@ -1,5 +1,6 @@
 """Timed run: a row with its features and cost, or the reason for its failure."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import nan
 from typing import Any
@@ -30,12 +31,20 @@ Row = dict[str, Any]
 
 def rows(run: Run) -> list[Row]:
     """Compute a run; return its row, and for the automatic choice also one of its method as a ``FULL_RUN``."""
-    if run.case is None:
+    case = run.case
+    if case is None:
         return [_failed_row(run, "refused", run.refused)]
+    if run.role == JOB:
+        return _unless_failed(run, lambda: _job_rows(run, case))
+    if run.method in external.SOLVERS:
+        return _unless_failed(run, lambda: [_solve_externally(run, case)])
+    return _unless_failed(run, lambda: [_compute_fully(run, configure(run, case))])
+
+
+def _unless_failed(run: Run, compute: Callable[[], list[Row]]) -> list[Row]:
+    """Return the rows that a function computes for a run, or one with the reason of its failure."""
     try:
-        if run.method in external.SOLVERS:
-            return [_solve_externally(run, run.case)]
-        return _job_rows(run, run.case) if run.role == JOB else [_compute_fully(run, configure(run, run.case))]
+        return compute()
     except (Refused, SimulationError) as error:
         has_begun = getattr(error, "time", None) is not None
         return [_failed_row(run, "stopped" if has_begun else "refused", str(error))]
@@ -58,17 +67,17 @@ def _job_rows(run: Run, case: Case) -> list[Row]:
     warm([case])
     record = simulate(case)
     seconds = _cpu_seconds(case, record, "cpu_s")
-    job_rows = [_row(run, record, seconds / (resolve_settling(case).settle_s + case.duration))]
-    if case.method is None:
-        full_row = _compute_fully(replace(run, role=AUTOMATIC), case.model_copy(update=FULL_RUN))
-        return [*job_rows, full_row | {"key": run.key}]
-    method = str(record.info["method"])
-    settings = {"method": method, "step": float(record.info["step_s"])}
-    if METHODS[method].adaptive:
+    job_row = _row(run, record, seconds / (resolve_settling(case).settle_s + case.duration))
+    method = str(record.info["method"] or "")
+    settings: dict[str, Any] = {}
+    if method and METHODS[method].adaptive:
         settings = {"method": method, "tolerance": float(record.info["tolerance"])}
-    automatic_run = replace(run, role=AUTOMATIC, method=method)
-    full_row = _compute_fully(automatic_run, case.model_copy(update=FULL_RUN | settings))
-    return [*job_rows, full_row | {"key": run.key, "chaotic": job_rows[0]["chaotic"]}]
+    elif method:
+        settings = {"method": method, "step": float(record.info["step_s"])}
+    full_run = replace(run, role=AUTOMATIC, method=method)
+    full_case = case.model_copy(update=FULL_RUN | settings)
+    (full_row,) = _unless_failed(full_run, lambda: [_compute_fully(full_run, full_case)])
+    return [job_row, full_row | {"key": run.key, "chaotic": job_row["chaotic"]}]
 
 
 def _compute_fully(run: Run, case: Case) -> Row:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from math import isfinite
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from bearingsim.bench.verdict import (
     QUANTITY_NAMES,
     Verdict,
     automatic_rows,
+    coarse_floor,
     compare_with_front,
     method_text,
     percent,
@@ -46,6 +48,7 @@ HEADERS = (
         for quantities, accuracy in QUESTIONS
     ),
 )
+LINE_AND_RMS = QUANTITIES[:2]
 WIDTH = 138  # characters in a line
 NOTABLE = 1.5  # cost ratio to the cheapest run of equal accuracy, from which a choice is not on the Pareto front
 
@@ -173,7 +176,11 @@ def _peer_texts(section: Section) -> Iterator[str]:
     rows = [row for row in section.rows if not row["failure"]]
     peers = [row for row in rows if row["role"] == PEER]
     accurate = [row for row in peers if _line_and_rms_error(row) <= ACCURACIES[-1]]
-    if peers and not accurate:
+    floors = {name: max((row[f"{NUMERICAL}.{name}.floor"] for row in peers), default=0.0) for name in LINE_AND_RMS}
+    unknown = coarse_floor(floors, ACCURACIES[-1], "the model's")
+    if unknown:
+        yield f"**Other packages:** unknown: {unknown}."
+    elif peers and not accurate:
         methods = _quote(sorted({row["method"] for row in peers}))
         yield f"**Other packages:** none of {methods} is within 1 % (numerical) of line and RMS."
     if accurate:
@@ -196,7 +203,7 @@ def _cost(row: Row) -> str:
 
 def _line_and_rms_error(row: Row) -> float:
     """Return the larger numerical error of line and RMS, since some peers have no largest force."""
-    return worst_error(row, NUMERICAL, QUANTITIES[:2])
+    return worst_error(row, NUMERICAL, LINE_AND_RMS)
 
 
 def _remarks(section: Section) -> Iterator[str]:
@@ -212,7 +219,13 @@ def _remarks(section: Section) -> Iterator[str]:
         f"{percent(reference[f'{TOTAL}.{name}.floor'])} ({QUANTITY_NAMES[name]})" for name in QUANTITIES
     )
     yield f"**The record** is {section.duration:g} s."
-    yield f"**The reference** is `{reference['variant']}`, by {reference['against']}, which differ by {floors}."
+    text = f"**The reference** is `{reference['variant']}`"
+    if not reference["against"]:
+        yield f"{text}, of which there is no solution."
+    elif isfinite(reference[f"{TOTAL}.{QUANTITIES[0]}.floor"]):
+        yield f"{text}, by {reference['against']}, which differ by {floors}."
+    else:
+        yield f"{text}, by {reference['against']}, which no second solution confirms."
     refused = [row for row in section.rows if row["failure"] and row["role"] == "job"]
     if refused:
         yield f"**Not possible:** {_quote([row['variant'] for row in refused])}."

@@ -39,6 +39,7 @@ def compute(
     claim(folder, "a chart", "bearingsim bench", "results/bench-chart-2")
     planned_runs = [run for scene in scenes for run in runs(scene, quick, (peers or {}).get(scene.name))]
     path, start = folder / RUNS_FILE, (time.monotonic(), time.process_time())
+    _drop_incomplete_line(path)
     stored = read(path)
     missing_runs = [run for run in planned_runs if run.key not in stored]
     if missing_runs:
@@ -58,15 +59,19 @@ def compute(
 
 
 def read(path: Path) -> dict[str, list[Row]]:
-    """Read the rows of a file by the key of their run, without incomplete ones."""
+    """Read the rows of a file by the key of their run, without incomplete ones.
+
+    A repeated run replaces an earlier one, which lacked a row.
+    """
     if not path.exists():
         return {}
-    stored: dict[str, list[Row]] = {}
+    stored: dict[str, dict[str, Row]] = {}  # by key and role
     with path.open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             if set(row) == set(COLUMNS) and all(value is not None for value in row.values()):
-                stored.setdefault(row["key"], []).append(_parse_row(row))
-    return {key: rows for key, rows in stored.items() if len(rows) == _row_count(rows[0])}
+                stored.setdefault(row["key"], {})[row["role"]] = _parse_row(row)
+    runs_rows = {key: list(rows.values()) for key, rows in stored.items()}
+    return {key: rows for key, rows in runs_rows.items() if len(rows) == _row_count(rows[0])}
 
 
 def _row_count(leading_row: Row) -> int:
@@ -80,14 +85,12 @@ def _parse_row(row: dict[str, str]) -> Row:
 
 def _append_rows(path: Path, missing_runs: Sequence[Run], jobs: int) -> None:
     """Compute runs, writing rows as runs finish."""
-    is_new, done, start = not path.exists(), 0, time.monotonic()
+    is_new, done, start = not path.exists() or path.stat().st_size == 0, 0, time.monotonic()
     last_report = start
     with path.open("a", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS)
         if is_new:
             writer.writeheader()
-        elif not path.read_text(encoding="utf-8").endswith("\n"):
-            file.write("\n")  # a previous run was stopped in the middle of a row
         try:
             for rows in map_unordered(
                 _rows_in_worker, [(run, external.SOLVERS.get(run.method)) for run in missing_runs], jobs
@@ -103,6 +106,16 @@ def _append_rows(path: Path, missing_runs: Sequence[Run], jobs: int) -> None:
             raise KeyboardInterrupt(
                 f"interrupted: {path} has {done} of {len(missing_runs)} runs; repeat the command"
             ) from None
+
+
+def _drop_incomplete_line(path: Path) -> None:
+    """Remove the end of a file whose last run was stopped in the middle of a row.
+
+    If the row has opened a quotation mark, rows appended to it would be read as its text.
+    """
+    content = path.read_bytes() if path.exists() else b""
+    if not content.endswith(b"\n") and content:
+        path.write_bytes(content[: content.rfind(b"\n") + 1])
 
 
 def _rows_in_worker(run: Run, solver: external.Solver | None) -> list[Row]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from bearingsim.bench.errors import TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, POINT
+from bearingsim.text.numbers import significant
 
 ACCURACIES = (0.05, 0.01)
 QUANTITY_NAMES = {"line": "line", "rms": "RMS", "force": "largest force"}
@@ -41,9 +42,7 @@ def worst_error(row: Row, kind: str = TOTAL, quantities: Sequence[str] = QUANTIT
 def verdict(rows: Sequence[Row], accuracy: float, quantities: Sequence[str] = QUANTITIES) -> Verdict:
     """Select the cheapest sufficient rows of a scene for an accuracy of some quantities."""
     floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in quantities}
-    name = max(floors, key=floors.__getitem__)
-    if not floors[name] <= accuracy:
-        unknown = f"the reference's {QUANTITY_NAMES[name]} is accurate to {percent(floors[name])} only"
+    if unknown := coarse_floor(floors, accuracy, "the reference's"):
         return Verdict(accuracy, None, None, unknown, quantities)
     sufficient = [
         row for row in rows if not row["failure"] and worst_error(row, quantities=quantities) <= accuracy
@@ -55,6 +54,17 @@ def verdict(rows: Sequence[Row], accuracy: float, quantities: Sequence[str] = QU
         _cheapest([row for row in sufficient if row["role"] in (POINT, AUTOMATIC)]),
         quantities=quantities,
     )
+
+
+def coarse_floor(floors: dict[str, float], accuracy: float, whose: str) -> str:
+    """Describe the floor that exceeds an accuracy most; empty if none does, so that errors can be compared."""
+    for name, floor in floors.items():
+        if not isfinite(floor):
+            return f"no two solutions confirm {whose} {QUANTITY_NAMES[name]}"
+    name = max(floors, key=floors.__getitem__)
+    if floors[name] <= accuracy:
+        return ""
+    return f"{whose} {QUANTITY_NAMES[name]} is accurate to {percent(floors[name])} only"
 
 
 def _cheapest(rows: Sequence[Row]) -> Row | None:
@@ -71,16 +81,21 @@ def pareto_front(rows: Sequence[Row], column: str) -> list[Row]:
 
 
 def percent(share: float) -> str:
-    """Format a share in per cent with two digits; large shares as `over 100 times`."""
+    """Format an error in per cent with two digits. A value over twice the exact one is `3 times` that.
+
+    An error of 100 % is that of a value of zero.
+    """
     if not isfinite(share):
         return "unknown"
-    if share >= 1.0:
-        return f"{share + 1.0:.2g} times" if share < 99 else "over 100 times"
-    return f"{100.0 * share:.2g} %" if share >= 1e-4 else "under 0.01 %"
+    if share > 1.0:
+        return f"{significant(share + 1.0, 2)} times" if share < 99 else "over 100 times"
+    return f"{significant(100.0 * share, 2)} %" if share >= 1e-4 else "under 0.01 %"
 
 
 def seconds(value: float) -> str:
     """Format the CPU time per simulated second."""
+    if not isfinite(value):
+        return "unknown"
     return f"{value:.2g} s" if value < 10.0 else f"{value:.0f} s"
 
 
@@ -113,6 +128,7 @@ def step_text(row: Row, rows: Sequence[Row]) -> str:
         other["step_s"]
         for other in rows
         if (other["variant"], other["method"], label(other)) == (row["variant"], row["method"], "1x")
+        and not other["failure"]
     ]
     if isfinite(row["tolerance"]):
         return f"{row['tolerance']:.0e}".replace("e-0", "e-")
@@ -169,7 +185,8 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
 
 
 def _errors(row: Row) -> str:
-    return ", ".join(f"{percent(row[f'{TOTAL}.{name}'])} ({QUANTITY_NAMES[name]})" for name in QUANTITIES)
+    """List the counted errors of a row, by which it is sufficient or not."""
+    return ", ".join(f"{percent(row[f'{TOTAL}.{name}.counted'])} ({QUANTITY_NAMES[name]})" for name in QUANTITIES)
 
 
 class FrontComparison(NamedTuple):
@@ -184,7 +201,7 @@ def compare_with_front(rows: Sequence[Row], kind: str) -> list[FrontComparison]:
     """Compare each model's fully integrated automatic choice with its cheapest run of no larger worst error."""
     pairs = []
     for row in rows:
-        if row["role"] == AUTOMATIC and row["method"]:
+        if row["role"] == AUTOMATIC and row["method"] and not row["failure"]:
             candidates = [
                 other
                 for other in rows

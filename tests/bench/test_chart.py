@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -13,6 +14,7 @@ from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT, REFERENCE
 from bearingsim.cli import bench as command
 from bearingsim.errors import UserError
 from bearingsim.plots import speed_accuracy
+from bearingsim.simulation import SimulationError
 from tests.scenes.bench_runs import rows_of
 from tests.scenes.commands import type_
 
@@ -152,6 +154,73 @@ def test_automatic_step_is_given_relative_to_first_step():
     assert verdict.step_text(rows[2], rows) == "1e-5"
 
 
+def test_a_failed_first_step_is_no_unit():
+    rows = [row(step_s=nan, value=nan, failure="stopped"), row(role=JOB, setting="", step_s=2e-7)]
+    assert verdict.step_text(rows[1], rows) == "0.2 us"
+
+
+def scene_rows(*references, job=1.001):
+    """Return rows of a job, its full integration and a peer, with the values of the reference runs."""
+    return errors.with_errors(
+        [
+            row(role=JOB, value=job),
+            row(role=AUTOMATIC, cpu=2.0, value=job),
+            row(role=PEER, method="scipy-lsoda", value=1.001, setting="0.001"),
+            *(row(role=REFERENCE, method=f"m{n}", value=value) for n, value in enumerate(references)),
+        ]
+    )
+
+
+def report_text(rows):
+    section = report.Section("s", "a scene", rows, 0.3)
+    return " ".join((*verdict.verdict_texts(rows), *report._peer_texts(section), *report._remarks(section)))
+
+
+def test_a_single_reference_run_confirms_nothing():
+    text = report_text(scene_rows(1.0, nan))
+    assert "**Within 5 %:** unknown: no two solutions confirm the reference's line." in text
+    assert "**Other packages:** unknown: no two solutions confirm the model's line." in text
+    assert (
+        "**The reference** is `planar`, by m0 (1 of the automatic step), which no second solution confirms."
+        in text
+    )
+    assert "**The reference** is `planar`, of which there is no solution." in report_text(scene_rows(nan, nan))
+
+
+def test_peers_of_a_coarse_reference_have_no_verdict():
+    text = report_text(scene_rows(1.0, 1.04))  # 1 - 1.00/1.04 = 3.8 %
+    assert "**Other packages:** unknown: the model's line is accurate to 3.8 % only." in text
+    assert "none of" not in text
+
+
+def test_reference_runs_without_force_are_no_solutions():
+    references = [
+        row(role=REFERENCE),
+        row(role=REFERENCE, value=1.00005, force=nan),
+        row(role=REFERENCE, value=1.0001),
+    ]
+    rows = errors.with_errors([row(role=JOB, value=1.001), *references])
+    assert rows[0]["total.force"] == pytest.approx(1.001 / 1.00005 - 1.0)
+    assert verdict.verdict(rows, 0.01).model == "planar"
+    unconfirmed = errors.with_errors([row(role=JOB), row(role=REFERENCE), row(role=REFERENCE, force=nan)])
+    assert verdict.verdict(unconfirmed, 0.05).unknown
+
+
+def test_model_without_forces_has_a_verdict_of_its_line():
+    references = [row(role=REFERENCE, force=nan), row(role=REFERENCE, value=1.0001, force=nan)]
+    rows = errors.with_errors([row(role=JOB, value=1.002, force=nan), *references])
+    assert rows[0]["total.line"] == pytest.approx(1.002 / 1.00005 - 1.0)
+    assert verdict.verdict(rows, 0.01, ("line",)).model == "planar"
+    assert verdict.verdict(rows, 0.01).unknown == "no two solutions confirm the reference's largest force"
+
+
+def test_insufficient_model_is_described_by_its_counted_error():
+    """A job that is near the reference by chance has at least the error of its model, 3 %."""
+    lower = [row("ring", JOB, cpu=0.1, value=1.002), *reference_rows("ring", 1.03, 1.0301)]
+    text = verdict.verdict_texts(errors.with_errors([row(role=JOB), *reference_rows(), *lower]))[1]
+    assert "`ring` costs 0.1 s and is off by 3 % (line)" in text
+
+
 def test_pareto_front():
     rows = [
         row(cpu=cpu, value=value) for cpu, value in ((1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, nan), (5.0, 0.1))
@@ -190,7 +259,16 @@ def test_report_gives_recommendations_with_reasons():
 
 
 @pytest.mark.parametrize(
-    ("share", "text"), [(0.012, "1.2 %"), (1e-6, "under 0.01 %"), (2.0, "3 times"), (inf, "unknown")]
+    ("share", "text"),
+    [
+        (0.012, "1.2 %"),
+        (1e-6, "under 0.01 %"),
+        (0.997, "100 %"),
+        (1.0, "100 %"),  # of a value of zero
+        (2.0, "3 times"),
+        (98.8, "100 times"),
+        (inf, "unknown"),
+    ],
 )
 def test_percent_texts(share, text):
     assert verdict.percent(share) == text
@@ -269,8 +347,48 @@ def test_job_without_second_row_is_recomputed(tmp_path, computed_runs):
     lines = path.read_text().splitlines(keepends=True)
     first = next(n for n, line in enumerate(lines) if f",{AUTOMATIC}," in line)
     path.write_text("".join(lines[:first] + lines[first + 1 :]))
-    table.compute(SCENES, tmp_path, quick=True)
+    rows = table.compute(SCENES, tmp_path, quick=True)
     assert len(computed_runs) == count + 1
+    assert len(rows) == len(lines) - 1
+    assert len(table.compute(SCENES, tmp_path, quick=True)) == len(rows)
+    assert len(computed_runs) == count + 1
+
+
+def test_row_truncated_within_its_reason_does_not_hide_later_rows(tmp_path, computed_runs):
+    expected = table.compute(SCENES, tmp_path, quick=True)
+    path = tmp_path / table.RUNS_FILE
+    lines = path.read_text().splitlines(keepends=True)
+    cut = lines[-3].rstrip() + '"over the limit, and'  # the reason is the last column
+    path.write_text("".join(lines[:-3]) + cut)
+    assert len(table.compute(SCENES, tmp_path, quick=True)) == len(expected)
+
+
+class FakeRecord(NamedTuple):
+    """Record of a job by Verlet's method."""
+
+    info: dict
+    features: dict
+
+
+def test_job_is_kept_if_its_full_integration_stops(monkeypatch):
+    info = {"method": "verlet", "step_s": 1e-6, "tolerance": nan, "cpu_s": 9.0, "period_passes": 1}
+    features = {"velocity@BPFO": 1.0, "velocity.rms": 2.0, "outer_force.max": 3.0, "chaotic": 0.0}
+
+    def simulate(case):
+        if case.periodic:
+            return FakeRecord(info, features)
+        raise SimulationError("the roller leaves the bearing", "use another step", time=0.1)
+
+    monkeypatch.setattr(measure, "simulate", simulate)
+    monkeypatch.setattr(measure, "warm", lambda cases: None)
+    run = next(run for run in plan.runs(SCENES[0], quick=True) if (run.variant, run.role) == ("ring", JOB))
+    job, full = measure.rows(run)
+    assert (job["role"], job["failure"], job["force"]) == (JOB, "", 3.0)
+    assert (full["role"], full["method"], full["failure"]) == (AUTOMATIC, "verlet", "stopped")
+    assert job["key"] == full["key"] == run.key
+    rows = errors.with_errors([job | {"variant": "planar"}, full | {"variant": "planar"}, *reference_rows()])
+    assert report._choice_rows(report.Section("s", "a scene", rows, 0.3))[0][5] == "unknown"
+    assert verdict.compare_with_front(rows, errors.NUMERICAL) == []
 
 
 def test_another_step_or_model_is_another_run():
@@ -352,6 +470,71 @@ def test_study_with_accuracy_has_the_same_models(write):
         "ring",
         "static",
     ]
+
+
+STUDY = "study: own\nbearing: nf308\nspeed: 1800 rpm\n"
+
+
+def variants_of(path):
+    return [{v.name: v for v in entry.variants} for entry in scene.load_scenes(path, quick=False)]
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        "method: rk4",
+        "tolerance: 1e-4",
+        "step: 1 us",
+        "step_check: false\nperiodic: false",
+        "sweep: {method: [rk4, rodas]}",
+    ],
+)
+def test_automatic_choice_ignores_method_and_step_of_the_study(write, choice):
+    (variants,) = variants_of(write(f"{STUDY}load: 150 N\n{choice}\n"))
+    assert list(variants) == ["planar", "rollers", "ring", "static"]
+    case = variants["rollers"].case
+    assert (case.method, case.step, case.tolerance, case.step_check, case.periodic) == (
+        "auto",
+        "auto",
+        "auto",
+        True,
+        True,
+    )
+    assert variants["static"].case.method is None
+
+
+@pytest.mark.parametrize(
+    ("harmonics", "names"),
+    [(2, (4, 2)), (4, (8, 4)), (8, (16, 8)), (20, (40, 20, 8)), (100, (100, 8))],  # at most 100
+)
+def test_each_number_of_harmonics_is_one_variant(write, harmonics, names):
+    path = write(f"{STUDY}load: 150 N\nrig: {{ring: {{harmonics: {harmonics}}}}}\n")
+    (own_scene,) = scene.load_scenes(path, quick=True)
+    assert [v.name for v in own_scene.variants[: len(names)]] == [f"rollers, {n} harmonics" for n in names]
+    assert [v.name for v in own_scene.variants[len(names) :]] == ["ring", "static"]
+    runs = list(plan.runs(own_scene, quick=True))
+    assert len({run.key for run in runs}) == len(runs)
+
+
+def test_variants_are_of_the_case_of_their_reference(write):
+    """With 8 harmonics cases that differ in harmonics are the same."""
+    sweep = "sweep: {load: [150 N, 300 N], rig.ring.harmonics: [10, 20]}"
+    scenes = variants_of(write(f"{STUDY}{sweep}\n"))
+    loads = [{v.case.load for v in variants.values() if v.case} for variants in scenes]
+    assert loads == [{150.0}, {150.0}, {300.0}]
+    assert all("rollers, 8 harmonics" in variants for variants in scenes)
+
+
+def test_a_model_refused_for_one_case_computes_the_others(write):
+    scenes = variants_of(write(f"{STUDY}load: 150 N\nsweep: {{rig.ring.bends: [false, true]}}\n"))
+    assert [variants["ring"].case is None for variants in scenes] == [False, True]
+    assert "cannot do this" in scenes[1]["ring"].refused
+
+
+def test_refusal_with_accuracy_is_not_that_of_the_keys(write):
+    bent = "rig: {ring: {harmonics: 20}}\naccuracy: {within: 2 %, of: [velocity.rms]}\n"
+    (variants,) = variants_of(write(f"{STUDY}load: 150 N\n{bent}"))
+    assert variants["ring"].refused == "the model cannot compute this case"
 
 
 def test_page_of_the_documentation_has_the_instructions_of_the_report():
