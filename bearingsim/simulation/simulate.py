@@ -12,6 +12,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_times
 from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
 from bearingsim.simulation.accuracy import StandardErrors
@@ -396,4 +397,5 @@ def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     bearing, position = setup.model.bearing, setup.case.settle_s * setup.grid.fine_rate
     before, after = raw.read(floor(position), 2, np.array([FEATURE_CELLS.index(CAGE_ANGLE)]))[0]
     slip = before + (position - floor(position)) * (after - before)
-    return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slip)
+    (time,) = kinematic_times(setup.model, np.array([setup.case.settle_s]))
+    return float(bearing.theta_0 + bearing.omega_c * time + slip)

@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim import cpu_time, signals
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
-from bearingsim.core.geometry.motion import is_steady, kinematic_times
+from bearingsim.core.geometry.motion import kinematic_times
 from bearingsim.simulation.channels import (
     CAGE_ANGLE,
     FEATURE_CELLS,
@@ -26,7 +26,7 @@ from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 3
-"""Smallest number of ball passes for lines with a free cage, because interpolation uses up the ends."""
+"""Smallest number of ball passes for lines of unequal passes, because interpolation uses up the ends."""
 
 ROW_OF = {cell: row for row, cell in enumerate(FEATURE_CELLS + SENSOR_CELLS)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
@@ -115,17 +115,29 @@ def ball_pass_lines(case: Case, pass_lines: Mapping[str, np.ndarray]) -> dict[st
 
 
 def has_other_lines(case: Case) -> bool:
-    """Check if a record has lines other than those of BPFO, whose periods do not fit into a ball pass."""
-    return has_free_cage(case) or any(element != "outer" for element in elements_with_deviations(case))
+    """Check if a record has content other than the lines of BPFO, whose periods do not fit into a ball pass.
+
+    On a ramp the natural vibration is such content, because its frequency does not follow the speed.
+    """
+    turns = case.unbalance is not None or any(element != "outer" for element in elements_with_deviations(case))
+    return turns or has_unequal_passes(case)
+
+
+def has_unequal_passes(case: Case) -> bool:
+    """Check if ball passes differ in duration, because the cage is free or the speed changes."""
+    return has_free_cage(case) or case.ramp is not None
 
 
 def lines_of_passes(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes) of each quantity; empty if the record is too short for a free cage."""
-    return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, grid, raw)
+    """Return the lines (harmonics, passes) of each quantity.
+
+    Empty if passes differ in duration and the record is too short for them.
+    """
+    return (_lines_at_equal_angles if has_unequal_passes(case) else _lines_at_equal_times)(case, model, grid, raw)
 
 
 def _lines_at_equal_times(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes) of each quantity for a kinematic cage, with passes of equal length."""
+    """Return the lines (harmonics, passes) of each quantity for passes of equal duration."""
     record_windows = windows(case, grid, raw, reach=1)
     M, start = record_windows.M, record_windows.start
     position, speed = (
@@ -136,7 +148,7 @@ def _lines_at_equal_times(case: Case, model: Any, grid: Grid, raw: RawRecord) ->
 
 
 def _lines_at_equal_angles(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines by pass for a slipping cage, resampled at equal angles; empty for too short a record."""
+    """Return the lines by pass of unequal passes, resampled at equal angles; empty for too short a record."""
     M, start, Z = grid.fine_per_pass, first_sample(case, grid), case.bearing.rollers
     length = whole_passes(case, grid) * M + 1
     (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
@@ -175,9 +187,7 @@ def other_lines(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str,
     """Return amplitude and phase of the lines other than BPFO and its multiples; NaN if not resolved."""
     length = max(2, floor(case.duration * grid.fine_rate + 1e-6))
     length = length if raw.end is None else min(length, raw.end - first_sample(case, grid))
-    compute_lines = (
-        _lines_at_varying_speed if has_free_cage(case) or not is_steady(model) else _lines_at_constant_speed
-    )
+    compute_lines = _lines_at_varying_speed if has_unequal_passes(case) else _lines_at_constant_speed
     lines, frequencies = compute_lines(case, model, grid, raw, length)
     resolved = dict(
         zip(LINES, signals.resolvable(frequencies, min(case.duration, length / grid.fine_rate)), strict=True)

@@ -113,3 +113,31 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
     assert all(len(series) == count for series in result.series.values())
     assert result.time[0] == 0.0
     assert result.time == pytest.approx(np.arange(count) / sampling, rel=1e-15)
+
+
+KINEMATIC: dict[str, Any] = {"model": "planar", "cage": {"motion": "kinematic"}, "friction": "none"}
+KINEMATIC |= {"method": "verlet", "record": []}
+
+
+def test_line_of_a_kinematic_cage_on_a_ramp_is_that_of_its_angle() -> None:
+    """From 1800 to 3600 rpm within 0.5 s: after t the cage has turned as in t + t^2 at the initial speed."""
+    test_case = case(**KINEMATIC, ramp={"to": "3600 rpm", "time": "0.5 s"}, settle="50 ms", duration="0.4 s")
+
+    def signal(t: np.ndarray) -> np.ndarray:
+        return np.cos(13 * test_case.start_angle + 2 * np.pi * RATE * (t + t**2) + 0.7)
+
+    result = record_of_signal(test_case, signal)
+    assert abs(line(result.features, "velocity@BPFO") - np.exp(0.7j)) < 1e-4
+    assert result.features["velocity@2BPFO"] < 1e-4
+    start_angle = test_case.start_angle + 2 * np.pi * RATE / 13 * (0.05 + 0.05**2)
+    assert result.info["cage_angle_start_rad"] == pytest.approx(start_angle, rel=1e-9)
+
+
+def test_unbalance_leaks_little_into_the_line_of_a_kinematic_cage() -> None:
+    shaft = {"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}, "unbalance": {"mass_radius": "100 g mm"}}
+    test_case = case(**KINEMATIC, **shaft, duration="0.2 s")
+    result = record_of_signal(
+        test_case, lambda t: np.cos(2 * np.pi * RATE * t) + 100.0 * np.cos(test_case.speed * t)
+    ).features
+    assert result["velocity@fr"] == pytest.approx(100.0, rel=1e-3)
+    assert result["velocity@BPFO"] == pytest.approx(1.0, abs=0.03)
