@@ -6,7 +6,7 @@ from math import ceil, floor
 from bearingsim import assemble, memory
 from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, full_speed_case
 from bearingsim.config import Case
-from bearingsim.config.names import read_band
+from bearingsim.config.names import LINES, read_band
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM_BYTES
@@ -101,6 +101,12 @@ def highest_band_limit(case: Case) -> float:
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
+def highest_line(case: Case) -> float:
+    """Return the highest frequency (Hz) of the lines of a case, at its highest speed."""
+    speed = full_speed_case(case).speed
+    return max(case.bearing.line_frequency(line, speed) for line in LINES.values())
+
+
 def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """Compute the time grid of a case, with the step shortened to fit a whole number of steps into a ball pass.
 
@@ -113,7 +119,8 @@ def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> G
     has_named_method, case = case.method != "auto", resolve(case)
     other = ", or use `method: auto`" if has_named_method else ""
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
-    fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest_band_limit(case) / PASSBAND) / rate))
+    highest = max(highest_band_limit(case), highest_line(case))
+    fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest / PASSBAND) / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * step_fraction * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:
         raise Refused(

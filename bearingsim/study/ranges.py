@@ -151,15 +151,7 @@ def highest_line(case: Case, lines: Sequence[str]) -> tuple[float, str]:
 
 def frequency(case: Case, name: str) -> float:
     """Compute the frequency (Hz) of a spectral line at the highest speed of a case, without slip."""
-    b, speed = case.bearing, top_speed(case)
-    D_w, d_m, Z = b.roller_diameter, b.pitch_diameter, b.rollers
-    return LINES[name].frequency(
-        kinematics.ball_pass_frequency_outer(speed, D_w, d_m, Z),
-        kinematics.ball_pass_frequency_inner(speed, D_w, d_m, Z),
-        kinematics.ball_spin_frequency(speed, D_w, d_m),
-        kinematics.fundamental_train_frequency(speed, D_w, d_m),
-        speed / (2.0 * pi),
-    )
+    return case.bearing.line_frequency(LINES[name], top_speed(case))
 
 
 def records_series(case: Case) -> bool:

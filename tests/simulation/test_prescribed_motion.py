@@ -141,3 +141,15 @@ def test_unbalance_leaks_little_into_the_line_of_a_kinematic_cage() -> None:
     ).features
     assert result["velocity@fr"] == pytest.approx(100.0, rel=1e-3)
     assert result["velocity@BPFO"] == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize("name", ["2BSF", "4BSF"])
+def test_fine_samples_contain_the_highest_line(name: str) -> None:
+    """Six balls of 1 mm on 40 mm: 4 BSF is 27 times BPFO."""
+    sizes = {"rollers": 6, "roller_diameter": "1 mm", "pitch_diameter": "40 mm", "width": "10 mm"}
+    sizes |= {"bore": "30 mm", "outside_diameter": "50 mm", "element": "ball"}
+    sizes |= {"inner_groove_radius": "0.52 mm", "outer_groove_radius": "0.52 mm"}
+    test_case = case(bearing=sizes, periodic=False, duration="1 s", sampling="1 kHz", record=[], method="verlet")
+    frequency = int(name[0]) * 30.0 * (1.0 - 1.0 / 40.0**2) / (2.0 / 40.0)
+    result = record_of_signal(test_case, lambda t: np.cos(2 * np.pi * frequency * t)).features
+    assert result[f"velocity@{name}"] == pytest.approx(1.0, abs=3e-4)

@@ -27,9 +27,15 @@ from bearingsim.config.fields import (
     refuse,
 )
 from bearingsim.config.library import Kind, library_names, load_mapping
+from bearingsim.config.names import Line
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad, Sensor
 from bearingsim.config.sections.space import Flanges, Profile, RollerProfile
-from bearingsim.core.geometry.kinematics import ball_pass_frequency_outer
+from bearingsim.core.geometry.kinematics import (
+    ball_pass_frequency_inner,
+    ball_pass_frequency_outer,
+    ball_spin_frequency,
+    fundamental_train_frequency,
+)
 from bearingsim.text.units import show
 
 Element = Literal["roller", "ball"]
@@ -125,6 +131,17 @@ class Bearing(Section):
     def ball_pass_frequency(self, speed: float) -> float:
         """Compute the ball pass frequency of the outer race (BPFO), Hz; `speed` in rad/s."""
         return ball_pass_frequency_outer(speed, self.roller_diameter, self.pitch_diameter, self.rollers)
+
+    def line_frequency(self, line: Line, speed: float) -> float:
+        """Compute the frequency (Hz) of a spectral line without slip; `speed` in rad/s."""
+        D_w, d_m = self.roller_diameter, self.pitch_diameter
+        return line.frequency(
+            ball_pass_frequency_outer(speed, D_w, d_m, self.rollers),
+            ball_pass_frequency_inner(speed, D_w, d_m, self.rollers),
+            ball_spin_frequency(speed, D_w, d_m),
+            fundamental_train_frequency(speed, D_w, d_m),
+            speed / (2.0 * math.pi),
+        )
 
     @model_validator(mode="after")
     def _check_elements(self) -> "Bearing":
