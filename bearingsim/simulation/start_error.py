@@ -72,7 +72,8 @@ def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) 
     if raw.repetition.period > 0:
         last = np.zeros(record_windows.distinct)
         last[-raw.repetition.period :] = 1.0
-        return _changes(passes.mean(record_windows.weights), passes.mean(last), passes)
+        record = passes.mean(record_windows.weights)
+        return _changes(record, passes.mean(last), record)
     return _decay_errors(case, passes, grid.rate, standard_errors)
 
 
@@ -92,14 +93,14 @@ def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
     return Passes(lines, np.mean(recorded.reshape(n, M) ** 2, axis=1), raw.peaks[sources, PEAK_FORCE_COLUMN])
 
 
-def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
-    """Return the relative differences between two means over passes."""
-    power = float(passes.powers.mean()) or 1.0
-    sizes = np.maximum(np.abs(passes.lines.mean(axis=1)), QUIET_LINE * power**0.5)
+def _changes(mean: Passes, other: Passes, record: Passes) -> StartErrors:
+    """Return the differences between two means over passes, relative to the mean over the record."""
+    rms = float(record.powers) ** 0.5 or 1.0
+    sizes = np.maximum(np.abs(record.lines), QUIET_LINE * rms)
     return StartErrors(
         float(np.max(np.abs(mean.lines - other.lines) / sizes)),
-        0.5 * float(abs(mean.powers - other.powers)) / power,
-        float(abs(mean.forces - other.forces) / (passes.forces.max() or 1.0)),
+        float(abs(mean.powers**0.5 - other.powers**0.5)) / rms,
+        float(abs(mean.forces - other.forces) / (record.forces or 1.0)),
     )
 
 
@@ -116,14 +117,15 @@ def _decay_errors(case: Case, passes: Passes, rate: float, standard_errors: Stan
     length = int(int(length // turn) * turn) or length
     parts = np.repeat(np.eye(PARTS), length, axis=1)
     parts = np.pad(parts, ((0, 0), (0, len(passes.powers) - parts.shape[1])))
-    earlier, later = (_changes(passes.mean(parts[n]), passes.mean(parts[n + 2]), passes) for n in range(2))
-    half_changes = _changes(passes.mean(parts[0] + parts[1]), passes.mean(parts[2] + parts[3]), passes)
+    record, means = passes.mean(np.ones(len(passes.powers))), [passes.mean(part) for part in parts]
+    earlier, later = (_changes(means[n], means[n + 2], record) for n in range(2))
+    half_changes = _changes(passes.mean(parts[0] + parts[1]), passes.mean(parts[2] + parts[3]), record)
     max_ratio = exp(-slowest_decay(case) / DECAY_RATIO * 2.0 * length / rate)
     before, after, change = (np.array(changes) for changes in (earlier, later, half_changes))
     with np.errstate(divide="ignore", invalid="ignore"):
         r = np.fmin((after / before) ** 2, max_ratio)
         remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
-    scatter = _scatter([passes.mean(part) for part in parts], passes)
+    scatter = _scatter(means, record)
     largest = nan if isnan(standard_errors.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
     return StartErrors(*np.fmax.reduce([remaining, scatter, (*standard_errors, largest)]).tolist())
 
@@ -146,10 +148,10 @@ def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
     return float(scatter / (forces.max() or 1.0))
 
 
-def _scatter(means: list[Passes], passes: Passes) -> StartErrors:
+def _scatter(means: list[Passes], record: Passes) -> StartErrors:
     """Return the standard errors of the mean over the parts of a record, from the scatter between the parts.
 
     For the largest force, it is the standard error of the mean of the parts' largest forces.
     """
-    changes = np.array([_changes(mean, other, passes) for mean in means for other in means])
+    changes = np.array([_changes(mean, other, record) for mean in means for other in means])
     return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) * PARTS / (PARTS - 1) / 2.0 / PARTS).tolist())

@@ -153,3 +153,21 @@ def test_fine_samples_contain_the_highest_line(name: str) -> None:
     frequency = int(name[0]) * 30.0 * (1.0 - 1.0 / 40.0**2) / (2.0 / 40.0)
     result = record_of_signal(test_case, lambda t: np.cos(2 * np.pi * frequency * t)).features
     assert result[f"velocity@{name}"] == pytest.approx(1.0, abs=3e-4)
+
+
+@pytest.mark.parametrize(("amplitude", "duration"), [(10.0, 1.0), (30.0, 2.0)])
+def test_start_error_is_relative_to_the_record(amplitude: float, duration: float) -> None:
+    """A transient in 25 passes of a record, of which few passes are computed."""
+
+    def signal(t: np.ndarray) -> np.ndarray:
+        transient = np.where(t < 0.25, amplitude * np.exp(-100.0 * t), 0.0)
+        return (1.0 + transient) * np.cos(2 * np.pi * RATE * t)
+
+    test_case = case(settle="0 s", duration=duration, record=[])
+    result = record_of_signal(test_case, signal)
+    t = np.arange(round(int(duration * RATE) / RATE * 1e5)) / 1e5
+    rms = np.std(signal(t))
+    assert float(result.info["passes_computed"]) < 40
+    assert result.features["error.start.rms"] == pytest.approx(1.0 - 0.5**0.5 / rms, rel=0.02)
+    mean_line = 2.0 * np.mean(signal(t) * np.cos(2 * np.pi * RATE * t))
+    assert result.features["error.start"] == pytest.approx(1.0 - 1.0 / mean_line, rel=0.02)
