@@ -27,7 +27,9 @@ from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lin
 
 MIN_BATCHES = 4  # smallest number of batches, for at least three degrees of freedom in Student's t (chosen)
 TWO_SIGMA = 0.97725  # one-sided probability of two sigma of the normal distribution
-HANN_VARIANCE_RATIO = 1.5  # variance of a mean under Hann's window over that of a plain mean, of white noise
+HANN_VARIANCE_RATIO, HANN_POWER_VARIANCE_RATIO = 3.0 / 2.0, 35.0 / 18.0
+"""Variances of a mean under Hann's window, and of the mean square of a windowed series, over that of a plain mean,
+for white noise. The mean square has the square of the window as its weight."""
 
 
 class Inspections:
@@ -142,11 +144,24 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
             0.0 if read_band(name) else QUIET_LINE * float(np.std(fine_samples(name.partition("@")[0])))
         )
         in_phase = (parts * np.exp(-1j * np.angle(parts[0]))).real
-        variance_ratio = HANN_VARIANCE_RATIO if has_other_lines(case) else 1.0  # else a line is a plain mean
-        errors[name] = variance_ratio**0.5 * batch_error(in_phase[1:]) / (max(abs(parts[0]), min_amplitude) or 1.0)
+        errors[name] = batch_error(in_phase[1:]) / (max(abs(parts[0]), min_amplitude) or 1.0)
     for name, parts in powers.items():
         errors[name] = 0.5 * batch_error(parts[1:]) / (parts[0] or 1.0)
+    errors = {name: variance_ratio(case, name) ** 0.5 * error for name, error in errors.items()}
     return {name: inf if np.isnan(errors.get(name, nan)) else float(errors[name]) for name in requested}
+
+
+def variance_ratio(case: Case, name: str) -> float:
+    """Return the variance of a feature (for an RMS, of its square) over that of a plain mean.
+
+    Only the RMS of the record and, in a record without other lines, harmonics of BPFO are plain means. All other
+    lines, those of an envelope, and the RMS of a band are computed under Hann's window over the record.
+    """
+    band_feature = read_band(name)
+    if band_feature is not None and not band_feature.line:
+        return HANN_POWER_VARIANCE_RATIO
+    is_plain = name.endswith(".rms") or (_harmonic(name) > 0 and not has_other_lines(case))
+    return 1.0 if is_plain else HANN_VARIANCE_RATIO
 
 
 def _harmonic(name: str) -> int:

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from bearingsim import simulate
+from bearingsim import signals, simulate
 from bearingsim.config import Case
 from bearingsim.simulation import ending, try_out
 from bearingsim.simulation.choice import resolve
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.recording import first_sample, whole_passes
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.sufficiency import Inspections, batch_error
+from bearingsim.simulation.spectral_lines import sensor_samples
+from bearingsim.simulation.sufficiency import Inspections, batch_error, feature_errors, variance_ratio
 from bearingsim.simulation.time_grid import estimate
 from bearingsim.simulation.trial import ReferenceValues
 from tests.scenes.short_cases import SLOT, case
@@ -116,6 +119,46 @@ def test_batch_error_includes_correlation(correlation: float) -> None:
             values[n] += correlation * values[n - 1]
         covered += abs(values[100:].mean()) <= 2.0 * batch_error(values[100:])
     assert 0.95 * 400 <= covered < 400
+
+
+def mean_under_hann(values: np.ndarray) -> np.ndarray:
+    """Means of rows under Hann's window."""
+    weights = np.sin(np.pi * (np.arange(values.shape[-1]) + 0.5) / values.shape[-1]) ** 2
+    return values @ weights / weights.sum()
+
+
+def test_variance_of_features_under_a_window_over_the_record() -> None:
+    """Of white noise, compared with plain means of the same values."""
+    noise = np.random.default_rng(3).standard_normal((20_000, 128))
+    plain, windowed = noise.mean(axis=1).var(), mean_under_hann(noise).var()
+    powers = np.mean(noise**2, axis=1).var()
+    band_powers = np.array([signals.band_rms(series, 128.0, (0.0, 64.0)) ** 2 for series in noise[:5000]]).var()
+    outer, inner = turning_defect_case("outer"), turning_defect_case("inner")
+    for test_case, name, ratio in (
+        (outer, "velocity.rms", 1.0),
+        (outer, "velocity@2BPFO", 1.0),
+        (inner, "velocity@2BPFO", windowed / plain),
+        (outer, "velocity@BPFI", windowed / plain),
+        (outer, "envelope@BPFO", windowed / plain),
+        (outer, "acceleration.rms@100-1000Hz", band_powers / powers),
+    ):
+        assert variance_ratio(test_case, name) == pytest.approx(ratio, rel=0.05)
+
+
+def test_standard_error_of_a_band_includes_the_window() -> None:
+    names = ["velocity.rms", "velocity.rms@10-5000Hz"]
+    fields = CHATTERING | {"features": names[1:], "method": "verlet", "until": "0.001 %", "duration": "0.6 s"}
+    setup = set_up(resolve(case(**fields)), 1.0)
+    raw = integrate(setup)
+    errors = feature_errors(setup, raw, names)
+    start, M = first_sample(setup.case, setup.grid), setup.grid.fine_per_pass
+    passes = whole_passes(setup.case, setup.grid)
+    velocity = sensor_samples(setup.case, raw, "velocity", start, passes * M)
+    pairs = [velocity[n * M : (n + 4) * M] for n in range(0, passes - 3, 2)]
+    parts = np.array([signals.band_rms(pair, setup.grid.fine_rate, (10.0, 5000.0)) ** 2 for pair in pairs])
+    total = signals.band_rms(velocity[: passes // 2 * 2 * M], setup.grid.fine_rate, (10.0, 5000.0)) ** 2
+    expected = (35.0 / 18.0) ** 0.5 * 0.5 * batch_error(parts) / total
+    assert errors[names[1]] == pytest.approx(expected, rel=1e-6)
 
 
 def test_price_of_a_record_that_may_end_early() -> None:
