@@ -144,7 +144,7 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
     rows = raw.low_passed.read(start, length) if case.antialias else fine
-    angles = spectral_lines.sample_angles(setup.model, grid, start, np.zeros(length))
+    angles = spectral_lines.angles_of_record(case, setup.model, grid, raw, start, length)
     turn = max(1.0, turn * grid.rate)  # in ball passes
     spans = turn_spans(passes, turn, grid.fine_per_pass)
     series = partial(spectral_lines.sensor_series, case)

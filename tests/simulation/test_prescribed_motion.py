@@ -2,7 +2,8 @@
 
 import importlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 from unittest import mock
 
@@ -13,14 +14,18 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor
 from bearingsim.core.outcomes import SUCCESS
-from bearingsim.simulation.simulate import simulate
+from bearingsim.simulation.simulate import simulate, try_out
 from tests.scenes.short_cases import RATE, case, line
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 
 
-def record_of_signal(test_case: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
-    """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
+Signal = Callable[[np.ndarray], np.ndarray]
+
+
+@contextmanager
+def prescribed_motion(signals: Mapping[int, Signal]) -> Iterator[None]:
+    """Prescribe the values of cells of the buffer as functions of the time since the start; the others are 0."""
 
     def prescribed(
         method: Any,
@@ -33,10 +38,17 @@ def record_of_signal(test_case: Case, signal: Callable[[np.ndarray], np.ndarray]
         samples: Any,
     ) -> tuple:
         out[:] = 0.0
-        out[rows.tolist().index(lay.VELOCITY + lay.X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
+        for cell, signal in signals.items():
+            out[rows.tolist().index(cell)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
         return out.shape[1], SUCCESS, -1
 
     with mock.patch.object(INTEGRATION, "advance_and_sample", prescribed):
+        yield
+
+
+def record_of_signal(test_case: Case, signal: Signal) -> Any:
+    """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
+    with prescribed_motion({lay.VELOCITY + lay.X: signal}):
         return simulate(test_case.model_copy(update={"step_check": False}))
 
 
@@ -171,3 +183,20 @@ def test_start_error_is_relative_to_the_record(amplitude: float, duration: float
     assert result.features["error.start.rms"] == pytest.approx(1.0 - 0.5**0.5 / rms, rel=0.02)
     mean_line = 2.0 * np.mean(signal(t) * np.cos(2 * np.pi * RATE * t))
     assert result.features["error.start"] == pytest.approx(1.0 - 1.0 / mean_line, rel=0.02)
+
+
+def test_lines_of_a_trial_follow_a_slipping_cage() -> None:
+    """Over 65 passes a slip of 2 % is 1.3 periods, and the line of a kinematic cage would be 71 % low."""
+    test_case = case(model="planar", method="verlet", record=[], duration="1 s", step_check=False)
+    omega_c = 2 * np.pi * RATE / 13
+
+    def velocity(t: np.ndarray) -> np.ndarray:
+        angle = test_case.start_angle + 0.98 * omega_c * t
+        return np.cos(13 * angle + 0.4) + 0.3 * np.cos(13 * (test_case.speed * t - angle) + 0.1)
+
+    motion = {lay.VELOCITY + lay.X: velocity, lay.POSITION + lay.PHI_C: lambda t: -0.02 * omega_c * t}
+    with prescribed_motion(motion):
+        result, _ = try_out(test_case, ("velocity@BPFO", "velocity@BPFI"), 65)
+    outer, inner = (result.lines[f"velocity@{name}"][0] for name in ("BPFO", "BPFI"))
+    assert abs(outer - np.exp(0.4j)) < 1e-3
+    assert abs(inner) == pytest.approx(0.3, rel=1e-3)
