@@ -133,15 +133,12 @@ def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
     )
 
 
-def pass_contributions(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
+def pass_contributions(phase: np.ndarray, passes: int, series: np.ndarray) -> np.ndarray:
     """Return the contribution (passes,) of each ball pass to the complex amplitude of a line, in the series' unit.
 
-    name: key of ``LINES``; series: (passes * fine_per_pass + 1,) fine samples. Hann's window covers all passes;
-    the phase angles are those of a kinematic cage.
+    series: (passes * M + 1,) fine samples, M per pass; phase: phase angles (rad) of the line at these samples.
+    Hann's window covers all passes.
     """
-    start = recording.first_sample(setup.case, setup.grid)
-    angles = spectral_lines.sample_angles(setup.model, setup.grid, start, np.zeros(len(series)))
-    phase = angles.phase(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(phase))
     kernel = 2.0 * window * np.exp(-1j * phase) / window.sum()
     contributions = kernel * (series - window @ series / window.sum())
@@ -236,7 +233,9 @@ def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
     fine = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
     filtered = raw.low_passed.read(start, length) if case.antialias else None
     raw_values = raw.raw_values[:, : floor(passes / grid.rate * case.sampling) + 1]
-    lines = np.stack([pass_contributions(setup, name, passes, fine) for name in fault_lines(case)])
+    angles = spectral_lines.angles_of_record(case, setup.model, grid, raw, start, length)
+    phases = [angles.phase(LINES[name], case.bearing.rollers) for name in fault_lines(case)]
+    lines = np.stack([pass_contributions(phase, passes, fine) for phase in phases])
     settling_passes = floor(case.settle_s * grid.rate + 1e-6)
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines, raw.peaks[settling_passes : settling_passes + passes]

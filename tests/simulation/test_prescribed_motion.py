@@ -14,6 +14,8 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor
 from bearingsim.core.outcomes import SUCCESS
+from bearingsim.simulation import comparison, step_check
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import simulate, try_out
 from tests.scenes.short_cases import RATE, case, line
 
@@ -185,18 +187,37 @@ def test_start_error_is_relative_to_the_record(amplitude: float, duration: float
     assert result.features["error.start"] == pytest.approx(1.0 - 1.0 / mean_line, rel=0.02)
 
 
-def test_lines_of_a_trial_follow_a_slipping_cage() -> None:
-    """Over 65 passes a slip of 2 % is 1.3 periods, and the line of a kinematic cage would be 71 % low."""
-    test_case = case(model="planar", method="verlet", record=[], duration="1 s", step_check=False)
+FREE_CAGE: dict[str, Any] = {"model": "planar", "method": "verlet", "record": [], "step_check": False}
+
+
+def slipping_motion(test_case: Case, slip: float, amplitude: float = 1.0) -> dict[int, Signal]:
+    """Velocity with lines at the actual BPFO and BPFI of a cage with ``slip``, and the cage's angle."""
     omega_c = 2 * np.pi * RATE / 13
 
     def velocity(t: np.ndarray) -> np.ndarray:
-        angle = test_case.start_angle + 0.98 * omega_c * t
-        return np.cos(13 * angle + 0.4) + 0.3 * np.cos(13 * (test_case.speed * t - angle) + 0.1)
+        angle = test_case.start_angle + (1.0 - slip) * omega_c * t
+        outer, inner = 13 * angle + 0.4, 13 * (test_case.speed * t - angle) + 0.1
+        return amplitude * (np.cos(outer) + 0.3 * np.cos(inner))
 
-    motion = {lay.VELOCITY + lay.X: velocity, lay.POSITION + lay.PHI_C: lambda t: -0.02 * omega_c * t}
-    with prescribed_motion(motion):
+    return {lay.VELOCITY + lay.X: velocity, lay.POSITION + lay.PHI_C: lambda t: -slip * omega_c * t}
+
+
+def test_lines_of_a_trial_follow_a_slipping_cage() -> None:
+    """Over 65 passes a slip of 2 % is 1.3 periods, and the line of a kinematic cage would be 71 % low."""
+    test_case = case(**FREE_CAGE, duration="1 s")
+    with prescribed_motion(slipping_motion(test_case, 0.02)):
         result, _ = try_out(test_case, ("velocity@BPFO", "velocity@BPFI"), 65)
     outer, inner = (result.lines[f"velocity@{name}"][0] for name in ("BPFO", "BPFI"))
     assert abs(outer - np.exp(0.4j)) < 1e-3
     assert abs(inner) == pytest.approx(0.3, rel=1e-3)
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.3])
+def test_step_check_compares_the_line_of_a_slipping_cage(slip: float) -> None:
+    """A line at the kinematic angle would vanish, and its relative change would be 0.15."""
+    test_case = case(**FREE_CAGE, duration="0.12 s")
+    runs = []
+    for amplitude in (1.001, 1.0):
+        with prescribed_motion(slipping_motion(test_case, slip, amplitude)):
+            runs.append(step_check.run_pilot(set_up(test_case), 16))
+    assert comparison.compare(*runs).line == pytest.approx(1e-3, rel=1e-6)
