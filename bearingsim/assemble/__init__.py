@@ -223,9 +223,8 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
     y, residual = empty_buffer(model), 0.0
     if MODELS[case.model].loaded:
         residual = find_equilibrium(model, 0.0, y, from_scratch=True)
-        y[lay.EPS : lay.EPS + model.bearing.Z] = (
-            free.initial_pocket_angles(case) if MODELS[case.model].slips else 0.0
-        )
+        if MODELS[case.model].slips:  # in other models these cells may hold the harmonics of a flexible ring
+            y[lay.EPS : lay.EPS + model.bearing.Z] = free.initial_pocket_angles(case)
         start_at_rest(model, 0.0, y)
     return y, residual
 

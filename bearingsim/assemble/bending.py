@@ -236,11 +236,13 @@ def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> np.ndarray:
 
 
 def build_springs(ring: RingParameters, modes: Harmonics) -> core.Springs:
-    """Build the springs around the ring, with damping ratio ``ring.damping`` for the rigid ring on its springs."""
+    """Build the springs around the ring, with damping ratio ``ring.damping`` for the rigid ring on its springs, in
+    the direction in which they are stiffest."""
     angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     assert lay.MAX_SPRINGS >= P
-    stiffness = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
+    directions = np.stack([np.cos(angles), np.sin(angles)])
+    stiffness = np.linalg.eigvalsh(k * directions @ directions.T)[-1]
     c = 2.0 * ring.ring.damping * k * sqrt(ring.ring_mass / stiffness)
     by_spring = np.zeros((2, len(angles), len(modes.n)))
     by_spring[0, :, : modes.mode_count] = np.cos(np.outer(angles, modes.n[: modes.mode_count]))

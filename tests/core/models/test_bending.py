@@ -276,3 +276,15 @@ def test_the_step_limit_includes_the_coupling_of_rollers(bearing, harmonics):
             columns.append((sides[1] - sides[0]) / (2.0 * step))
         largest = np.abs(np.linalg.eigvals(np.array(columns))).max()
         assert largest <= bound <= 2.5 * largest
+
+
+@pytest.mark.parametrize("turn", [0.0, 20.0, 45.0, 70.0])
+def test_the_damping_of_springs_does_not_depend_on_their_direction(turn):
+    """Of two opposite springs k, c = 2 zeta k sqrt(m/(2 k)): the rigid ring between them has the damping ratio
+    zeta."""
+    k, at = 1e8, [{"angle": f"{angle + turn} deg", "stiffness": "1e8 N/m"} for angle in (0.0, 180.0)]
+    sideways = [{"angle": f"{angle + turn} deg", "stiffness": "1e6 N/m"} for angle in (90.0, 270.0)]
+    scene = case(load={"by": "points", "at": at + sideways})
+    table = bending.build_bending(bending.ring_parameters(scene)).springs.spring_table
+    expected = 2.0 * 0.01 * k * np.sqrt(bending.ring_parameters(scene).ring_mass / (2.0 * k))
+    assert table[core.C_S, :2] == pytest.approx([expected, expected], rel=1e-9)

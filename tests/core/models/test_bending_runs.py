@@ -50,6 +50,18 @@ def test_the_static_path_equals_the_independent_solution(load):
     assert readings == pytest.approx(list(reference.reading), abs=1e-6 * np.ptp(reference.reading))
 
 
+@pytest.mark.parametrize("harmonics", [8, 19, 40])
+@pytest.mark.parametrize("load", [None, PADS, POINTS, HOUSING])
+def test_a_run_starts_with_ring_and_carrier_at_rest(load, harmonics):
+    """Without damping no body accelerates; a shifted carrier or a missing harmonic gives over 10 m/s^2."""
+    undamped = case(harmonics, load, contact={"damping": "none"})
+    model = assemble.model(undamped)
+    y, residual = assemble.start(undamped, model)
+    assert residual <= 1e-8 * 150.0
+    n = lay.MODES_S + model.bending.harmonic_table.shape[1]
+    assert np.abs(y[lay.ACCELERATION : lay.ACCELERATION + n]).max() < 1e-5
+
+
 def test_two_springs_act_as_two_pads():
     """To 1e-6, at 1e8 N/m each, without bracket: by symmetry each spring carries the same share of the load."""
     rig = {"bracket_stiffness": "0 N/m", "bracket_damping": "0 N s/m"}
