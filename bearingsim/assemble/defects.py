@@ -151,7 +151,7 @@ def depth_map(d: config.Defect) -> Any:
     shape = SHAPES[d.shape]
     arguments = (d,) if shape.of_section else (d.length, d.width, d.depth)
     defect = call(shape.build, *arguments)
-    return defect if d.edge is None else EasedDefect(defect, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+    return defect if d.edge is None else EasedDefect(defect, d.edge.radius or 0.0, d.edge.ramp or 0.0, d.depth)
 
 
 def varies_along_roller(d: config.Defect) -> bool:

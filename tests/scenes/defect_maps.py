@@ -30,8 +30,10 @@ shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SMOOTH), l
 spalls = st.builds(Spall, lengths, widths, depths, st.floats(0.0, 1.0), st.integers(0, 1000))
 plain_defects = shapes | spalls
 eased_defects = st.builds(
-    lambda defect, r: EasedDefect(defect, r, 0.0), plain_defects, st.floats(2e-6, 1e-4)
-) | st.builds(lambda defect, ramp: EasedDefect(defect, 0.0, ramp), plain_defects, st.floats(5e-6, 2e-4))
+    lambda defect, r: EasedDefect(defect, r, 0.0, defect.depth), plain_defects, st.floats(2e-6, 1e-4)
+) | st.builds(
+    lambda defect, ramp: EasedDefect(defect, 0.0, ramp, defect.depth), plain_defects, st.floats(5e-6, 2e-4)
+)
 shifted_defects = st.builds(
     ShiftedDefect, plain_defects | eased_defects, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3)
 )

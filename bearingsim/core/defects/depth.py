@@ -82,16 +82,18 @@ class Elliptical(NamedTuple):
 
 
 class EasedDefect(NamedTuple):
-    """A defect whose edges along rolling are rounded with ``radius`` (m), or whose walls extend over ``ramp`` (m)
-    at least.
+    """A defect whose edges along rolling are rounded with ``radius`` (m), or whose walls are no steeper than
+    ``depth`` over ``ramp`` (m, m).
 
-    One of the two is zero. Material above the rounded or sloping edge is removed from the race, so the opening is
-    wider than the defect.
+    One of radius and ramp is zero; depth: the defect's largest depth, so that the slope is the same in all
+    sections. Material above the rounded or sloping edge is removed from the race, so the opening is wider than the
+    defect.
     """
 
     defect: Any
     radius: float
     ramp: float
+    depth: float
 
 
 class MirroredDefect(NamedTuple):
@@ -209,12 +211,12 @@ def _section_eased(eased, z):
     if len(profile.pieces) == 0:
         return profile
     for side in (profile, mirror_profile(profile)):
-        removed = _edge_profile(side, eased.radius, eased.ramp)
+        removed = _edge_profile(side, eased.radius, eased.ramp, eased.depth)
         profile = deeper_profile(profile, removed if side is profile else mirror_profile(removed))
     return profile
 
 
-def _edge_profile(profile: Profile, radius: float, ramp: float) -> Profile:
+def _edge_profile(profile: Profile, radius: float, ramp: float, depth: float) -> Profile:
     """Return the material removed before and at the first rim of a profile.
 
     At depth p an edge lies back(p) (m) before the wall. It begins where it is tangent to the wall; for a radius,
@@ -225,14 +227,13 @@ def _edge_profile(profile: Profile, radius: float, ramp: float) -> Profile:
     x[1] = min(x[1], 1e-9)  # behind a vertical wall
     t = start + (profile.pieces[-1, END] - start) * x
     p = depth_at(profile, t)
-    floor = float(p.max())
-    setback = _setback_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / floor
+    setback = _setback_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / depth
     k = int(np.argmin(t - setback))
     begin, length = t[k] - setback[k], setback[k]
     if length <= 0.0:
         return RACE
     if radius == 0.0:
-        return quadratic(begin, begin + length, 0.0, floor / ramp)
+        return quadratic(begin, begin + length, 0.0, depth / ramp)
     steepest = np.arcsin(min(length / radius, 1.0))
     theta = steepest * np.linspace(0.0, 1.0, ARC_POINTS) ** 2
     slope = np.append(np.tan(theta[:-1]), tan(steepest) if steepest < 1.5 else inf)

@@ -90,7 +90,7 @@ def test_merged_slots_equal_one_wide_slot():
 def test_rounded_edge_starts_the_drop_earlier():
     """On an arc of radius r the drop is x^2/(2 (R + r)) from the start of the arc, r before a deep wall."""
     radius = 20e-6
-    path = path_over(section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-5), radius, 0.0), 0.0), R_OUTER)
+    path = path_over(section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-5), radius, 0.0, 5e-5), 0.0), R_OUTER)
     begin = -4e-4 - radius
     assert path.pieces[0, 0] == pytest.approx(begin, abs=1e-9)
     x = np.linspace(0.0, 4e-4, 50)
@@ -98,21 +98,36 @@ def test_rounded_edge_starts_the_drop_earlier():
 
 
 def test_a_shallow_rounded_edge_ends_at_the_floor():
-    profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-6), 20e-6, 0.0), 0.0)
+    profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-6), 20e-6, 0.0, 5e-6), 0.0)
     assert -profile.pieces[0, 0] == pytest.approx(4e-4 + np.sqrt(5e-6 * (40e-6 - 5e-6)), rel=1e-9)
     assert depth_at(profile, np.array([0.0]))[0] == 5e-6
 
 
 def test_ramp_is_before_the_wall():
-    profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 1e-5), 0.0, 5e-5), 0.0)
+    profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 1e-5), 0.0, 5e-5, 1e-5), 0.0)
     t = np.array([-4.6e-4, -4.5e-4, -4.25e-4, -4.0e-4, 0.0, 4.25e-4])
     assert depth_at(profile, t) == pytest.approx([0.0, 0.0, 5e-6, 1e-5, 1e-5, 5e-6], abs=1e-15)
 
 
 def test_a_groove_flatter_than_the_ramp_keeps_its_edges():
     groove_ = Triangular(12e-3, 8e-4, 1e-5)
-    eased, t = section(EasedDefect(groove_, 0.0, 5e-5), 0.0), np.linspace(-5e-4, 5e-4, 101)
+    eased, t = section(EasedDefect(groove_, 0.0, 5e-5, 1e-5), 0.0), np.linspace(-5e-4, 5e-4, 101)
     assert depth_at(eased, t) == pytest.approx(depth_at(section(groove_, 0.0), t), abs=1e-15)
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.5, 0.9, 0.99])
+@pytest.mark.parametrize("kind", [Rectangular, Triangular, Circular, Elliptical])
+@pytest.mark.parametrize("ramp", [1e-4, 5e-4, 1.5e-3])
+def test_a_ramp_limits_the_slope_to_that_of_the_whole_depth(kind, ramp, fraction):
+    """The eased profile is the shallowest above which no wall is steeper than depth/ramp, in every section."""
+    defect = kind(4e-3, 2e-3, 5e-5)
+    t = np.linspace(-3e-3, 3e-3, 2401)
+    p = depth_at(section(defect, fraction * 2e-3), t)
+    expected = (p - np.abs(t[:, None] - t) * defect.depth / ramp).max(axis=1)
+    eased = depth_at(section(EasedDefect(defect, 0.0, ramp, defect.depth), fraction * 2e-3), t)
+    # samples of a vertical wall are up to one spacing away from it
+    spacing_error = 2.5e-6 * defect.depth / ramp
+    assert eased == pytest.approx(np.maximum(expected, 0.0), abs=2e-3 * defect.depth + spacing_error)
 
 
 @settings(max_examples=100, deadline=None)
@@ -121,7 +136,7 @@ def test_edge_easing_only_removes_material(defect, fraction, radius, ramp):
     profile = section_at(defect, fraction)
     z = fraction * defect.length / 2
     t = np.linspace(profile.pieces[0, 0] - 1e-4, profile.pieces[-1, 1] + 1e-4, 501)
-    for eased in (EasedDefect(defect, radius, 0.0), EasedDefect(defect, 0.0, ramp)):
+    for eased in (EasedDefect(defect, radius, 0.0, defect.depth), EasedDefect(defect, 0.0, ramp, defect.depth)):
         eased_depths = depth_at(section(eased, z), t)
         assert np.all(eased_depths >= depth_at(profile, t) - 1e-12)
         assert eased_depths.max() <= depth_at(profile, t).max() + 1e-6 * defect.depth
