@@ -24,6 +24,7 @@ from bearingsim.core.defects.profile import (
     mirror_profile,
     polygon,
     quadratic,
+    separate_parts,
     shift_profile,
 )
 from bearingsim.core.jit import generic
@@ -210,14 +211,15 @@ def _section_eased(eased, z):
     profile = section(eased.defect, z)
     if len(profile.pieces) == 0:
         return profile
-    for side in (profile, mirror_profile(profile)):
-        removed = _edge_profile(side, eased.radius, eased.ramp, eased.depth)
-        profile = deeper_profile(profile, removed if side is profile else mirror_profile(removed))
+    sizes = eased.radius, eased.ramp, eased.depth
+    for part in separate_parts(profile):
+        before, after = _edge_profile(part, *sizes), _edge_profile(mirror_profile(part), *sizes)
+        profile = deeper_profile(deeper_profile(profile, before), mirror_profile(after))
     return profile
 
 
 def _edge_profile(profile: Profile, radius: float, ramp: float, depth: float) -> Profile:
-    """Return the material removed before and at the first rim of a profile.
+    """Return the material removed before and at the first rim of a profile without race between its pieces.
 
     At depth p an edge lies back(p) (m) before the wall. It begins where it is tangent to the wall; for a radius,
     where a disc rolling below the race touches the wall.

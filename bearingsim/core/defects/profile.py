@@ -62,6 +62,12 @@ def mirror_profile(profile: Profile) -> Profile:
     return Profile(np.stack([-end, -start, last_depths(profile), -(m + (end - start) * c), c], axis=1)[::-1])
 
 
+def separate_parts(profile: Profile) -> list[Profile]:
+    """Return the parts of a profile between which there is race."""
+    gaps = profile.pieces[1:, START] - profile.pieces[:-1, END]
+    return [Profile(part) for part in np.split(profile.pieces, np.flatnonzero(gaps > MIN_SPACING) + 1)]
+
+
 def last_depths(profile: Profile) -> np.ndarray:
     """Return the depth (n,) m at the end of each piece."""
     width = profile.pieces[:, END] - profile.pieces[:, START]

@@ -17,6 +17,7 @@ from bearingsim.core.defects.depth import (
 )
 from bearingsim.core.defects.envelope import cusp, path_drop, path_over
 from bearingsim.core.defects.profile import depth_at
+from bearingsim.core.defects.spall import Spall
 from tests.scenes.defect_maps import R_OUTER, brute_force, fractions, rough_scan, section_at, shapes
 
 
@@ -128,6 +129,21 @@ def test_a_ramp_limits_the_slope_to_that_of_the_whole_depth(kind, ramp, fraction
     # samples of a vertical wall are up to one spacing away from it
     spacing_error = 2.5e-6 * defect.depth / ramp
     assert eased == pytest.approx(np.maximum(expected, 0.0), abs=2e-3 * defect.depth + spacing_error)
+
+
+@pytest.mark.parametrize(("seed", "z"), [(9, -0.875e-3), (8, -0.625e-3), (8, -1.375e-3)])
+def test_edges_on_race_between_the_bowls_of_a_spall_are_eased(seed, z):
+    """Race is left where no cone of slope depth/ramp from a deeper place reaches."""
+    spall, ramp = Spall(6e-3, 2e-3, 5e-5, 1.0, seed), 2e-4
+    t = np.linspace(-1.5e-3, 1.5e-3, 6001)
+    p = depth_at(section(spall, z), t)
+    on_race = p == 0.0
+    inside = on_race & (np.cumsum(~on_race) > 0) & (np.cumsum(~on_race[::-1])[::-1] > 0)
+    assert np.any(inside)
+    cones = (p - np.abs(t[:, None] - t) * 5e-5 / ramp).max(axis=1)
+    eased = depth_at(section(EasedDefect(spall, 0.0, ramp, 5e-5), z), t)
+    assert eased[on_race] == pytest.approx(np.maximum(cones, 0.0)[on_race], abs=2e-7)
+    assert eased[inside].max() > 1e-6
 
 
 @settings(max_examples=100, deadline=None)
