@@ -1,8 +1,9 @@
 """Main results of a study: the range, error and extreme cases of the features that its figures name."""
 
+from collections import Counter
 from collections.abc import Iterator
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.text.numbers import percent, significant, span
 
@@ -41,7 +42,7 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     from bearingsim.plots.labels import feature_axis, feature_text, swept_text
     from bearingsim.store import is_line
 
-    values = rows[name].dropna()
+    values = _on_shortest_arc(name, rows[name].dropna())
     unit, factor = feature_axis(name, float(values.abs().max()))
     units = results.plan["units"]
     paths = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
@@ -51,6 +52,7 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     jobs = dict(rows["job"])
     extremes = [
         f"{kind}: {swept_text({path: rows[path][row] for path in paths}, units)}"
+        + _ties(values, row)
         + _at_other_values(results, list(rows["job"]), name, jobs[row])
         for kind, row in extreme_rows.items()
     ]
@@ -62,22 +64,41 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     )
 
 
+def _on_shortest_arc(name: str, values: "pd.Series[float]") -> "pd.Series[float]":
+    """Shift phases (rad) by full turns, to the shortest arc that contains them; return other features unchanged.
+
+    Phases of -179 and 179 deg are 2 deg apart, as 181 and 179 deg.
+    """
+    import numpy as np
+
+    if not name.endswith(".phase"):
+        return values
+    turn = 2.0 * np.pi
+    ordered = np.sort(values % turn)
+    gaps = np.diff(ordered, append=ordered[0] + turn)
+    begin = ordered[(int(np.argmax(gaps)) + 1) % len(ordered)]
+    arc = (values % turn - begin) % turn + begin
+    return arc - turn if begin > np.pi else arc
+
+
+def _ties(values: "pd.Series[float]", row: Any) -> str:
+    """Count the other cases with exactly the value of a row: `, and 5 others`."""
+    others = int((values == values[row]).sum()) - 1
+    return f", and {others} other{'s' * (others > 1)}" if others else ""
+
+
 def _at_other_values(results: "Results", cases: list[str], name: str, job: str) -> str:
     """Count the values of the uncertain parameters for which a case is as extreme as with the nominal ones.
 
     Example: ` (for 2 of 3 values of damping, all values of clearance)`; values without all cases are
-    not counted.
+    not counted. Empty for a phase, which has no largest value.
     """
+    if name.endswith(".phase"):
+        return ""
     features = results.values(name)
     is_largest = features.get(job) == features.reindex(cases).max()
     counts: dict[str, list[bool]] = {}
-    tried = dict.fromkeys((variation["what"], variation["value"]) for variation in results.variations)
-    for quantity, value in tried:
-        jobs = {
-            variation["of"]: variation["job"]
-            for variation in results.variations
-            if (variation["what"], variation["value"]) == (quantity, value)
-        }
+    for quantity, jobs in _tried(results):
         values = features.reindex([jobs.get(case, "") for case in cases])
         if values.notna().all():
             extreme = values.max() if is_largest else values.min()
@@ -89,10 +110,23 @@ def _at_other_values(results: "Results", cases: list[str], name: str, job: str) 
     return f" (for {', '.join(texts)})" if texts else ""
 
 
-def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, factor: float) -> Iterator[str]:
-    """Yield the range of a feature over all cases and the variations of each quantity.
+def _tried(results: "Results") -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield each uncertain parameter with the jobs at one of its values, or one of its samples, by case."""
+    samples: Counter[tuple[str, str, float]] = Counter()  # samples of one case have the same value
+    jobs: dict[tuple[str, float, int], dict[str, str]] = {}
+    for variation in results.variations:
+        case, quantity, value = variation["of"], variation["what"], variation["value"]
+        number = samples[case, quantity, value]
+        jobs.setdefault((quantity, value, number), {})[case] = variation["job"]
+        samples[case, quantity, value] += 1
+    yield from ((quantity, by_case) for (quantity, _, _), by_case in jobs.items())
 
-    Example: `with damping 0.5 to 10 us: 183 to 723 m/s²`; factor: from SI to the unit.
+
+def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, factor: float) -> Iterator[str]:
+    """Yield the range of a feature over the cases with variations of a quantity, and these variations.
+
+    Examples: `with damping 0.5 to 10 us: 183 to 723 m/s²`, `with damping 0.5 to 10 us in 3 of 90 cases: ...`;
+    factor: from SI to the unit.
     """
     import pandas as pd
 
@@ -113,10 +147,13 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
         if len(ends) > 1 and not unknown:
             common = [float(ends["least"].max()), float(ends["largest"].min())]
-            overlap = f"the ranges of all cases overlap at {_range(name, pd.Series(common), unit, factor)}"
+            those = "these" if len(jobs) < len(rows) else "all"
+            overlap = f"the ranges of {those} cases overlap at {_range(name, pd.Series(common), unit, factor)}"
             texts.append(overlap if common[0] < common[1] else "the ranges of some cases do not overlap")
         if jobs:
-            yield f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}: {', '.join(texts)}"
+            scope = f" in {len(jobs)} of {len(rows)} cases" if len(jobs) < len(rows) else ""
+            varied_text = f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}{scope}"
+            yield f"{varied_text}: {', '.join(texts)}"
 
 
 def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:
@@ -168,7 +205,7 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
     table = results.table()
     values = table[table["job"].isin(baselines)][name].dropna()
     if len(values) and not name.endswith("-healthy"):
-        yield f"healthy: {_range(name, values, unit, factor)}"
+        yield f"healthy: {_range(name, _on_shortest_arc(name, values), unit, factor)}"
 
 
 def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
@@ -181,8 +218,9 @@ def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     error, largest = numerical_errors(results, rows, name), float(rows[name].abs().max())
     if error is None or not largest > 0.0:
         return ""
-    unknown = int((error == inf).sum())
+    unknown, unchecked = int((error == inf).sum()), int((error.isna() & rows[name].notna()).sum())
     exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
+    exception += f", of {unchecked} jobs not estimated" if unchecked else ""
     if unknown == error.count():
         return "numerical error unknown (chaotic)"
     return f"numerical error {percent(float(error[error < inf].max() / largest))}{exception}"

@@ -58,9 +58,12 @@ def studied(results: "Results") -> Iterator[Fact]:
         nominal = {"damping": ", ".join(laws).removeprefix("damping ")}
         nominal["clearance"] = _span("clearance", parameters, SMALL_UNITS | dict(units))
         nominal_texts = [f", nominal: {nominal[name]}" if nominal.get(name) else "" for name in tried]
-        counts = [f"{len(set(values))} values" for values in tried.values()]
-        details = [count + text for count, text in zip(counts, nominal_texts, strict=True)]
-        texts = [f"{name} {text} ({detail})" for name, text, detail in zip(tried, ranges, details, strict=True)]
+        counts = [f" ({len(set(values))} values" for values in tried.values()]
+        details = [  # the range of samples states their number
+            "" if PARAMETER_KINDS[name].samples else f"{count}{text})"
+            for name, count, text in zip(tried, counts, nominal_texts, strict=True)
+        ]
+        texts = [f"{name} {text}{detail}" for name, text, detail in zip(tried, ranges, details, strict=True)]
         yield "Varied (uncertainty)", "; ".join(texts) + "; one at a time" * (len(tried) > 1)
     if results.plan["design"]:
         from bearingsim.plots.design import description

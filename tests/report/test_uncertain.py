@@ -189,3 +189,70 @@ def test_unit_of_a_range_is_printed_with_its_symbol(quantity, text):
 def test_page_names_the_parameters_that_are_nominal(results, uncertainty, nominal):
     page = html(page_of(results(f"{STUDY}uncertainty: {uncertainty}\n")))
     assert list(dict.fromkeys(re.findall(r"with nominal [\w, ]*<", page))) == nominal
+
+
+def test_extremes_of_samples_are_counted_for_each_sample(results):
+    """Two of three samples reverse the order of the cases."""
+    sweep = STUDY.partition("sweep:")[0] + "model: planar\nsweep: {defect.length: [3 mm, 6 mm, 9 mm]}\n"
+    opened = results(sweep + "uncertainty: {form: 0.35 um}\nfigures: [{y: velocity.rms, x: defect.length}]\n")
+    values = {}
+    for number, case in enumerate(cases_of(opened)):
+        jobs = [variation["job"] for variation in opened.variations if variation["of"] == case]
+        nominal, other = 1.0 + number, 10.0 - number
+        values |= {case: nominal} | dict(zip(jobs, (other, other, nominal), strict=True))
+    opened.frame["features/velocity.rms"] = opened.frame.index.map(values)
+    opened._table["velocity.rms"] = opened._table["job"].map(values)
+    [rms] = feature_results(opened)
+    assert rms.remarks[:2] == [
+        "largest: length 9 mm (for 1 of 3 values of form)",
+        "smallest: length 3 mm (for 1 of 3 values of form)",
+    ]
+    assert dict(page_of(opened).studied)["Varied (uncertainty)"] == "form 0.35 µm (3 samples)"
+
+
+def test_range_of_a_few_varied_cases_names_their_number(uncertain):
+    """As without `uncertainty`, where the damping of three cases is varied: their range is not that of all."""
+    varied = cases_of(uncertain)[1:3]
+    kept = [variation for variation in uncertain.variations if variation["of"] in varied]
+    uncertain.variations[:] = kept
+    [rms, _] = feature_results(uncertain)
+    jobs = [*varied, *(variation["job"] for variation in kept if variation["what"] == "damping")]
+    ends = uncertain.frame["features/acceleration.rms"][jobs]
+    text = f"with damping 1 to 5 µs in 2 of 6 cases: {ends.min():.3g} to {ends.max():.3g} m/s², "
+    assert any(remark.startswith(f"{text}the ranges of these cases overlap at ") for remark in rms.remarks)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "text"),
+    [
+        ((179.0, -179.0, 180.0), "179 to 181 °"),
+        ((-170.0, 160.0, 170.0), "160 to 190 °"),
+        ((-100.0, 0.0, 100.0), "-100 to 100 °"),
+        ((-30.0, -20.0, -25.0), "-30 to -20 °"),
+    ],
+)
+def test_range_of_a_phase_is_its_shortest_arc(results, monkeypatch, degrees, text):
+    phases = dict(zip((3e-3, 6e-3, 9e-3), np.radians(degrees), strict=True))
+    monkeypatch.setattr(
+        "tests.scenes.figure_results.phase", lambda case: phases[case.defects[0].length] if case.defects else 0.0
+    )
+    opened = results(STUDY + "figures: [{y: velocity@BPFO.phase, x: defect.length, kind: phase}]\n")
+    [phase] = feature_results(opened)
+    assert phase.values == text
+
+
+def test_cases_with_the_same_extreme_are_counted(results):
+    """The line does not depend on the model: each extreme is that of two cases."""
+    [line] = feature_results(results(STUDY + "figures: [{y: velocity@BPFO, x: defect.length}]\n"))
+    assert line.remarks[1:] == [
+        "largest: length 9 mm, load 300 N, model static, and 1 other",
+        "smallest: length 3 mm, load 150 N, model static, and 1 other",
+    ]
+
+
+def test_jobs_without_a_step_error_are_counted(uncertain):
+    cases = cases_of(uncertain)
+    uncertain._table["chaotic"] = 0.0
+    uncertain._table["step_error.line"] = np.where(uncertain._table["job"] == cases[-1], 0.01, np.nan)
+    [_, line] = feature_results(uncertain)
+    assert line.error == "numerical error 1 %, of 5 jobs not estimated"
