@@ -23,12 +23,12 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     out: file of the figure; default: in the figures folder of the results, none with JSON.
     """
     from bearingsim.plots import select
-    from bearingsim.sensitivity import analyse, collect_blocks, design_of
+    from bearingsim.sensitivity import analyse, design_of
 
     design_of(results)
     feature_names = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
     target = _target(results, feature_names, out)
-    all_blocks = [collect_blocks(results, feature) for feature in feature_names]
+    all_blocks = [influence.blocks_of(results, feature) for feature in feature_names]
     answers = [(blocks, analyse(blocks)) for blocks in all_blocks]
     if as_json:
         say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in answers}, indent=1))

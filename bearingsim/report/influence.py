@@ -24,11 +24,25 @@ def influences(results: "Results", features: Sequence[str]) -> list[Influence]:
 
     Raises UserError for a design without indices or effects, or with too few jobs.
     """
-    from bearingsim.sensitivity import analyse, collect_blocks, design_of
+    from bearingsim.sensitivity import analyse, design_of
 
     design_of(results)
-    all_blocks = [collect_blocks(results, feature) for feature in features]
+    all_blocks = [blocks_of(results, feature) for feature in features]
     return [influence_of(blocks, analyse(blocks)) for blocks in all_blocks]
+
+
+def blocks_of(results: "Results", feature: str) -> "Blocks":
+    """Collect the blocks of a feature as ``collect_blocks`` does.
+
+    Raises SensitivityError, also if all values are zero within numerical errors.
+    """
+    from bearingsim.plots.units import ROUNDING_NOTE, is_rounding
+    from bearingsim.sensitivity import SensitivityError, collect_blocks
+
+    blocks = collect_blocks(results, feature)
+    if is_rounding(feature, float(abs(blocks.values).max())):
+        raise SensitivityError(f"`{feature}` is {ROUNDING_NOTE} in all jobs, so its variance has no meaning")
+    return blocks
 
 
 def influence_of(blocks: "Blocks", analysis: "Indices | Effects") -> Influence:
@@ -51,7 +65,7 @@ def _heading(blocks: "Blocks") -> str:
 
 def _table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], list[list[str]]]:
     """Return headers and rows of a table: a row per parameter, the most important first; intervals in brackets."""
-    from bearingsim.sensitivity import LEVEL, Indices
+    from bearingsim.sensitivity import LEVEL, ROUNDING, Indices
 
     unit, factor, digits = ("", 1.0, "z.2f") if isinstance(analysis, Indices) else (*_unit(blocks), ".3g")
     estimates = columns(analysis)
@@ -59,11 +73,16 @@ def _table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], 
     for name in estimates:
         headers += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
     ranking = next(iter(estimates.values())).value
+    rounding = ROUNDING * float(abs(blocks.values).max())
     order = sorted(range(len(blocks.paths)), key=lambda index: -ranking[index])
     rows = [
         [
             blocks.paths[index],
-            *(cell for estimate in estimates.values() for cell in _cells(estimate, index, digits, factor)),
+            *(
+                cell
+                for estimate in estimates.values()
+                for cell in _cells(_without_rounding(estimate, rounding), index, digits, factor)
+            ),
         ]
         for index in order
     ]
@@ -77,6 +96,11 @@ def columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
     if isinstance(analysis, Indices):
         return {"total": analysis.total, "first": analysis.first}
     return {"mu*": analysis.magnitude, "sigma": analysis.spread, "mu": analysis.mean}
+
+
+def _without_rounding(estimate: "Estimate", rounding: float) -> "Estimate":
+    """Set values and limits to zero that are errors of rounding, such as the spread of equal effects."""
+    return estimate._make(ends * (abs(ends) > rounding) for ends in estimate)
 
 
 def _cells(estimate: "Estimate", index: int, digits: str, factor: float) -> tuple[str, str]:

@@ -6,12 +6,13 @@ effects with their intervals, and ``verdict`` describes them in sentences.
 
 import numpy as np
 
-from bearingsim.sensitivity.blocks import Blocks, SensitivityError, collect_blocks, design_of
+from bearingsim.sensitivity.blocks import ROUNDING, Blocks, SensitivityError, collect_blocks, design_of
 from bearingsim.sensitivity.estimates import LEVEL, Effects, Estimate, Indices, estimate_effects, estimate_indices
 from bearingsim.sensitivity.verdict import effects_text, indices_text
 
 __all__ = [
     "LEVEL",
+    "ROUNDING",
     "Blocks",
     "Effects",
     "Estimate",

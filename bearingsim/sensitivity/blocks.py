@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 MAX_FAILED_SHARE = 0.1
 """Largest share of jobs without a value for an analysis."""
+ROUNDING = 1e-12
+"""Range of a feature relative to its largest value below which it differs by rounding only."""
 MIN_BLOCKS = 4
 """Smallest number of blocks for a bootstrap."""
 DESIGN_KINDS = ("saltelli", "morris")
@@ -143,5 +145,5 @@ def _check_enough(blocks: Blocks) -> None:
     if len(blocks.values) < MIN_BLOCKS:
         losses = blocks.losses() or f"the design has n: {blocks.planned}"
         raise SensitivityError(f"too few blocks for an interval ({losses}): raise `n`")
-    if np.ptp(blocks.values) == 0.0:
+    if np.ptp(blocks.values) <= ROUNDING * np.abs(blocks.values).max():
         raise SensitivityError(f"`{blocks.feature}` is the same in all jobs, so it has no variance")

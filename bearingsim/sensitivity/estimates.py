@@ -107,7 +107,8 @@ def estimate_indices(blocks: Array) -> Indices:
 def _all_indices(blocks: Array) -> Array:
     """Concatenate first-order indices, total indices and 1 - sum S_j into (2 d + 1,)."""
     first_order, total = indices(blocks)
-    return np.concatenate([first_order, total, [1.0 - first_order.sum()]])
+    with np.errstate(invalid="ignore"):  # a difference of infinities of a degenerate resample
+        return np.concatenate([first_order, total, [1.0 - first_order.sum()]])
 
 
 class Effects(NamedTuple):

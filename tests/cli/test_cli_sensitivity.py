@@ -7,8 +7,11 @@ import shutil
 import numpy as np
 import pytest
 
+from bearingsim.report.influence import influences
+from bearingsim.sensitivity import SensitivityError
 from tests.scenes.commands import type_
 from tests.scenes.design_results import SLOPES, run_design
+from tests.sensitivity.test_blocks import results as design_results
 
 LINE = "velocity@BPFO"
 SHARES = np.square(SLOPES) / np.square(SLOPES).sum()
@@ -108,6 +111,24 @@ def test_morris_effects_are_slopes(tmp_path):
     analysis = json.loads(type_("sensitivity", results, "--of", LINE, "--json")[0])[LINE]
     assert analysis["parameters"]["load"]["mu*"]["value"] == pytest.approx(SLOPES[1])
     assert (results / "figures/sensitivity-velocity-bpfo.png").exists()
+
+
+def test_spread_by_rounding_is_zero():
+    """Effects of a plane are equal up to rounding: their standard deviation is 0, not 4e-16."""
+    opened = design_results("morris", n=9, of=lambda points: points @ np.array([3e-6, 2e-6, 0.0]))
+    [table] = influences(opened, [LINE])
+    assert [row[1:5] for row in table.rows] == [
+        ["3", "3 .. 3", "0", "0 .. 0"],
+        ["2", "2 .. 2", "0", "0 .. 0"],
+        ["0", "0 .. 0", "0", "0 .. 0"],
+    ]
+
+
+def test_numerical_errors_have_no_influence():
+    """Below 1e-11 m/s a line is zero within numerical errors, whatever its variance."""
+    opened = design_results("morris", n=9, of=lambda points: 1e-14 * points[:, 0])
+    with pytest.raises(SensitivityError, match="zero within numerical errors in all jobs"):
+        influences(opened, [LINE])
 
 
 @pytest.mark.parametrize(

@@ -110,6 +110,13 @@ def test_constant_feature_is_refused():
         collect_blocks(constant, LINE)
 
 
+def test_feature_that_varies_by_rounding_is_refused():
+    rounding = results(of=lambda points: 1e-3 * (1.0 + 3e-16 * np.round(3.0 * points[:, 0])))
+    assert rounding.table()[LINE][1:].nunique() > 1
+    with pytest.raises(SensitivityError, match="`velocity@BPFO` is the same in all jobs"):
+        collect_blocks(rounding, LINE)
+
+
 def test_too_few_blocks_are_refused():
     assert refused(n=3) == "too few blocks for an interval (the design has n: 3): raise `n`"
     assert len(collect_blocks(results(n=4), LINE).values) == 4
