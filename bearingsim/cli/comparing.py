@@ -16,6 +16,8 @@ from bearingsim.text.numbers import significant
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from bearingsim.diagnosis import Lines
     from bearingsim.diagnosis.comparison import Row, Signal
     from bearingsim.diagnosis.detection import Detection
@@ -106,7 +108,7 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     unit = series.units[channel]
     factor = _factor(recording, name, channel, unit, scale)
     values = recording.channels[name] * (factor or 1.0)
-    shaft = float(parameters["speed"]) / (2.0 * math.pi)
+    shaft = _steady_speed(job, lines.speeds(results, job, series.time)) / (2.0 * math.pi)
     measured_shaft = shaft if recording.speed is None else recording.shaft
     fs = 1.0 / float(series.time[1] - series.time[0])
     simulated = Signal(series.channels[channel].astype(float), fs, lines_of(parameters, shaft))
@@ -186,8 +188,11 @@ def _print_features(rows: "list[Row]", is_assessed: bool) -> None:
     print_table(["", "unit", "simulated", "measured", DIFFERENCE, RATIO], cells, text_columns=2)
     if any("-" in row[2:4] for row in cells):
         say(f"-: not found in the signal{'' if is_assessed else ', or not assessed'}")
-    if any("-" in row[4:] and "-" not in row[2:4] for row in cells):
+    compared = [row for row in rows if math.isfinite(row.simulated) and math.isfinite(row.measured)]
+    if any(row.unit == "dB" for row in compared):
         say("-: no ratio, because the values are in dB")
+    if any(row.unit != "dB" and not row.measured for row in compared):
+        say("-: no ratio, because the measured value is zero")
 
 
 def _as_dict(
@@ -252,6 +257,20 @@ def only_job(results: "Results") -> str:
             f"`bearingsim show {short_path(results.path)}` lists them"
         )
     return candidates[0]
+
+
+def _steady_speed(job: str, speed: "np.ndarray") -> float:
+    """Return the mean of a job's speed (n,), in rad/s. Raises UserError if a ramp changes it in the record."""
+    from bearingsim.measured.tables import MAX_CHANGE
+
+    mean = float(speed.mean())
+    if speed.max() - speed.min() > MAX_CHANGE * mean:
+        ends = " to ".join(f"{end * 30.0 / math.pi:.4g}" for end in (speed[0], speed[-1]))
+        raise UserError(
+            f"the speed of job {job} changes in its record, from {ends} rpm: its lines have no frequency; "
+            "lengthen `settle` beyond the ramp, and run again"
+        )
+    return mean
 
 
 def _parameters(results: "Results", job: str) -> dict[str, Any]:

@@ -49,7 +49,7 @@ def series(
     if empty_jobs:
         raise UserError(f"job {empty_jobs[0]} has no series because the study has `record: []`")
     write = _csv if suffix == "csv" else _mat
-    _write(target, write(series_by_job, results.parameters()))
+    _write(target, write(series_by_job, results))
     return target
 
 
@@ -105,15 +105,28 @@ def _with_units(table: "pd.DataFrame", units: Mapping[str, str]) -> "pd.DataFram
     for name in map(str, table):
         unit = labels.table_unit(name, units)
         if name in units and unit and table[name].dtype.kind == "f":
-            converted[name] = [labels.shown(name, value, unit) for value in table[name]]
+            converted[name] = [_without_rounding(labels.shown(name, value, unit)) for value in table[name]]
         headers[name] = f"{name} ({unit})" if unit else name
     return converted.rename(columns=headers)
 
 
+def _without_rounding(value: float) -> float:
+    """Round a converted value to 12 digits, so that 1800 rpm is not 1799.9999999999998."""
+    return float(f"{value:.12g}")
+
+
 def _parquet(table: "pd.DataFrame") -> bytes:
-    """Return the content of a parquet file. Raises UserError if pyarrow is missing or too old for pandas."""
+    """Return the content of a parquet file. Raises UserError if pyarrow is missing or too old for pandas.
+
+    A column of a path with numbers and words, such as a clearance of `C3` or 10 um, is text, as in csv.
+    """
+    mixed = {
+        name: [str(value) if isinstance(value, float) and value == value else value for value in table[name]]
+        for name in table
+        if table[name].dtype == object
+    }
     try:
-        content: bytes = table.to_parquet(None, engine="pyarrow", index=False)
+        content: bytes = table.assign(**mixed).to_parquet(None, engine="pyarrow", index=False)
     except ImportError:
         raise UserError(
             "parquet needs pyarrow: `pip install 'bearingsim[parquet]'`, or name a .csv file"
@@ -121,13 +134,17 @@ def _parquet(table: "pd.DataFrame") -> bytes:
     return content
 
 
-def _csv(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
+def _csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     """Return csv with a column of time, and for each job one per channel and one of the speed.
 
-    Headers contain the unit, and the job if there are several. Raises UserError for jobs with different time axes.
+    The speed is that at each time. Headers contain the unit, and the job if there are several.
+
+    Raises UserError for jobs with different time axes.
     """
     import numpy as np
     import pandas as pd
+
+    from bearingsim.plots.lines import speeds
 
     reference = next(iter(series_by_job.values()))
     if not all(np.array_equal(job_series.time, reference.time) for job_series in series_by_job.values()):
@@ -138,12 +155,12 @@ def _csv(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> byte
         columns |= {
             f"{prefix}{name} [{job_series.units[name]}]": values for name, values in job_series.channels.items()
         }
-        rpm = 30.0 / np.pi * float(parameters["speed"].loc[job])
-        columns[f"{prefix}speed [rpm]"] = float(f"{rpm:.12g}")
+        rpm = 30.0 / np.pi * speeds(results, job, job_series.time)
+        columns[f"{prefix}speed [rpm]"] = list(map(_without_rounding, rpm))
     return csv_text(pd.DataFrame(columns)).encode()
 
 
-def _mat(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
+def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or words)."""
     from scipy.io import savemat
 
@@ -151,7 +168,7 @@ def _mat(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> byte
         f"job_{job}": {
             **_fields({"time": job_series.time} | job_series.channels),
             "units": _fields({"time": "s"} | job_series.units),
-            "parameters": _fields(parameters.loc[job].replace("", None).dropna().to_dict()),
+            "parameters": _fields(results.parameters().loc[job].replace("", None).dropna().to_dict()),
         }
         for job, job_series in series_by_job.items()
     }

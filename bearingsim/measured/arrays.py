@@ -47,7 +47,8 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
                     other_speed = speed
             elif name.lower().endswith(OWN_SPEED):
                 owner = name[: -len(OWN_SPEED)].rstrip(".")
-                speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
+                if f"{name[: -len('speed')]}ramp_to" not in arrays:  # else that before the ramp
+                    speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
         elif (
             word in TIMES
             and values.size >= MIN_SAMPLES

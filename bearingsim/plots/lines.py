@@ -7,7 +7,10 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config.names import Line
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
+
+    from bearingsim.store import Results
 
 
 class Family(NamedTuple):
@@ -84,6 +87,22 @@ def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
     cage = fundamental_train_frequency(omega, D_w, d_m)
     spin = ball_spin_frequency(omega, D_w, d_m)
     return float(line.frequency(Z * cage, Z * (shaft - cage), spin, cage, shaft))
+
+
+def speeds(results: "Results", job: str, time: "np.ndarray") -> "np.ndarray":
+    """Return the speed (rad/s) of the inner ring of a job at the times (n,) of its record (s).
+
+    A ramp begins with the settling, the record after it.
+    """
+    import numpy as np
+
+    parameters = results.parameters().loc[job]
+    initial, final = float(parameters["speed"]), float(parameters.get("ramp.to", np.nan))
+    if np.isnan(final):
+        return np.full(len(time), initial)
+    settling = float(results.info().loc[job].get("settle_s", 0.0))
+    share = (settling + time) / float(parameters["ramp.time"])
+    return initial + (final - initial) * np.clip(share, 0.0, 1.0)
 
 
 def frequencies(line: Line, parameters: "pd.DataFrame") -> list[float]:

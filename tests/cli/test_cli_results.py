@@ -4,7 +4,7 @@ import json
 import re
 import subprocess
 import sys
-from io import StringIO
+from io import BytesIO, StringIO
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from scipy.io import loadmat
 
-from bearingsim.cli import tables
+from bearingsim.cli import exporting, tables
 from bearingsim.store import open_results
 from tests.scenes.commands import type_
 
@@ -121,6 +121,24 @@ def test_features_are_exported(done, tmp_path, suffix):
     head = "velocity@BPFO (m/s)" if suffix == "csv" else "velocity@BPFO"
     assert list(table["job"]) == list(expected["job"])
     assert table[head].to_numpy() == pytest.approx(expected["velocity@BPFO"].to_numpy())
+
+
+def test_numbers_and_words_of_a_path_are_text_in_parquet(done):
+    table = open_results(done).table().assign(clearance=["C3", 1e-05] * 4)
+    read = pd.read_parquet(BytesIO(exporting._parquet(table)))
+    assert list(read["clearance"]) == ["C3", "1e-05"] * 4
+    pd.testing.assert_frame_equal(read.drop(columns="clearance"), table.drop(columns="clearance"))
+
+
+def test_exported_speed_follows_a_ramp(done):
+    """From 1800 rpm to 3600 rpm within 20 ms, of which 10 ms are before the record."""
+    results = open_results(done)
+    job = results.jobs[0]
+    results._parameters[["ramp.to", "ramp.time"]] = 120.0 * np.pi, 0.02
+    results.frame["info/settle_s"] = 0.01
+    table = pd.read_csv(BytesIO(exporting._csv({job: results.series(job)}, results)))
+    expected = np.minimum(2700.0 + 900.0 * table["time [s]"] / 0.01, 3600.0)
+    assert table["speed [rpm]"].to_numpy() == pytest.approx(expected.to_numpy())
 
 
 def test_export_names_its_file(done, tmp_path, monkeypatch):

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from bearingsim import open_results
+from bearingsim.cli import comparing
 from bearingsim.diagnosis import Lines
-from bearingsim.diagnosis.comparison import Signal
+from bearingsim.diagnosis.comparison import Row, Signal
+from bearingsim.errors import UserError
 from bearingsim.plots import measured
+from bearingsim.plots.lines import speeds
 from tests.conftest import ROOT
 from tests.scenes.commands import type_
 from tests.scenes.impacts import LINES, PARTS, RATE, impacts
@@ -179,6 +182,28 @@ def test_both_curves_are_seen_over_time(factor, heights):
         assert canvas.axes[0].get_ylabel().startswith("Acceleration,\nof its largest sample")
     else:
         assert labels == ["file", "job, times 2"]
+
+
+def test_a_missing_ratio_has_its_reason(capsys):
+    comparing._print_features([Row("RMS", "m/s^2", 1.0, 0.0), Row("kurtosis", "", 3.0, 3.0)], True)
+    assert capsys.readouterr().out.splitlines()[-1] == "-: no ratio, because the measured value is zero"
+    comparing._print_features([Row("envelope, harmonic 2", "dB", -3.0, -4.0)], True)
+    assert capsys.readouterr().out.splitlines()[-1] == "-: no ratio, because the values are in dB"
+
+
+@pytest.mark.parametrize(("settle_s", "rpm"), [(0.3, 1200.0), (0.2, 1200.0), (0.05, None)])
+def test_speed_of_a_job_is_that_after_its_ramp(results, settle_s, rpm):
+    opened = open_results(results)
+    job = comparing.only_job(opened)
+    opened._parameters[["ramp.to", "ramp.time"]] = 1200.0 * np.pi / 30.0, 0.2
+    opened.frame["info/settle_s"] = settle_s
+    speed = speeds(opened, job, np.array([0.0, 0.1, 0.2, 1.0]))
+    if rpm is None:  # from 900 rpm by 300 rpm in 0.2 s: 0.05, 0.15, 0.25 s after its start
+        assert speed * 30.0 / np.pi == pytest.approx([975.0, 1125.0, 1200.0, 1200.0])
+        with pytest.raises(UserError, match="changes in its record, from 975 to 1200 rpm"):
+            comparing._steady_speed(job, speed)
+    else:
+        assert comparing._steady_speed(job, speed) * 30.0 / np.pi == pytest.approx(rpm)
 
 
 def test_a_study_without_series_names_the_remedy(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import json
 from math import pi
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from scipy.io import savemat, wavfile
 
 from bearingsim.measured import MeasuredError, Request, read
+from bearingsim.measured.arrays import content_of
 from bearingsim.measured.checks import clipped_share, refuse_unusable
 from tests.scenes.commands import STUDY, type_
 
@@ -301,3 +303,12 @@ def test_single_extremes_are_not_clipped(tmp_path):
     refuse_unusable(tmp_path, "x", X[:, 0], RATE)
     assert clipped_share(np.array([0.0, 1.0, 0.0, 1.0, -1.0])) == 0.0
     assert clipped_share(np.array([0.0, 1.0, 1.0, -1.0])) == 0.5
+
+
+def test_speed_before_a_ramp_is_not_that_of_an_exported_job():
+    """The parameters of a job state its speed before the ramp; its record begins later."""
+    job = {"job_1.ring_velocity_x": np.arange(99.0), "job_1.parameters.speed": np.array([188.5])}
+    ramp = {"job_1.parameters.ramp_to": np.array([377.0])}
+    [steady, ramped] = (content_of(Path("a.mat"), arrays, {}) for arrays in (job, job | ramp))
+    assert steady.speeds["job_1"].value == 188.5
+    assert ramped.speeds == {}
