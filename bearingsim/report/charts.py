@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from bearingsim.plots.style import SEQUENCE_FROM
@@ -104,6 +105,18 @@ class Chart:
 def rounded(values: Iterable[float]) -> list[float | None]:
     """Round numbers to ``DIGITS``; None for NaN and infinity, which JSON does not have."""
     return [float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None for value in values]
+
+
+def placed(positions: Sequence[float]) -> list[float | None]:
+    """Round ascending positions (n,) along a curve to a hundredth of their smallest step, or finer.
+
+    Neighbours remain apart at any distance from zero, such as samples of 20 us after 20 s.
+    """
+    steps = [after - before for before, after in pairwise(positions) if after > before]
+    if not steps:
+        return rounded(positions)
+    decimals = 2 - math.floor(math.log10(min(steps)))
+    return [round(float(position), decimals) for position in positions]
 
 
 def styled(ranks: dict[str, tuple[int, int]], ordered: bool) -> list[Curve]:

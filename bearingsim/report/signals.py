@@ -13,7 +13,7 @@ from bearingsim.plots.recorded import Job
 from bearingsim.plots.series import series_of
 from bearingsim.plots.spectra import spectra_of
 from bearingsim.plots.units import Scale
-from bearingsim.report.charts import Axis, Chart, Curve, Panel, rounded, styled
+from bearingsim.report.charts import Axis, Chart, Curve, Panel, placed, rounded, styled
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def _chart(
         ],
         controls=[],
         combinations=[[]],
-        x=[[value for x, _ in reduced for value in rounded(x)]],
+        x=[[value for x, _ in reduced for value in placed(x)]],
         points={
             "curve": [number for number, count in enumerate(counts) for _ in range(count)],
             "combination": [0] * sum(counts),

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bearingsim.report.charts import placed
 from bearingsim.report.signals import MAX_POINTS, reduce
 from bearingsim.report.statements import failures_of
 from bearingsim.study import load_study
@@ -146,6 +147,13 @@ def test_long_signals_keep_their_extremes():
     assert values.max() == 7.0
     assert kept[values.argmax()] == 31_234.0
     assert values.min() == y.min()
+
+
+def test_samples_far_from_zero_keep_their_places():
+    """Samples at 51.2 kHz after 20 s, in ms: neighbours differ in the seventh digit."""
+    time = 20_000.0 + np.arange(513) / 51.2
+    assert placed(time) == pytest.approx(time, abs=0.01 / 51.2)
+    assert placed([5.0, 5.0]) == [5.0, 5.0]
 
 
 def test_page_is_opened_in_a_browser(results, monkeypatch):

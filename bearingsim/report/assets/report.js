@@ -118,7 +118,7 @@ function tooltip(panel, axis, items) {
     return `${name}${value}${bound} ${panel.unit}${range}${at('chaotic', i) ? ', chaotic' : ''}`;
   });
   const place = items[0]?.value?.[0];
-  const text = axis.words.length ? axis.words[place] : finite(place) && digits(place, 5);
+  const text = axis.words.length ? axis.words[place] : finite(place) && digits(place, 9);
   return lines.length ? [`${axis.label}: ${text}`, ...lines].join('\n') : '';
 }
 
