@@ -110,13 +110,21 @@ def _reaches_floor(priced: PricedJob) -> bool:
 
 
 def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> str:
-    """Describe jobs by the values of a swept path that the others do not have, or else by their number."""
+    """Describe jobs by the values of a swept path that the others do not have, or else by their number.
+
+    Three values or more are a range, which must hold no value of the others.
+    """
     from bearingsim.plots.labels import swept_text, value_text
 
     for path in jobs[0].job.swept:
         values = list(dict.fromkeys(priced.job.swept[path] for priced in jobs))
-        if not {priced.job.swept[path] for priced in others} & set(values):
-            ends = sorted(values) if all(isinstance(value, float) for value in values) else values
+        other_values = {priced.job.swept[path] for priced in others}
+        numbers = [value for value in values if isinstance(value, float)]
+        is_range = len(numbers) == len(values) and not any(
+            min(numbers) < value < max(numbers) for value in other_values if isinstance(value, float)
+        )
+        if not other_values & set(values) and (is_range or len(values) <= 2):
+            ends = sorted(numbers) if len(numbers) == len(values) else values
             texts = [value_text(path, value, plan.study.units) for value in ends]
             range_text = f" to {texts[-1]}" if len(texts) > 2 else "".join(f" and {text}" for text in texts[1:])
             return f"for {swept_text({path: ends[0]}, plan.study.units)}{range_text}"

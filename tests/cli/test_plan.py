@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale, plan_of
-from bearingsim.cli.remarks import empty_figures, friction_cost
+from bearingsim.cli.remarks import _distinction, empty_figures, friction_cost
 from bearingsim.runner.progress import duration
 from bearingsim.study import StudyError, load_study
 from tests.scenes.short_cases import case
@@ -96,6 +96,31 @@ def test_check_reports_the_cost_of_friction_until_the_models_are_chosen(write: W
 )
 def test_check_reports_no_cost_of_friction_that_is_specified(write: Write, specified: str) -> None:
     assert list(friction_cost(plan_of(load_study(write(BASE + specified)), workers=1))) == []
+
+
+@pytest.mark.parametrize(
+    ("depths_um", "text"),
+    [
+        ([1.0, 500.0, 1.0, 500.0, 1.0], "for depth 1 µm"),  # not for load 100 N to 500 N
+        ([1.0, 2.0, 3.0, 500.0, 600.0], "for load 100 N to 300 N"),
+        ([1.0, 500.0, 2.0, 600.0, 3.0], "for depth 1 µm to 3 µm"),
+        ([1.0, 500.0, 500.0, 500.0, 1.0], "for load 100 N and 500 N"),
+    ],
+)
+def test_a_range_of_cases_contains_no_others(depths_um: list[float], text: str) -> None:
+    swept = [{"load": 100.0 * n, "defect.depth": 1e-6 * depth} for n, depth in enumerate(depths_um, 1)]
+    jobs: Any = [SimpleNamespace(job=SimpleNamespace(swept=values)) for values in swept]
+    plan: Any = SimpleNamespace(study=SimpleNamespace(units={"load": "N", "defect.depth": "um"}))
+    reaching = [job for job, depth in zip(jobs, depths_um, strict=True) if depth < 100.0]
+    assert _distinction(reaching, [job for job in jobs if job not in reaching], plan) == text
+
+
+def test_words_of_cases_are_no_range() -> None:
+    shapes = ("rectangular", "circular", "triangular", "scan")
+    jobs: Any = [SimpleNamespace(job=SimpleNamespace(swept={"defect.shape": shape})) for shape in shapes]
+    plan: Any = SimpleNamespace(study=SimpleNamespace(units={"defect.shape": ""}))
+    assert _distinction(jobs[:3], jobs[3:], plan) == "in 3 of 4 cases"
+    assert _distinction(jobs[:2], jobs[2:], plan) == "for rectangular and circular"
 
 
 @pytest.mark.parametrize(
