@@ -194,12 +194,14 @@ def _variation_text(results: "Results") -> str:
     """Count the variations, and those without a result."""
     jobs = {entry["job"] for entry in results.variations} - set(results.table()["job"])
     missing = len(jobs - set(results.info().index))
-    return f", and {len(jobs)} variations{f' ({missing} without a result)' * bool(missing)}" if jobs else ""
+    count = f"{len(jobs)} variation{'s' * (len(jobs) != 1)}"
+    return f", and {count}{f' ({missing} without a result)' * bool(missing)}" if jobs else ""
 
 
 def _status_counts(table: "pd.DataFrame") -> str:
     counts = table["status"].value_counts()
-    return f"{len(table)} jobs: " + ", ".join(f"{count} {status}" for status, count in counts.items())
+    jobs = f"{len(table)} job{'s' * (len(table) != 1)}"
+    return f"{jobs}: " + ", ".join(f"{count} {status}" for status, count in counts.items())
 
 
 def show_failures(folder: Path, tracebacks: bool = False) -> None:

@@ -199,7 +199,7 @@ def _computed(results: "Results") -> Iterator[Fact]:
         steps = 1e6 * info["step_s"]
         yield "Time step", f"{span(steps.min(), steps.max(), significant)} µs"
     if "cpu_s" in info and len(info):
-        yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {len(info)} runs"
+        yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {_runs(len(info))}"
     unit = next(filter(None, results.table()["unit"]), None)
     if unit:
         with suppress(DamagedUnit, OSError):
@@ -214,7 +214,11 @@ NAMES = {"packages": "Packages", "python": "Python", "platform": "Platform", "gi
 
 def _tally(column: "pd.Series[str]") -> str:
     counts = Counter(str(value) for value in column)
-    return ", ".join(f"{name} ({count} runs)" for name, count in counts.most_common())
+    return ", ".join(f"{name} ({_runs(count)})" for name, count in counts.most_common())
+
+
+def _runs(count: int) -> str:
+    return f"{count} run{'s' * (count != 1)}"
 
 
 def _study_text(results: "Results") -> str:

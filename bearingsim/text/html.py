@@ -16,8 +16,9 @@ def table_html(title: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def describe_values(values: Sequence[Any], form: Callable[[Any], str]) -> str:
-    """Describe the values of a swept parameter: `150 N`, or `3 values, 150 N to 300 N`."""
-    ends = list(dict.fromkeys(form(value) for value in (*values[:1], *values[-1:])))
+    """Describe the values of a swept parameter: `150 N`, or `3 values, 150 N to 300 N`; words in their order."""
+    ordered = sorted(values) if all(isinstance(value, int | float) for value in values) else values
+    ends = list(dict.fromkeys(form(value) for value in (*ordered[:1], *ordered[-1:])))
     return " to ".join(ends) if len(values) < 2 else f"{len(values)} values, {' to '.join(ends)}"
 
 

@@ -8,7 +8,7 @@ def significant(value: float, digits: int = 3) -> str:
     """Format a number with a few significant digits, without exponent up to 1e6; `-` for nan or infinity."""
     if not isfinite(value):
         return "-"
-    rounded = float(f"{value:.{digits}g}")
+    rounded = float(f"{value:.{digits}g}") + 0.0  # -0.0 reads 0
     return f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
 
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from bearingsim.text.numbers import percent
+from bearingsim.text.html import describe_values
+from bearingsim.text.numbers import percent, significant
 
 
 @pytest.mark.parametrize(
@@ -11,3 +12,12 @@ from bearingsim.text.numbers import percent
 )
 def test_percent_has_no_exponent(share: float, text: str) -> None:
     assert percent(share) == text
+
+
+def test_zero_has_no_sign() -> None:
+    assert significant(-0.0) == "0"
+
+
+def test_values_are_described_by_their_ends_in_any_order() -> None:
+    assert describe_values([300.0, 100.0, 200.0], "{:g} N".format) == "3 values, 100 N to 300 N"
+    assert describe_values(["ring", "planar", "static"], str) == "3 values, ring to static"
