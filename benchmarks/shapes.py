@@ -108,9 +108,9 @@ def _random_part(rng: np.random.Generator) -> Any:
     if edge == 0:
         return defect
     return (
-        EasedDefect(defect, 10 ** rng.uniform(-5.7, -4), 0.0)
+        EasedDefect(defect, 10 ** rng.uniform(-5.7, -4), 0.0, sizes[2])
         if edge == 1
-        else EasedDefect(defect, 0.0, 10 ** rng.uniform(-5.3, -4))
+        else EasedDefect(defect, 0.0, 10 ** rng.uniform(-5.3, -4), sizes[2])
     )
 
 
@@ -194,7 +194,10 @@ def print_cost() -> None:
         print(f"{name:20s}  {ns[0]:5.1f}  {ns[1]:5.1f}")
     print("table                 groups, pieces, ms to build, ns in order, at random")
     kinds = {kind.__name__.lower(): kind(6e-3, 1e-3, 5e-6) for kind in SHAPES}
-    further = {"rounded": EasedDefect(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
+    further = {
+        "rounded": EasedDefect(kinds["elliptical"], 2e-5, 0.0, 5e-6),
+        "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3),
+    }
     for name, defect in (kinds | further | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
         rows, paths = group_paths(defect, R, cut_along_roller(defect, L_W, 24))

@@ -50,24 +50,24 @@ def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
     four times smaller step, and has the minimum floor.
     """
     references = [row for row in rows if row["role"] == REFERENCE and not row["failure"]]
-    known = [name for name in QUANTITIES if any(isfinite(row[name]) for row in references)]
-    references = [row for row in references if known and all(isfinite(row[name]) for name in known)]
+    quantities = [name for name in QUANTITIES if any(isfinite(row[name]) for row in references)]
+    references = [row for row in references if quantities and all(isfinite(row[name]) for name in quantities)]
     if not references:
         return None
     chaotic = any(row["chaotic"] == 1.0 for row in rows)
     pairs = list(combinations(references, 2))
     if not pairs:
-        solutions, floor = references, dict.fromkeys(known, nan if references[0]["method"] else MIN_FLOOR)
+        solutions, floor = references, dict.fromkeys(quantities, nan if references[0]["method"] else MIN_FLOOR)
     else:
-        largest_differences = [max(differences(*pair, known).values()) for pair in pairs]
-        solutions = list(pairs[largest_differences.index(min(largest_differences))])
-        floor = differences(*solutions, known)
+        largest_differences = [max(differences(*pair, quantities).values()) for pair in pairs]
+        closest, partner = pairs[largest_differences.index(min(largest_differences))]
+        solutions, floor = [closest, partner], differences(closest, partner, quantities)
         if chaotic or min(largest_differences) > CHAOTIC_DIFFERENCE:
             solutions, chaotic = references, True
-            floor = {name: max(differences(*pair, known)[name] for pair in pairs) for name in known}
+            floor = {name: max(differences(*pair, quantities)[name] for pair in pairs) for name in quantities}
     values = {name: sum(row[name] for row in solutions) / len(solutions) for name in QUANTITIES}
     names = " and ".join(_name(row) for row in solutions)
-    floor = {name: max(floor[name], MIN_FLOOR) if name in known else nan for name in QUANTITIES}
+    floor = {name: max(floor[name], MIN_FLOOR) if name in quantities else nan for name in QUANTITIES}
     return ConvergedSolution(values, floor, names, chaotic)
 
 

@@ -121,7 +121,7 @@ def _refusal(study: Study, changes: Mapping[str, str]) -> str:
     """
     try:
         if study.goal is None:
-            load_study(study.path, study.overrides | changes, study.quick)
+            load_study(study.path, {**study.overrides, **changes}, study.quick)
     except StudyError as error:
         return error.problems[0].message
     return "the model cannot compute this case"
@@ -136,7 +136,7 @@ def _label(case: Case) -> str:
 
 def _changed_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
     """Return the cases of a study with the automatic choice, other values at some paths, and shorter records."""
-    return [case and _shorten(case) for case in study.otherwise(AUTOMATIC | changes)]
+    return [case and _shorten(case) for case in study.otherwise({**AUTOMATIC, **changes})]
 
 
 def _shorten(case: Case) -> Case:

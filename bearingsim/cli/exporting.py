@@ -120,8 +120,8 @@ def _parquet(table: "pd.DataFrame") -> bytes:
 
     A column of a path with numbers and words, such as a clearance of `C3` or 10 um, is text, as in csv.
     """
-    mixed = {
-        name: [str(value) if isinstance(value, float) and value == value else value for value in table[name]]
+    mixed: dict[str, list[Any]] = {
+        str(name): [str(value) if isinstance(value, float) and value == value else value for value in table[name]]
         for name in table
         if table[name].dtype == object
     }

@@ -96,11 +96,11 @@ def speeds(results: "Results", job: str, time: "np.ndarray") -> "np.ndarray":
     """
     import numpy as np
 
-    parameters = results.parameters().loc[job]
+    parameters: Mapping[Any, Any] = results.parameters().loc[job].to_dict()
     initial, final = float(parameters["speed"]), float(parameters.get("ramp.to", np.nan))
     if np.isnan(final):
         return np.full(len(time), initial)
-    settling = float(results.info().loc[job].get("settle_s", 0.0))
+    settling = float(results.info().loc[job].to_dict().get("settle_s", 0.0))
     share = (settling + time) / float(parameters["ramp.time"])
     return initial + (final - initial) * np.clip(share, 0.0, 1.0)
 

@@ -4,9 +4,12 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots.style import SEQUENCE_FROM
+
+if TYPE_CHECKING:
+    import numpy as np
 
 DIGITS = 6
 """Significant digits of the numbers in a page."""
@@ -107,7 +110,7 @@ def rounded(values: Iterable[float]) -> list[float | None]:
     return [float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None for value in values]
 
 
-def placed(positions: Sequence[float]) -> list[float | None]:
+def placed(positions: "Sequence[float] | np.ndarray") -> list[float | None]:
     """Round ascending positions (n,) along a curve to a hundredth of their smallest step, or finer.
 
     Neighbours remain apart at any distance from zero, such as samples of 20 us after 20 s.

@@ -100,7 +100,7 @@ def columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
 
 def _without_rounding(estimate: "Estimate", rounding: float) -> "Estimate":
     """Set values and limits to zero that are errors of rounding, such as the spread of equal effects."""
-    return estimate._make(ends * (abs(ends) > rounding) for ends in estimate)
+    return type(estimate)(*(ends * (abs(ends) > rounding) for ends in estimate))
 
 
 def _cells(estimate: "Estimate", index: int, digits: str, factor: float) -> tuple[str, str]:

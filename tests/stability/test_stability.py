@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -108,13 +109,14 @@ def test_reference_needs_two_agreeing_solutions():
 def test_solution_that_is_not_finite_has_stalled(solver):
     """LSODA steps on to the end with states that are not numbers, and reports success."""
 
-    def spring(t, x):
+    def spring(t: float, x: np.ndarray) -> np.ndarray:
         return np.array([x[1], np.nan if t > 1e-3 else -1e6 * x[0]])
 
     tolerances = Tolerances(SAMPLE_INTERVAL, 1e-4, 1e-6, 1e-6, 1e-3)
     atol = np.full(2, 1e-6)
     with np.errstate(all="ignore"):
-        failure, *_ = references.march(solver, spring, np.array([1.0, 0.0]), atol, tolerances, [], TIMES)
+        rate: Any = spring
+        failure, *_ = references.march(solver, rate, np.array([1.0, 0.0]), atol, tolerances, [], TIMES)
     assert failure == "stalled"
 
 

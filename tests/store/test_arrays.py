@@ -109,7 +109,7 @@ def test_channel_that_some_jobs_lack_is_nan_there(tmp_path: Path) -> None:
     records[1][1].series["ring.acceleration.x"] = records[1][1].series.pop("ring.velocity.y")
     records[3][1].series.clear()
     store.write_plan(tmp_path, study, study.jobs())  # type: ignore[arg-type]
-    store.write_units(tmp_path, records, PROVENANCE)  # type: ignore[arg-type]
+    store.write_units(tmp_path, records, PROVENANCE)
     results = store.open_results(tmp_path)
     data = results.to_xarray()
     expected = {
