@@ -86,13 +86,39 @@ def test_a_law_whose_section_does_not_load_is_left_out(text, no_extensions, monk
     assert {"mine": f"`laws:Section` of the extension `mine` {SECTIONS[text]}"} == extensions.BROKEN
 
 
-def test_a_feature_with_a_name_of_the_program_is_left_out(monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("name", "objection"),
+    [
+        ("velocity.rms", "which already exists"),
+        ("acceleration.rms@2000-5000Hz", "which already exists"),
+        ("status", "which is a column of the results table"),
+        ("job", "which is a column of the results table"),
+        ("error.model", "which is a column of the results table"),
+        ("knock.phase", "whose ending belongs to spectral lines"),
+        ("knock-healthy", "whose ending belongs to spectral lines"),
+    ],
+)
+def test_a_feature_with_a_name_of_the_program_is_left_out(name, objection, monkeypatch) -> None:
     install(monkeypatch, "features")
-    feature = Feature("velocity.rms", "", "another", "features:rms")
-    monkeypatch.setitem(catalogue.FEATURES, "velocity.rms", feature)
-    assert "velocity.rms" not in names._extension_features(names.FEATURES)
-    reason = "the extension `mine` registers the feature `velocity.rms`, which already exists: rename it"
-    assert {"mine": reason} == extensions.BROKEN
+    monkeypatch.setitem(catalogue.FEATURES, name, Feature(name, "", "another", "features:rms"))
+    assert name not in names._extension_features(names._BUILTIN_FEATURES)
+    assert {
+        "mine": f"the extension `mine` registers the feature `{name}`, {objection}: rename it"
+    } == extensions.BROKEN
+
+
+@pytest.mark.parametrize(
+    "settings", ["sweep: {load: [150 N, 300 N]}", "sweep: {speed: [900 rpm], derived: {load: 150 N}}"]
+)
+def test_a_swept_path_with_the_name_of_a_feature_is_refused(settings, write, monkeypatch) -> None:
+    """Otherwise the column of the loads would contain the feature."""
+    install(monkeypatch, "features")
+    monkeypatch.setitem(catalogue.FEATURES, "load", Feature("load", "N", "largest load", "features:load"))
+    study = write(f"study: own\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\n{settings}\n")
+    with pytest.raises(
+        UserError, match=r":\d+:\d+: `load` is also a feature of the extension `mine` \(rename the feature\)"
+    ):
+        load_study(study)
 
 
 def test_no_job_is_computed_without_a_broken_extension(write, monkeypatch) -> None:

@@ -185,16 +185,31 @@ def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
     }
 
 
+COLUMNS = ("job", "model", "status", "reason", "seconds", "healthy", "unit", "error")
+"""Columns of the results table besides swept paths and features; `error` also has parts: `error.model`."""
+
+
 def _extension_features(builtin: Mapping[str, Feature]) -> dict[str, Feature]:
-    for name in catalogue.FEATURES.keys() & builtin.keys():
-        extension = extensions.owner(catalogue.FEATURES[name].compute)
-        message = f"the extension `{extension}` registers the feature `{name}`, which already exists: rename it"
-        extensions.record_failure(extension, message)
-    return {
-        name: Feature(entry.unit, entry.long_name)
-        for name, entry in catalogue.FEATURES.items()
-        if name not in builtin
-    }
+    features = {}
+    for name, entry in catalogue.FEATURES.items():
+        if objection := _objection(name, builtin):
+            extension = extensions.owner(entry.compute)
+            message = f"the extension `{extension}` registers the feature `{name}`, {objection}: rename it"
+            extensions.record_failure(extension, message)
+        else:
+            features[name] = Feature(entry.unit, entry.long_name)
+    return features
+
+
+def _objection(name: str, builtin: Mapping[str, Feature]) -> str:
+    """Return why a feature of an extension cannot have a name; empty for a possible name."""
+    if name in builtin or read_band(name) is not None:
+        return "which already exists"
+    if name.partition(".")[0] in COLUMNS:
+        return "which is a column of the results table"
+    if name.endswith((".phase", "-healthy")):  # the table computes changes from phases, and replaces those it has
+        return "whose ending belongs to spectral lines"
+    return ""
 
 
 UNCERTAIN_PARAMETERS = ("damping", "clearance", "bracket", "support", "form", "shaft", "ring_mass", "edge")

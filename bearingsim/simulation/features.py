@@ -6,6 +6,7 @@ fine rate is high enough to leave the bands unattenuated (``time_grid.make_grid`
 
 from collections.abc import Callable, Iterable, Mapping
 from math import ceil, floor, isfinite, nan, pi
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -185,10 +186,12 @@ def extension_features(
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Compute the features of other packages from a record: ``time`` (n,) in s, ``series`` (n,) by name, in SI.
 
-    Returns the values, and reasons (``NO_VALUE``) for values that are not finite or need a series that is not
-    recorded. Raises BrokenExtension if a feature fails.
+    The functions get read-only views, because the record is stored after them. Returns the values, and reasons
+    (``NO_VALUE``) for values that are not finite or need a series that is not recorded. Raises BrokenExtension if
+    a feature fails.
     """
     values, reasons = dict[str, float](), dict[str, str]()
+    time, series = _read_only(time), {channel: _read_only(samples) for channel, samples in series.items()}
     for name, feature in FEATURES.items():
         try:
             values[name] = _extension_value(feature, case, time, RecordedSeries(series))
@@ -201,16 +204,22 @@ def extension_features(
     return values, reasons
 
 
+def _read_only(array: np.ndarray) -> np.ndarray:
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
 def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: RecordedSeries) -> float:
     try:
         value = call(feature.compute, case, time, series)
     except BrokenExtension as error:
         raise BrokenExtension(f"feature `{feature.name}`: {error}") from error
-    try:
-        return float(value)
-    except (TypeError, ValueError) as error:
-        message = f"`{feature.compute}` returned a {type(value).__name__}, not a number"
-        raise BrokenExtension(f"feature `{feature.name}`: {message}") from error
+    number = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    if not isinstance(number, Real | np.bool_):  # float() would read a text, and drop an imaginary part
+        message = f"`{feature.compute}` returned a {type(value).__name__}, not a real number"
+        raise BrokenExtension(f"feature `{feature.name}`: {message}")
+    return float(number)
 
 
 def refuse_undeclared(computed: Iterable[str]) -> None:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from pathlib import Path as FilePath
 
-from bearingsim.catalogue import DEFAULT_MODEL
+from bearingsim.catalogue import DEFAULT_MODEL, FEATURES
 from bearingsim.config import Case
 from bearingsim.config.fields import Path
 from bearingsim.designs import KINDS
+from bearingsim.extensions import owner
 from bearingsim.study.design import BLOCK_DESIGNS, SampledDesign, block_conflicts, draw_design
 from bearingsim.study.diagnose import STUDY_KEYS, Problems, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expand_tree
@@ -232,6 +233,10 @@ class Plan:
         swept_key_paths = set(self.key_paths.values())
         self.relations = parse_relations(self.settings, self.locate, swept_key_paths.__contains__, self.problems)
         self.key_paths |= {derived.path: derived.key_path for derived in self.relations.derived}
+        for path, entry in self.entries().items():
+            if path in FEATURES:  # both would be a column of this name
+                message = f"`{path}` is also a feature of the extension `{owner(FEATURES[path].compute)}`"
+                self.problems.append(problem(entry.key or entry.mark, message, "rename the feature"))
 
     def locate(self, path: str) -> Path:
         """Locate a path in a case. Raises ValueError for an invalid path."""

@@ -51,6 +51,29 @@ def none_result(case, time, series):
     return None
 
 
+def complex_result(case, time, series):
+    return np.fft.rfft(series["ring.velocity.x"])[0] * 1j
+
+
+def text_result(case, time, series):
+    return "5"
+
+
+def array_of_one_number(case, time, series):
+    return np.asarray(series["ring.velocity.x"].max())
+
+
+def changed_series(case, time, series):
+    velocity = series["ring.velocity.x"]
+    velocity -= velocity.mean()
+    return velocity.max()
+
+
+def changed_time(case, time, series):
+    time += 1.0
+    return time[0]
+
+
 def exit_process(case, time, series):
     raise SystemExit(3)
 
@@ -93,12 +116,33 @@ def test_non_finite_value_becomes_nan_with_a_reason(function, monkeypatch) -> No
     assert facts == {"no_value.mine": MISSING_VALUES[function]}
 
 
+READ_ONLY = r"fails \(ValueError: output array is read-only\)$"
 FAILING = {
     "of_dictionary": rf"of_dictionary` of the extension `{__name__}` fails \(KeyError: 'roller.tilt'\)$",
-    "array_result": "array_result` returned a ndarray, not a number$",
-    "none_result": "none_result` returned a NoneType, not a number$",
+    "array_result": "array_result` returned a ndarray, not a real number$",
+    "none_result": "none_result` returned a NoneType, not a real number$",
+    "complex_result": "complex_result` returned a complex128, not a real number$",
+    "text_result": "text_result` returned a str, not a real number$",
+    "changed_series": rf"changed_series` of the extension `{__name__}` {READ_ONLY}",
+    "changed_time": rf"changed_time` of the extension `{__name__}` {READ_ONLY}",
     "exit_process": rf"exit_process` of the extension `{__name__}` fails \(SystemExit: 3\)$",
 }
+
+
+def test_array_of_no_dimension_is_a_number(monkeypatch) -> None:
+    register_feature(monkeypatch, "array_of_one_number")
+    assert compute_features() == ({"mine": 3.0}, {})
+
+
+def test_features_cannot_change_the_record(monkeypatch) -> None:
+    """The record is stored after the features of extensions are computed."""
+    before = {name: values.copy() for name, values in SERIES.items()}
+    for function in ("changed_series", "changed_time"):
+        register_feature(monkeypatch, function)
+        with pytest.raises(BrokenExtension):
+            compute_features()
+    assert all(np.array_equal(SERIES[name], values) for name, values in before.items())
+    assert not TIME.any()
 
 
 @pytest.mark.parametrize("function", FAILING)
