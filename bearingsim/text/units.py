@@ -316,16 +316,11 @@ def _edit_distance(typed: str, word: str) -> int:
 
 @lru_cache(maxsize=256)
 def _spelling(unit: str) -> str:
-    """Normalise the spelling of a unit: one blank between factors, powers with `^`."""
-    unit = " ".join(unit.translate(SPELLING).split())
-    unit = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", unit))
-    unit = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, unit)
-    return re.sub(r"(?<=m)([23])$", r"^\1", re.sub(r" ?/ ?", "/", unit))
-
-
-def _torsional(match: re.Match[str]) -> str:
-    """Insert the blanks of `N m` or `N m s`."""
-    return f"N {match[1]} s" if match[2] else f"N {match[1]}"
+    """Return a unit as in ``UNITS``; others in ASCII, with one blank between factors and none at a slash."""
+    text = re.sub(r"^[\s·*]+|\s+$", "", unit)
+    words = (word for units in UNITS.values() for word in units)
+    known = next((word for word in words if re.fullmatch(_spellings(word), text)), None)
+    return re.sub(r" ?/ ?", "/", " ".join(text.translate(SPELLING).split())) if known is None else known
 
 
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:
