@@ -53,6 +53,11 @@ def test_study(study: Study) -> None:
     assert (content["cases"], content["figures"]) == ("4", "1")
 
 
+def test_ends_are_the_extremes_of_numbers_in_any_order(study_folder: Path) -> None:
+    study = bs.load_study("small.yaml", {"load": "[200 N, 150 N, 300 N, 250 N]"})
+    assert rows(study)[1]["load"] == "4 values, 150 N to 300 N"
+
+
 def test_case(study: Study) -> None:
     title, content = rows(study.cases()[2])
     assert title == "Case"

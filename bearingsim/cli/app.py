@@ -2,6 +2,7 @@
 
 import gc
 import os
+import shlex
 import signal
 from math import inf
 from pathlib import Path
@@ -109,7 +110,7 @@ def new(
     path, *files = new.write_template(path) if source is None else new.write_copy(source, path)
     for line in new.write_schema(path.parent):
         say(line, err=True)
-    say(f"{' and '.join(map(str, (path, *files)))} written; next: bearingsim check {path}")
+    say(f"{' and '.join(map(str, (path, *files)))} written; next: bearingsim check {shlex.quote(str(path))}")
 
 
 @app.command()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from bearingsim.cli.analysis import LINE_NAMES
-from bearingsim.cli.opening import short_path
+from bearingsim.cli.opening import shell_path, short_path
 from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
 from bearingsim.text.numbers import significant
@@ -254,7 +254,7 @@ def only_job(results: "Results") -> str:
     if len(candidates) != 1:
         raise UserError(
             f"{len(candidates)} jobs could be compared: name one by `--job`; "
-            f"`bearingsim show {short_path(results.path)}` lists them"
+            f"`bearingsim show {shell_path(results.path)}` lists them"
         )
     return candidates[0]
 

@@ -3,7 +3,7 @@
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from bearingsim.cli.opening import short_path
+from bearingsim.cli.opening import shell_path, short_path
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         for remark in result.remarks:
             say(f"    {remark}")
     if len(feature_list) > MAX_FEATURES:
-        say(f"  and {len(feature_list) - MAX_FEATURES} more: bearingsim show {short_path(summary.folder)}")
+        say(f"  and {len(feature_list) - MAX_FEATURES} more: bearingsim show {shell_path(summary.folder)}")
     for text in (*summary.findings.accuracy, *summary.findings.warnings):
         say(text)
     assumptions = summary.findings.assumptions
@@ -46,14 +46,14 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         count = "1 assumption" if len(assumptions) == 1 else f"{len(assumptions)} assumptions"
         order = ", strongest first" * (len(assumptions) > 1)
         say(f"{count} not varied{order}: {', '.join(assumptions)}")
-        say(f"  amplitudes depend on them: bearingsim show {short_path(summary.folder)} --assumptions")
+        say(f"  amplitudes depend on them: bearingsim show {shell_path(summary.folder)} --assumptions")
     if quick:
         say("this was the reduced grid; run without --quick for the whole study")
     if verbose:
         for text in summary.details:
             say(text)
     if summary.done + summary.resumed:
-        say(f"next: bearingsim plot {short_path(summary.folder)}{options}")
+        say(f"next: bearingsim plot {shell_path(summary.folder)}{options}")
     if verbose and summary.failed:
         from bearingsim.cli import tables
 

@@ -1,6 +1,7 @@
 """Results and jobs named by the arguments of a command."""
 
 import os
+import shlex
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -69,7 +70,7 @@ def find_job(results: "Results", word: str) -> str:
     matches = [job for job in results.planned if job.startswith(word.lower())]
     if len(matches) != 1:
         problem = f"{len(matches)} jobs begin with" if matches else "no job begins with"
-        raise UserError(f"{problem} `{word}`: `bearingsim show {short_path(results.path)}` lists them")
+        raise UserError(f"{problem} `{word}`: `bearingsim show {shell_path(results.path)}` lists them")
     return matches[0]
 
 
@@ -78,6 +79,11 @@ def check_writable(folder: Path, option: str) -> None:
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not os.access(existing, os.W_OK | os.X_OK):
         raise UserError(f"{short_path(existing)} is read-only for you: name another path, as in `{option}`")
+
+
+def shell_path(path: Path) -> str:
+    """Return ``short_path`` as an argument of a command that the user can copy."""
+    return shlex.quote(short_path(path))
 
 
 def short_path(path: Path) -> str:

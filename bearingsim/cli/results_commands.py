@@ -8,7 +8,7 @@ import typer
 from typer.models import OptionInfo
 
 from bearingsim.cli import completion
-from bearingsim.cli.opening import check_writable, find_job, find_results, reads_results, short_path
+from bearingsim.cli.opening import check_writable, find_job, find_results, reads_results, shell_path, short_path
 from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment
 from bearingsim.figure_kinds import AROUND, HEALTHY, KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
@@ -249,5 +249,5 @@ def prune(
             say(short_path(path))
     say(str(leftovers))
     if leftovers.paths:
-        note = f"nothing is removed yet; to remove: bearingsim prune {short_path(root)} --no-dry-run"
+        note = f"nothing is removed yet; to remove: bearingsim prune {shell_path(root)} --no-dry-run"
         say(note if dry_run else "removed")

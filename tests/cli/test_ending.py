@@ -1,5 +1,6 @@
 """Summary at the end of a run: counts, results, next command."""
 
+import shlex
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,13 @@ def test_a_run_ends_with_its_results_and_the_next_command(study_folder):
     assert lines[-1] == "next: bearingsim plot results/small"
     assert len(lines) <= 24
     assert all(len(text) <= 100 for text in lines)
+
+
+def test_commands_quote_a_folder_with_blanks(study_folder):
+    Path("small.yaml").write_text(STUDY.partition("sweep:")[0] + "duration: 30 ms\nsettle: 10 ms\n")
+    lines = type_("run", "small.yaml", "--jobs", "1", "--out", "two words")[0].splitlines()
+    commands = [shlex.split(line.partition("bearingsim ")[2]) for line in lines if "bearingsim " in line]
+    assert [words[:2] for words in commands] == [["show", "two words"], ["plot", "two words"]]
 
 
 def test_numerical_errors_are_no_results(study_folder, monkeypatch):
