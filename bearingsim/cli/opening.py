@@ -3,6 +3,7 @@
 import os
 import shlex
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,9 +58,16 @@ def find_results(folder: Path | None) -> "Results":
 def result_folders() -> list[Path]:
     """List the results folders in ./results, newest first."""
     folders = [plan.parent for plan in Path("results").glob("*/plan.json")]
-    return sorted(
-        folders, key=lambda folder: max(file.lstat().st_mtime for file in folder.glob("*")), reverse=True
-    )
+    return sorted(folders, key=_last_change, reverse=True)
+
+
+def _last_change(folder: Path) -> float:
+    """Return the time (s) of the last change of a file in a folder."""
+    latest = 0.0
+    for file in folder.glob("*"):
+        with suppress(FileNotFoundError):  # a run renames and removes its temporary files
+            latest = max(latest, file.lstat().st_mtime)
+    return latest
 
 
 def find_job(results: "Results", word: str) -> str:

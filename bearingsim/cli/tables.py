@@ -50,7 +50,7 @@ def show_jobs(
         features, errors = main_features(results, table), error_columns(results, table)
         usual_names = [*swept, *features, "status", *errors]
         features = [*features, *errors]
-    names = list(columns) or usual_names
+    names = [name for name in dict.fromkeys(columns) if name != "job"] if columns else usual_names
     width = None if columns else terminal_width() or (None if every else DEFAULT_WIDTH)
     _check_columns(names, [str(name) for name in table])
     if as_json:

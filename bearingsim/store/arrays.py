@@ -32,7 +32,7 @@ def dataset(
     unknown = sorted(set(jobs or ()) - set(rows.index))
     if unknown:
         raise ResultsError(f"no row of the table: {', '.join(unknown)}")
-    selected = rows if jobs is None else rows.loc[list(jobs)]
+    selected = rows if jobs is None else rows.loc[list(dict.fromkeys(jobs))]
     if grid:
         selected = selected.loc[[job for job in selected.index if job in _cases(plan)]]
     done = selected[selected["status"] == "done"] if jobs is None else selected

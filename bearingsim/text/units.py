@@ -319,8 +319,8 @@ def _spelling(unit: str) -> str:
     """Return a unit as in ``UNITS``; others in ASCII, with one blank between factors and none at a slash."""
     text = re.sub(r"^[\s·*]+|\s+$", "", unit)
     words = (word for units in UNITS.values() for word in units)
-    known = next((word for word in words if re.fullmatch(_spellings(word), text)), None)
-    return re.sub(r" ?/ ?", "/", " ".join(text.translate(SPELLING).split())) if known is None else known
+    name = next((word for word in words if re.fullmatch(_spellings(word), text)), None)
+    return re.sub(r" ?/ ?", "/", " ".join(text.translate(SPELLING).split())) if name is None else name
 
 
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:

@@ -106,6 +106,14 @@ def test_show_columns(done):
     assert "`error` (needs `accuracy` in the study)" in type_("show", done, "--columns", "error", code=2)[1]
 
 
+def test_each_column_is_shown_once(done):
+    words = ["show", done, "--columns", "load", "--columns", "job", "--columns", "load"]
+    assert type_(*words)[0].splitlines()[0].split() == ["job", "load"]
+    stdout, stderr = type_(*words, "--json")
+    assert [list(row) for row in json.loads(stdout)] == [["job", "load"]] * 8
+    assert stderr == ""
+
+
 def test_show_json(done):
     rows = json.loads(type_("show", done, "--json")[0])
     assert {row["load"] for row in rows} == {150.0, 300.0}

@@ -121,3 +121,5 @@ def test_channel_that_some_jobs_lack_is_nan_there(tmp_path: Path) -> None:
     job, other = results.jobs[1], "ring.acceleration.x"
     np.testing.assert_array_equal(data[other].sel(job=job), results.series(job)[other])
     assert set(expected) <= set(results.to_xarray(results.jobs[::-1]))
+    twice = results.to_xarray([job, results.jobs[0], job])
+    assert twice["job"].values.tolist() == [job, results.jobs[0]]
