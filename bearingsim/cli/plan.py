@@ -81,7 +81,7 @@ class Plan:
     @property
     def refusal_texts(self) -> tuple[str, ...]:
         """Reasons why jobs cannot be run, one text per kind."""
-        return tuple(_group_refusals(self.refusals, self.study))
+        return tuple(_group_refusals(self.refusals, self.study, self.sample_text))
 
     @property
     def job_counts(self) -> tuple[int, int, int]:
@@ -93,7 +93,17 @@ class Plan:
     @property
     def scale(self) -> float:
         """Ratio of the number of jobs to that of the sample (priced or refused), at least 1."""
-        return len(self.jobs) / (len(self.priced_jobs) + len(self.refusals))
+        return len(self.jobs) / self.sample_size
+
+    @property
+    def sample_size(self) -> int:
+        """Number of jobs of the sample, priced or refused."""
+        return len(self.priced_jobs) + len(self.refusals)
+
+    @property
+    def sample_text(self) -> str:
+        """Words after the number of refused jobs, all of the sample: ` of 100 sampled`; empty without one."""
+        return f" of {self.sample_size} sampled" * (self.sample_size < len(self.jobs))
 
     @property
     def priced_jobs(self) -> tuple[PricedJob, ...]:
@@ -241,8 +251,11 @@ def max_friction_coefficient(law: Any, u: float) -> float:
     return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 
 
-def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
-    """Yield a message for each group of refusals that differ only in numbers: count, first job and its reason."""
+def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study", sample: str = "") -> Iterable[str]:
+    """Yield a message for each group of refusals that differ only in numbers: count, first job and its reason.
+
+    sample: words after the count.
+    """
     from bearingsim.plots.labels import swept_text
     from bearingsim.runner.summary import failure_kind
 
@@ -252,5 +265,5 @@ def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study") -> It
     for group in groups.values():
         job, text = group[0]
         position = swept_text(job.swept, study.units)
-        count = f"{len(group)} jobs refused, the first at" if len(group) > 1 else "refused:"
+        count = f"{len(group)}{sample} jobs refused, the first at" if sample or len(group) > 1 else "refused:"
         yield f"{count} {position or 'the only case'}: {text}"

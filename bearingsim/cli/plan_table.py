@@ -125,7 +125,7 @@ def _job_counts(plan: Plan) -> str:
     total = cases + baselines + variations
     kinds = [f"{cases} case{'s' * (cases != 1)}", f"{baselines} healthy baseline{'s' * (baselines != 1)}"]
     kinds += [f"{variations} variation{'s' * (variations != 1)}"] if variations else []
-    refusals = f", {refusal_count} refused" if refusal_count else ""
+    refusals = f", {refusal_count}{plan.sample_text} refused" if refusal_count else ""
     return f"{total} job{'s' * (total != 1)} ({', '.join(kinds)}){refusals}"
 
 
@@ -166,7 +166,7 @@ def byte_text(count: int) -> str:
 
 
 def as_json(plan: Plan) -> str:
-    """Return the plan as JSON, in SI; null means no limit."""
+    """Return the plan as JSON, in SI; null means no limit. Jobs and refused jobs are those of the sample."""
     from bearingsim.config.scan.notes import notes
 
     cases, baselines, variations = plan.job_counts
@@ -181,6 +181,7 @@ def as_json(plan: Plan) -> str:
         "workers": plan.workers,
         "bytes": plan.bytes,
         "design": None if plan.study.design is None else asdict(plan.study.design),
+        "sampled_jobs": plan.sample_size,
         "refused_jobs": len(plan.refusals),
         "refused": list(plan.refusal_texts),
         "notes": [*plan.study.assumptions, *plan.study.notes, *notes(plan.study.cases())],

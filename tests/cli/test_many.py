@@ -60,6 +60,17 @@ def test_sampled_estimate_is_reported(study_file):
     assert (plan_json["cases"], len(plan_json["jobs"])) == (50, 20)
 
 
+def test_refused_jobs_are_counted_as_those_of_the_sample(study_file, monkeypatch):
+    words = ["check", study_file, "--set", "step=1 ms"]
+    stdout, stderr = type_(*words, code=2)
+    assert "55 jobs (50 cases, 5 healthy baselines), 20 of 20 sampled refused; " in stdout
+    assert f"{study_file}: 20 of 20 sampled jobs refused, the first at " in stderr
+    plan_json = json.loads(type_(*words, "--json", code=2)[0])
+    assert (plan_json["cases"], plan_json["sampled_jobs"], plan_json["refused_jobs"]) == (50, 20, 20)
+    monkeypatch.setattr(plan, "MAX_PRICED", 1000)
+    assert "55 jobs (50 cases, 5 healthy baselines), 55 refused; " in type_(*words, code=2)[0]
+
+
 def test_the_first_and_the_last_job_are_priced(study_file):
     jobs = load_study(study_file).jobs()
     sample = plan.sample_jobs(jobs)

@@ -68,6 +68,7 @@ def test_refused_jobs_of_a_sample_count_for_its_share_of_all_jobs() -> None:
     refusals: Any = ((None, "a step of 2 us"),)
     plan = Plan(SimpleNamespace(), jobs, priced, priced, priced, refusals, requested_workers=1)  # type: ignore[arg-type]
     assert (plan.scale, plan.cpu_seconds, plan.most_cpu_seconds, plan.bytes) == (2.0, 6.0, 18.0, 60)
+    assert (plan.sample_size, plan.sample_text) == (4, " of 4 sampled")
 
 
 @pytest.mark.parametrize(("value", "warned"), [("3 mm", True), ("800 um", False)])
