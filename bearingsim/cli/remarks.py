@@ -261,9 +261,9 @@ def unvaried_damping(plan: Plan) -> Iterator[str]:
     if "damping" not in varied_kinds and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
         damped_jobs = [priced for priced in plan.cases if has_effect("damping", priced.job.case)]
         if damped_jobs:
-            yield damping_remark(
-                len(damped_jobs), duration, sum(priced.estimate.cpu_seconds for priced in damped_jobs)
-            )
+            count = sum(has_effect("damping", case) for case in plan.study.cases())  # also those without a price
+            seconds = sum(priced.estimate.cpu_seconds for priced in damped_jobs) / len(damped_jobs)
+            yield damping_remark(count, duration, count * seconds)
 
 
 def initial_transients(plan: Plan) -> Iterator[str]:

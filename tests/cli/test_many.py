@@ -6,6 +6,8 @@ from unittest import mock
 import pytest
 
 from bearingsim.cli import plan, tables
+from bearingsim.cli.remarks import unvaried_damping
+from bearingsim.runner.progress import duration
 from bearingsim.study import Study, load_study
 from bearingsim.text.announcer import Announcer
 from tests.scenes.commands import type_
@@ -69,6 +71,17 @@ def test_refused_jobs_are_counted_as_those_of_the_sample(study_file, monkeypatch
     assert (plan_json["cases"], plan_json["sampled_jobs"], plan_json["refused_jobs"]) == (50, 20, 20)
     monkeypatch.setattr(plan, "MAX_PRICED", 1000)
     assert "55 jobs (50 cases, 5 healthy baselines), 55 refused; " in type_(*words, code=2)[0]
+
+
+def test_cost_of_unvaried_damping_is_that_of_all_cases(study_file):
+    """Each of the 50 cases would have three variations, each about as long as a case."""
+    over = "{lhs: {n: 50, seed: 1, over: {load: {uniform: [150 N, 300 N]}}}}"
+    study_file.write_text(f"{STUDY.partition('sweep:')[0]}sweep: {over}\n")
+    sampled = plan.plan_of(load_study(study_file), 1)
+    assert 0 < len(sampled.cases) < 20
+    mean = sum(priced.estimate.cpu_seconds for priced in sampled.cases) / len(sampled.cases)
+    [remark] = unvaried_damping(sampled)
+    assert remark.endswith(f" adds 150 jobs, {duration(150 * mean)}")
 
 
 def test_the_first_and_the_last_job_are_priced(study_file):
