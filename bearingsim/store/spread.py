@@ -139,10 +139,16 @@ def _reference(base: str) -> str:
 
 
 def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
-    """Mark chaotic jobs in which the feature is a spectral line without a standard error."""
+    """Mark jobs in which the feature scatters by an unknown amount.
+
+    It is a line without a standard error in a chaotic record, or an extreme value in a record that ended early.
+    """
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
-    early_errors = early_end_errors(frame, feature)
-    return _chaotic(frame) & (not has_scatter) & (True if early_errors is None else early_errors.isna())
+    is_unknown = _chaotic(frame) & (not has_scatter)
+    early_errors = early_end_errors(frame, feature if is_mean(feature) else "velocity.rms")
+    if early_errors is None:
+        return is_unknown
+    return (is_unknown & early_errors.isna()) | ((early_errors > 0.0) & (not is_mean(feature)))
 
 
 def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":

@@ -66,18 +66,19 @@ def full_record_feature(plotted: Iterable[str]) -> str:
 def add_early_end(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
     """Add `until` to a case, a quarter of the accuracy, for all features of goal and figures.
 
-    The case is unchanged if it records series, has an `until`, needs features that are not means, or has a
-    conflict with `until`.
+    An `until` of the case is kept, and monitors these features, too, as far as they are means. A case without it
+    is unchanged if it records series, needs features that are not means, or has a conflict with `until`.
     """
     names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.features)))
-    if case.record or case.until is not None or full_record_feature(names):
+    if case.until is None and (case.record or full_record_feature(names)):
         return case
     races = [defect.race for defect in case.defects] or ["outer"]
-    monitored = {CPU_SECONDS, "velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races)}
-    others = tuple(name for name in names if name not in monitored and name not in case.features)
-    shortened = case.model_copy(
-        update={"until": EARLY_END_RATIO * goal.within, "features": case.features + others}
-    )
+    monitored = {"velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races), *case.features}
+    # the error of a change is that of its two amplitudes
+    means = dict.fromkeys(base for name in names if is_mean(base := name.removesuffix(HEALTHY)))
+    until = EARLY_END_RATIO * goal.within if case.until is None else case.until
+    others = tuple(name for name in means if name not in monitored)
+    shortened = case.model_copy(update={"until": until, "features": case.features + others})
     return shortened if next(until_conflicts(shortened), None) is None else case
 
 

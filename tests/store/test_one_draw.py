@@ -69,3 +69,15 @@ def test_early_record_has_the_standard_error_at_its_end() -> None:
     chaotic = early_end.assign(**{"features/chaotic": 1.0})
     assert not has_unknown_scatter(chaotic, "velocity@BPFI").iloc[0]
     assert has_unknown_scatter(full_record.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]
+
+
+def test_extreme_value_of_a_record_that_ended_early_has_unknown_scatter() -> None:
+    """A periodic motion repeats its extremes."""
+    features = table(chaotic=0.0).assign(**{"outer_force.max": 9.0}).add_prefix("features/")
+    columns = {"info/standard_error_line": 0.0, "info/passes": 200, "info/passes_computed": 130}
+    early_end, periodic = (features.assign(**columns, **{"info/standard_error_rms": e}) for e in (0.002, 0.0))
+    assert has_unknown_scatter(early_end, "outer_force.max").iloc[0]
+    assert not has_unknown_scatter(early_end, RMS).iloc[0]
+    assert not has_unknown_scatter(periodic, "outer_force.max").iloc[0]
+    full_record = early_end.assign(**{"info/passes_computed": 200})
+    assert not has_unknown_scatter(full_record, "outer_force.max").iloc[0]

@@ -305,3 +305,18 @@ def test_an_accuracy_stores_no_series_unless_asked(write: Write) -> None:
     )
     assert {case.record for case in none} == {()}
     assert {case.record for case in (*series, *named)} == {("ring.velocity",)}
+
+
+@pytest.mark.parametrize(
+    ("of", "features"),
+    [
+        ("velocity@BPFO, velocity.rms", ()),
+        ("velocity@2BSF, acceleration.rms", ("velocity@2BSF", "acceleration.rms")),
+        ("velocity@3BPFO-healthy, outer_force.max", ("velocity@3BPFO",)),
+    ],
+)
+def test_own_until_monitors_the_features_of_the_accuracy(write: Write, of: str, features: tuple[str, ...]) -> None:
+    """Otherwise the error at which the record ends would be that of other features."""
+    text = DRAWN.format(more="until: 3 %\n", y=of).replace("2 %", f"{{within: 2 %, of: [{of}]}}")
+    for case in load_study(write(BASE + text)).cases():
+        assert (case.until, case.features) == (0.03, features)
