@@ -57,7 +57,10 @@ def trials_of(study: Study, number: int, case: Case) -> list[TrialRequest]:
     cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
     settings = (required_features(study), passes, turn)  # the same for a healthy case, which has no defects
     is_pair = len(cases) > 1 and has_free_cage(case)  # of trials that do not end early
-    return [TrialRequest(_trial_id(variant, *settings, is_pair), variant, *settings) for variant in cases]
+    # how soon a trial ends because it is far from its reference depends on the accuracy
+    may_end = has_free_cage(case) and not (is_pair or may_become_record(case))
+    within = study.goal.within if study.goal is not None and may_end else None
+    return [TrialRequest(_trial_id(variant, *settings, is_pair, within), variant, *settings) for variant in cases]
 
 
 @lru_cache(maxsize=1 << 17)
@@ -81,11 +84,18 @@ def required_features(study: Study) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=1 << 17)
-def _trial_id(case: Case, features: tuple[str, ...], passes: int, turn: float, is_pair: bool) -> str:
-    """Return the id of a trial. is_pair: whether it is compared with its healthy or faulty counterpart."""
+def _trial_id(
+    case: Case, features: tuple[str, ...], passes: int, turn: float, is_pair: bool, within: float | None
+) -> str:
+    """Return the id of a trial.
+
+    is_pair: whether it is compared with its healthy or faulty counterpart; within: accuracy of a trial that ends
+    early if it is far from its reference, else None.
+    """
     settings: dict[str, Any] = {"trial": passes, "asked": list(features)}
     settings |= {"turn": float(f"{turn:.12g}")} if turn != defect_turn(case) else {}
     settings |= {"pair": True} if is_pair else {}
+    settings |= {"within": within} if within is not None else {}
     bands = tuple(name for name in case.features if name not in MEANS)
     return identity(case.model_copy(update={"until": None, "features": bands}), settings)  # `until` has no effect
 

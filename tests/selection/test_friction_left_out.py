@@ -225,3 +225,23 @@ def test_trial_far_from_reference_ends_early() -> None:
         )
         assert (friction_trial.turns, friction_trial.passes, friction_trial.repeats) == (turns, turns * Z, False)
         assert friction_trial.is_consistent
+
+
+def test_trial_that_ended_early_for_a_smaller_accuracy_is_not_used(write: Write) -> None:
+    """A change of 5 % by friction is far beyond 2 %, so the trial ends early; it is within 0.8 times 10 %."""
+    text = OPEN.replace("accuracy: 5 %", "accuracy: 2 %") + "record: [ring.velocity]\n"
+
+    def evaluate(request: TrialRequest) -> Trial:
+        free = is_free(request.case)
+        complete = trial(request.case.load * (1.05 if free else 1.0), CAGE_TURNS, names=request.features)
+        is_early = any(values.is_far(complete) for values in request.reference_values)
+        turns = INSPECTION_TURNS if is_early else CAGE_TURNS
+        return trial(abs(complete.forces[0]), turns, names=request.features, repeats=not free)
+
+    stored = run_trials(accuracy_study(write, text), evaluate)
+    study = accuracy_study(write, text.replace("2 %", "10 %"))
+    choices = selection.ModelSelector(study, range(3)).decide(run_trials(study, evaluate, stored)).choices
+    assert [choice.candidate for choice in choices.values()] == ["reference"] * 3
+    assert [choice.friction[LINE] for choice in choices.values()] == pytest.approx(
+        [0.05 * load / 450.0 for load in (150.0, 450.0, 450.0)]
+    )
