@@ -40,7 +40,8 @@ WORTH_TRYING = 0.8  # largest cost relative to the reference at which a candidat
 def reference(case: Case) -> Case:
     """Return the reference of a case, with doubled slices, or doubled harmonics if its ring is flexible."""
     if case.rig.ring is not None:
-        return case.model_copy(update={"rig": _with_harmonics(case)})
+        harmonics = min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))
+        return case.model_copy(update={"rig": _with_harmonics(case, harmonics)})
     return _finely_sliced(case) if MODELS[case.model].sliced else case
 
 
@@ -58,27 +59,30 @@ def remeshed(case: Case, is_reference: bool = True) -> tuple[Case, float] | None
     """Return a case with another mesh, and the ratio of its discretisation error to the resulting change.
 
     Nodes along defects are doubled. In a reference, harmonics are doubled as well, and slices are halved, because
-    twice as many would exceed their limit. An error of first order is twice the change by doubling, or equal to
-    the change by halving. is_reference: whether the case is a reference; for any other candidate, the error from
-    the reference already includes that of slices and harmonics. None if nothing changes.
+    twice as many would exceed their limit; so are harmonics, where they would. An error of first order is twice
+    the change by doubling, or equal to the change by halving. is_reference: whether the case is a reference; for
+    any other candidate, the error from the reference already includes that of slices and harmonics. None if
+    nothing changes.
     """
-    contact, rig = case.contact, case.rig
+    contact, rig, ratio = case.contact, case.rig, 1.0
     if MODELS[case.model].sliced:
         coarse_contact = contact.model_copy(update={"slices": max(1, int(contact.slices) // FINER)})
-        return (case.model_copy(update={"contact": coarse_contact}), 1.0) if is_reference else None
+        return (case.model_copy(update={"contact": coarse_contact}), ratio) if is_reference else None
+    if is_reference and rig.ring is not None:
+        harmonics = int(rig.ring.harmonics)
+        may_double = FINER * harmonics <= MAX_HARMONICS
+        rig = _with_harmonics(case, FINER * harmonics if may_double else harmonics // FINER)
+        ratio = float(FINER) if may_double else ratio
     if any(varies_along_roller(defect) for defect in case.defects):
-        contact = contact.model_copy(update={"length_nodes": FINER * contact.length_nodes})
-    if is_reference and rig.ring is not None and int(rig.ring.harmonics) < MAX_HARMONICS:
-        rig = _with_harmonics(case)
+        contact, ratio = contact.model_copy(update={"length_nodes": FINER * contact.length_nodes}), float(FINER)
     is_unchanged = contact is case.contact and rig is case.rig
-    return None if is_unchanged else (case.model_copy(update={"contact": contact, "rig": rig}), float(FINER))
+    return None if is_unchanged else (case.model_copy(update={"contact": contact, "rig": rig}), ratio)
 
 
-def _with_harmonics(case: Case) -> Rig:
-    """Return the rig of a case with a flexible ring, with twice the harmonics."""
+def _with_harmonics(case: Case, harmonics: int) -> Rig:
+    """Return the rig of a case with a flexible ring, with another number of harmonics."""
     assert case.rig.ring is not None
-    update = {"harmonics": min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))}
-    return case.rig.model_copy(update={"ring": case.rig.ring.model_copy(update=update)})
+    return case.rig.model_copy(update={"ring": case.rig.ring.model_copy(update={"harmonics": harmonics})})
 
 
 def _finely_sliced(case: Case) -> Case:

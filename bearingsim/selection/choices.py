@@ -3,15 +3,16 @@
 Choices are stored in ``choices.json`` before the first job. Later runs read them instead of choosing again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import inf, isfinite, nan
 from random import Random
 
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.errors import UserError
 from bearingsim.selection.candidates import WITH_FRICTION, computed_by, reference, with_friction
-from bearingsim.selection.curves import curves
+from bearingsim.selection.curves import curves, scales
 from bearingsim.selection.trials import required_healthy_case
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Job, Study
@@ -35,10 +36,7 @@ def apply_choices(study: Study, choices: Choices) -> Study:
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
     curve_ids = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
-    reasons = {
-        name: ModelChoice(choice.model, choice.why, dict(choice.error), dict(choice.nodes), dict(choice.friction))
-        for name, choice in zip(ids, chosen, strict=True)
-    }
+    reasons = dict(zip(ids, _model_choices(study, chosen), strict=True))
     references = [_audit_case(case, choice) for case, choice in zip(study_cases, chosen, strict=True)]
     selection = Selection(reasons, curve_ids, tuple(audits(study, references, ids)))
     return replace(study, swept_cases=swept, selection=selection)
@@ -57,6 +55,39 @@ def _case(study: Study, study_cases: Sequence[Case], number: int, candidate: str
             f"choices.json names `{candidate}`, which cannot compute a case: remove the file to choose again"
         )
     return computed
+
+
+def _model_choices(study: Study, chosen: Sequence[Choice]) -> list[ModelChoice]:
+    """Return the choices with errors that are bounds on the curves of the study.
+
+    A choice may be of an earlier plan, whose curves had other cases and thus another largest value. If that was
+    larger, the errors are larger on the present curves; if it was smaller, they remain bounds and are kept.
+    """
+    assert study.goal is not None
+    study_curves, factors = curves(study), [dict[str, float]() for _ in chosen]
+    for name in study.goal.of:
+        values = [choice.values.get(name) for choice in chosen]
+        sizes = scales(name, [nan if value is None else value for value in values], study_curves)
+        for choice, size, case_factors in zip(chosen, sizes, factors, strict=True):
+            earlier_size = choice.scales.get(name)
+            if earlier_size is not None and not earlier_size <= size:
+                case_factors[name] = earlier_size / size if size else inf
+
+    def scaled(errors: Mapping[str, float | None], case_factors: Mapping[str, float]) -> dict[str, float | None]:
+        products = {
+            name: None if error is None else error and error * case_factors.get(name, 1.0)
+            for name, error in errors.items()
+        }
+        return {name: None if error is None or not isfinite(error) else error for name, error in products.items()}
+
+    return [
+        ModelChoice(
+            choice.model,
+            choice.why,
+            *(scaled(errors, case_factors) for errors in (choice.error, choice.nodes, choice.friction)),
+        )
+        for choice, case_factors in zip(chosen, factors, strict=True)
+    ]
 
 
 def _audit_case(case: Case, choice: Choice) -> Case:

@@ -94,8 +94,9 @@ class ModelSelector:
         (evidence, friction), cases = self._read_evidence(trials), self.study.cases()
         choices = self._models(evidence, friction)
         discretisation = self._nodes(evidence, choices)
-        for n in self.tried_cases:
-            choices[n] = replace(choices[n], nodes=discretisation.errors(n))
+        for n in self.numbers:
+            values, scales = evidence.sizes(n)
+            choices[n] = replace(choices[n], nodes=discretisation.errors(n), values=values, scales=scales)
             if choices[n].candidate != WITH_FRICTION:
                 choices[n] = replace(choices[n], friction=friction.errors(n), inferred=friction.inferred(n))
         repeating = sum(

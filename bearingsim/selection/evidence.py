@@ -1,6 +1,6 @@
 """Evidence from the trials of a study: feature values of its cases, and errors of their candidates."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf, nan
 from typing import NamedTuple
 
@@ -15,11 +15,16 @@ from bearingsim.study import Study
 
 
 class MeshPair(NamedTuple):
-    """Case, the same case with another mesh, and the ratio of its discretisation error to their difference."""
+    """Case, the same case with another mesh, and the ratio of its discretisation error to their difference.
+
+    remeshes_healthy: whether the mesh of the healthy counterpart changes as well: slices or harmonics do, nodes
+    along defects do not.
+    """
 
     case: Case
     remeshed_case: Case
     factor: float
+    remeshes_healthy: bool = False
 
 
 class Evidence:
@@ -45,6 +50,15 @@ class Evidence:
             name: _relative(error(values[name], reference_values[name]), self.scales[name][n]) for name in values
         }
 
+    def sizes(self, n: int) -> tuple[dict[str, float | None], dict[str, float | None]]:
+        """Return by feature the absolute value (SI) of the reference of case ``n``, and the scale of its errors.
+
+        None if unknown.
+        """
+        values = {name: abs(value.value) for name, value in self.reference_values[n].items()}
+        case_scales = {name: feature_scales[n] for name, feature_scales in self.scales.items()}
+        return _known(values), _known(case_scales)
+
     def turns(self, n: int) -> int:
         """Return the number of revolutions in the trial of the reference of case ``n``, 0 if the trial failed."""
         trial = self.trials.get(trials_of(self.study, n, reference(self.study.cases()[n]))[0].id)
@@ -56,7 +70,11 @@ class Evidence:
         No scatter is added for a periodic motion, because one period describes it completely.
         """
         assert self.study.goal is not None
-        values, remeshed_values = self._values(n, meshes.case), self._values(n, meshes.remeshed_case, meshes.case)
+        baseline_case = None if meshes.remeshes_healthy else meshes.case
+        values, remeshed_values = (
+            self._values(n, meshes.case),
+            self._values(n, meshes.remeshed_case, baseline_case),
+        )
         if not values or not remeshed_values:
             return dict.fromkeys(self.study.goal.of)
         trials = [
@@ -91,9 +109,16 @@ class Evidence:
 
 
 def _relative(error: float, size: float) -> float:
-    """Return error / size, or the error itself if the size is zero; infinite if either is unknown."""
-    share = error / (size or 1.0)
+    """Return error / size, 0 without an error; infinite if either is unknown, or any error of a size of zero."""
+    if error == 0.0:
+        return 0.0
+    share = error / size if size else inf
     return share if np.isfinite(share) else inf
+
+
+def _known(sizes: Mapping[str, float]) -> dict[str, float | None]:
+    """Replace NaN, for which JSON has no number, by None."""
+    return {name: size if np.isfinite(size) else None for name, size in sizes.items()}
 
 
 def largest(errors: Sequence[float | None]) -> float | None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from bearingsim.catalogue import REFERENCE
+from bearingsim.catalogue import MODELS, REFERENCE
 from bearingsim.config import Case
 from bearingsim.selection.candidates import WITH_FRICTION, reference, remeshed
 from bearingsim.selection.curves import Curve, extremes
@@ -56,7 +56,9 @@ class Discretisation:
                 self.failed_cases.add(n)
             else:
                 remeshed_case, factor = mesh_change
-                self.mesh_pairs[n] = MeshPair(chosen, with_trial_step(remeshed_case, trial), factor)
+                remeshes_healthy = is_reference and (MODELS[chosen.model].sliced or chosen.rig.ring is not None)
+                other_mesh = with_trial_step(remeshed_case, trial)
+                self.mesh_pairs[n] = MeshPair(chosen, other_mesh, factor, remeshes_healthy)
                 groups[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.uniform_curves = [
             replace(curve, cases=tuple(n for n in curve.cases if groups.get(n) == group))
@@ -76,9 +78,11 @@ class Discretisation:
 
     def trials(self) -> list[TrialRequest]:
         """Return the missing trials with another mesh, in ascending order of the cases."""
-        trials = [
-            trials_of(self.evidence.study, n, self.mesh_pairs[n].remeshed_case)[0] for n in self.remeshed_cases
-        ]
+        trials: list[TrialRequest] = []
+        for n in self.remeshed_cases:
+            pair = self.mesh_pairs[n]
+            remeshed_trials = trials_of(self.evidence.study, n, pair.remeshed_case)
+            trials += remeshed_trials if pair.remeshes_healthy else remeshed_trials[:1]
         return unique([trial for trial in trials if trial.id not in self.evidence.trials])
 
     def errors(self, n: int) -> dict[str, float | None]:

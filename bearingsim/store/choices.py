@@ -25,6 +25,8 @@ class Choice:
     candidate: name of the candidate, or `reference`; model: name of the resulting model; why: reason for the
     choice. Relative errors by feature, None if unknown: error: of the model; nodes: of its discretisation;
     friction: due to neglected friction. inferred: True if ``friction`` is inferred from other cases of the curve.
+    values, scales: by feature, absolute value of the reference in its trial, and the value to which the errors are
+    relative (SI), None if unknown; empty in files of earlier versions.
     """
 
     candidate: str
@@ -34,6 +36,8 @@ class Choice:
     nodes: Mapping[str, float | None] = field(default_factory=dict)
     friction: Mapping[str, float | None] = field(default_factory=dict)
     inferred: bool = False
+    values: Mapping[str, float | None] = field(default_factory=dict)
+    scales: Mapping[str, float | None] = field(default_factory=dict)
 
 
 Choices = dict[str, Choice]

@@ -87,7 +87,7 @@ class Design(Layout):
 class ModelChoice(Layout):
     model: str
     why: str
-    error: dict[Name, float]
+    error: dict[Name, float | None]
     nodes: dict[Name, float | None] = {}
     friction: dict[Name, float | None] = {}
 
@@ -176,6 +176,8 @@ class Choice(Layout):
     nodes: dict[Name, float | None] = {}
     friction: dict[Name, float | None] = {}
     inferred: bool = False
+    values: dict[Name, float | None] = {}
+    scales: dict[Name, float | None] = {}
     plan: str = ""
 
 

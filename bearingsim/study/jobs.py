@@ -89,12 +89,12 @@ class ModelChoice(NamedTuple):
     """Model chosen for a case, the reason, and its relative errors by feature.
 
     error: deviation from the reference; nodes: discretisation error of nodes along defects, slices and harmonics;
-    friction: error of omitted friction. The last two are None if unknown.
+    friction: error of omitted friction; each is None if unknown.
     """
 
     model: str
     why: str
-    error: dict[str, float]
+    error: dict[str, float | None]
     nodes: dict[str, float | None]
     friction: dict[str, float | None]
 

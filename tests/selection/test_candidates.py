@@ -11,6 +11,9 @@ from bearingsim import selection
 from bearingsim.config import Case
 from bearingsim.selection import Choice, candidates, choices
 from bearingsim.selection.choices import key
+from bearingsim.selection.trials import TrialRequest
+from bearingsim.simulation.trial import Trial
+from bearingsim.store import read_choices, write_choices
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
 from tests.scenes.trials import (
@@ -28,6 +31,7 @@ from tests.scenes.trials import (
     accuracy_study,
     choose,
     run_trials,
+    trial,
     trials_by_model,
 )
 
@@ -228,3 +232,42 @@ def test_candidate_identical_to_an_earlier_case(write: Write, costs: dict[str, f
         results |= {request.id: evaluate(request) for request in requests}
     cases = selection.apply_choices(extended, choices | selector.decide(results).choices).cases()
     assert len({case_id(case) for case in cases}) == len(cases) == 6
+
+
+@pytest.mark.parametrize(
+    ("replaced", "by", "errors"),
+    [
+        ("x: load, by: [speed]", "x: speed, by: [load]", [10.0 / 150.0, 10.0 / 150.0, 10.0 / 450.0, 10.0 / 450.0]),
+        ("load: [150 N, 450 N]", "load: [150 N]", [10.0 / 150.0, 10.0 / 150.0]),
+        ("speed: [5000 rpm", "speed: [4000 rpm, 5000 rpm", None),
+    ],
+)
+def test_error_of_an_earlier_choice_is_relative_to_the_present_curve(
+    write: Write, costs: dict[str, float], tmp_path: Path, replaced: str, by: str, errors: list[float] | None
+) -> None:
+    """Rollers are 10 N off at each load, and the largest value of the curve was 450 N."""
+
+    def evaluate(request: TrialRequest) -> Trial:
+        others = {"planar": 0.0, "rollers": 10.0}
+        return trial(request.case.load + others.get(request.case.model, 1e3), names=request.features)
+
+    text = TEXT.replace("speed: 6000 rpm\n", "").replace("x: load", "x: load, by: [speed]")
+    text = text.replace("load: [150 N, 300 N, 450 N]", "load: [150 N, 450 N], speed: [5000 rpm, 6000 rpm]")
+    study = accuracy_study(write, text)
+    decision = selection.ModelSelector(study, range(4)).decide(run_trials(study, evaluate))
+    write_choices(tmp_path, decision.choices)
+    earlier = read_choices(tmp_path)
+    assert earlier == decision.choices
+    first = selection.apply_choices(study, earlier).selection
+    assert first is not None
+    assert [choice.error["velocity@BPFO"] for choice in first.jobs.values()] == [
+        choice.error["velocity@BPFO"] for choice in earlier.values()
+    ]
+    changed = accuracy_study(write, text.replace(replaced, by))
+    if errors is None:  # the new cases have a choice, too, and the curves of the old ones are the same
+        errors = [10.0 / 450.0] * 6
+        later = selection.ModelSelector(changed, [0, 3]).decide(run_trials(changed, evaluate))
+        earlier |= later.choices
+    result = selection.apply_choices(changed, earlier).selection
+    assert result is not None
+    assert [choice.error["velocity@BPFO"] for choice in result.jobs.values()] == pytest.approx(errors)

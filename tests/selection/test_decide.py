@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 
 from bearingsim import selection
-from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.selection import TrialRequest, candidates
 from bearingsim.simulation.trial import Trial, with_trial_step
 from bearingsim.study import Study
@@ -350,7 +349,7 @@ def test_reference_is_compared_with_half_the_slices_or_twice_the_harmonics(write
     other = candidates.remeshed(bending)
     assert other is not None
     rings = [case.rig.ring for case in (bending, other[0])]
-    assert [int(ring.harmonics) for ring in rings if ring is not None] == [32, min(MAX_HARMONICS, 64)]
+    assert [int(ring.harmonics) for ring in rings if ring is not None] == [32, 64]
     assert other[1] == 2.0
     assert candidates.remeshed(bending, is_reference=False) is None
 
@@ -366,3 +365,53 @@ def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, s
         "dop853": ("dop853", "auto", 1e-5),
         "": (case.method, "auto", "auto"),
     }[method]
+
+
+@pytest.mark.parametrize(
+    ("harmonics", "others"), [(16, (32, 64)), (40, (80, 40)), (49, (98, 49)), (60, (100, 50))]
+)
+def test_error_of_harmonics_near_their_limit(write: Write, harmonics: int, others: tuple[int, int]) -> None:
+    """An error of 1/harmonics is that of the reference, computed from another number, half as large or twice."""
+    ring = f"rig: {{ring: {{bends: true, harmonics: {harmonics}}}}}\n"
+    tried: set[int] = set()
+
+    def evaluate(request: TrialRequest) -> Trial:
+        assert request.case.rig.ring is not None
+        tried.add(int(request.case.rig.ring.harmonics))
+        return trial(1.0 + 1.0 / int(request.case.rig.ring.harmonics), names=request.features, repeats=True)
+
+    (choice, *_) = choose(accuracy_study(write, TEXT + ring), evaluate)
+    assert tried == set(others)
+    error = choice.nodes["velocity@BPFO"]
+    assert error == pytest.approx(1.0 / others[0], rel=0.05)
+
+
+def test_error_of_harmonics_in_the_healthy_bearing_counts_for_the_change(write: Write) -> None:
+    """Twice the harmonics change the healthy amplitude from 1.1 to 1.05; the faulty one is 2."""
+    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+
+    def evaluate(request: TrialRequest) -> Trial:
+        assert request.case.rig.ring is not None
+        healthy = 1.0 + 3.2 / int(request.case.rig.ring.harmonics)
+        return trial(2.0 if request.case.defects else healthy, names=request.features, repeats=True)
+
+    study = accuracy_study(write, f"{text}rig: {{ring: {RING}}}\n")
+    errors = [choice.nodes["velocity@BPFO-healthy"] for choice in choose(study, evaluate)]
+    assert errors == pytest.approx([2.0 * 0.05 / 0.9] * 3)
+
+
+def test_discretisation_error_is_unknown_on_a_ramp(write: Write) -> None:
+    """It has no trials."""
+    ramp = "ramp: {to: 7000 rpm, time: 50 ms}\n"
+    for text, nodes in ((BOWL, {"velocity@BPFO": None}), (TEXT, {})):
+        result = choose(accuracy_study(write, text + ramp), by_nodes(0.0))
+        assert [choice.nodes for choice in result] == [nodes] * 3
+
+
+def test_error_is_unknown_where_the_reference_is_zero(write: Write, costs: dict[str, float]) -> None:
+    """A candidate that gives 1 mm/s instead of 0 is not within 0.1 %."""
+
+    def evaluate(request: TrialRequest) -> Trial:
+        return trial(0.0 if request.case.model == "planar" else 1e-3, names=request.features)
+
+    assert chosen_candidates(accuracy_study(write), evaluate) == ["reference"] * 3
