@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.store.nearness import incomplete_audits
-from bearingsim.store.spread import errors
+from bearingsim.store.spread import chaotic_jobs, errors
 from bearingsim.study.uncertainty import PARAMETER_KINDS, RIGID_RING
 from bearingsim.text.numbers import percent
 
@@ -80,14 +80,17 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
         count = f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
         yield f"{count}; relative to the largest value of the curve"
     yield from _remedies({name: part.loc[exceeding.index] for name, part in parts.items()}, accuracy["within"])
-    yield from _unknown_texts(unknown)
+    yield from _unknown_texts(unknown, chaotic_jobs(frame))
     if done:
         yield from empty_error_notes(plan)
 
 
-def _unknown_texts(parts: "pd.DataFrame") -> Iterator[str]:
-    """Yield the number of cases of unknown accuracy, with the reason; parts: those of their errors."""
-    chaotic = parts.drop(columns="error.scatter").notna().all(axis=1)
+def _unknown_texts(parts: "pd.DataFrame", is_chaotic: "pd.Series[bool]") -> Iterator[str]:
+    """Yield the number of cases of unknown accuracy, with the reason.
+
+    parts: those of their errors; is_chaotic: by job.
+    """
+    chaotic = parts.drop(columns="error.scatter").notna().all(axis=1) & is_chaotic.reindex(parts.index)
     if chaotic.any():
         count = _count_text(int(chaotic.sum()), "chaotic case")
         yield f"{count}: standard error of a line unknown, and thus the accuracy"

@@ -176,12 +176,12 @@ def batch_error(values: np.ndarray) -> float:
     The result is the largest for batches of 1, 2, 4 ... values. Twice the variance from batches of one size, minus
     that from batches of half the size, has no first-order bias due to correlation between batches (Vats and Flegal
     2022). The error is scaled by Student's t so that two standard errors have the confidence of two sigma. It is
-    infinite for fewer than MIN_BATCHES values.
+    infinite for fewer than MIN_BATCHES values, or if one is NaN (a line that a pair of units does not resolve).
     """
     from scipy.special import stdtrit
 
     n, size, previous = len(values), 1, 0.0
-    largest = 0.0 if n >= MIN_BATCHES else inf
+    largest = 0.0 if n >= MIN_BATCHES and np.isfinite(values).all() else inf
     while (count := n // size) >= MIN_BATCHES:
         means = values[n - count * size :].reshape(count, size).mean(axis=1)
         variance = size * float(np.var(means, ddof=1))

@@ -48,7 +48,7 @@ def spread(
     value = frame[name].reindex(pairs["job"]).to_numpy()
     standard_errors = standard_error(frame, feature).reindex(pairs["job"]).to_numpy()
     pairs = pairs.assign(least=value - standard_errors, largest=value + standard_errors)
-    pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
+    pairs["chaotic"] = chaotic_jobs(frame).reindex(pairs["job"]).to_numpy()
     ranges = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
     unknown = pairs["of"][np.isnan(standard_errors)]  # chaotic, and the record is too short
     ranges.loc[ranges.index.isin(unknown), ["least", "largest"]] = np.nan
@@ -72,12 +72,12 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         blocks = frame.get(f"features/{BLOCK_ERRORS['velocity.rms']}")
         relative = relative if blocks is None else blocks.where(blocks.notna(), relative)
         error = relative * frame[f"features/{feature}"].abs()
-    chaotic_jobs = error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
+    chaotic_errors = error.replace(np.inf, np.nan).where(chaotic_jobs(frame), 0.0)
     early_errors = early_end_errors(frame, feature)
     return (
-        chaotic_jobs
+        chaotic_errors
         if early_errors is None
-        else chaotic_jobs.where(early_errors.isna(), early_errors * frame[f"features/{feature}"].abs())
+        else chaotic_errors.where(early_errors.isna(), early_errors * frame[f"features/{feature}"].abs())
     )
 
 
@@ -99,7 +99,7 @@ def is_line(feature: str) -> bool:
 
 def is_uncertain(table: "pd.DataFrame", feature: str, notable: float = NOTABLE_ERROR) -> "pd.Series[bool]":
     """Mark chaotic jobs in which the relative standard error of a feature is unknown or above ``notable``."""
-    return _chaotic(table.add_prefix("features/")) & ~(relative_error(table, feature) <= notable)
+    return chaotic_jobs(table.add_prefix("features/")) & ~(relative_error(table, feature) <= notable)
 
 
 def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -144,14 +144,15 @@ def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]
     It is a line without a standard error in a chaotic record, or an extreme value in a record that ended early.
     """
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
-    is_unknown = _chaotic(frame) & (not has_scatter)
+    is_unknown = chaotic_jobs(frame) & (not has_scatter)
     early_errors = early_end_errors(frame, feature if is_mean(feature) else "velocity.rms")
     if early_errors is None:
         return is_unknown
     return (is_unknown & early_errors.isna()) | ((early_errors > 0.0) & (not is_mean(feature)))
 
 
-def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
+def chaotic_jobs(frame: "pd.DataFrame") -> "pd.Series[bool]":
+    """Mark the jobs of a frame whose motion is chaotic."""
     import pandas as pd
 
     return frame["features/chaotic"] == 1.0 if "features/chaotic" in frame else pd.Series(False, frame.index)

@@ -108,6 +108,20 @@ def test_batch_error_of_too_few_values_is_unknown() -> None:
     assert batch_error(np.ones(4)) == 0.0
 
 
+def test_batch_error_of_values_that_are_not_resolved_is_unknown() -> None:
+    values = np.random.default_rng(1).normal(size=64)
+    assert np.isfinite(batch_error(values))
+    assert batch_error(np.where(np.arange(64) == 9, np.nan, values)) == np.inf
+    assert batch_error(np.full(64, np.nan)) == np.inf
+
+
+def test_record_does_not_end_on_a_line_that_its_blocks_do_not_resolve() -> None:
+    """The shaft makes less than one turn in four ball passes, so the amplitudes of blocks are unknown."""
+    result = simulate(case(**CHATTERING, features=["velocity@fr"], until="20 %"))
+    assert result.info["passes_computed"] == result.info["passes"]
+    assert result.info["standard_error_line"] == np.inf
+
+
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
 def test_batch_error_includes_correlation(correlation: float) -> None:
     """Two standard errors cover the mean of a first-order autoregression in at least 95 % of the samples."""

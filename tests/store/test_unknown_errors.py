@@ -174,3 +174,15 @@ def test_unknown_effect_is_not_stated_as_a_limit() -> None:
 def test_case_without_a_value_has_no_range() -> None:
     """The range of its variations alone could be taken for that of the case."""
     assert spread(VARIED, frame({LINE: [nan, 1.0, 3.0, 1.2]}), LINE).index.tolist() == ["b"]
+
+
+def test_unknown_scatter_of_an_extreme_value_is_not_that_of_a_chaotic_line() -> None:
+    """Job `a` ended early: its largest force might be larger in a longer record."""
+    force = "outer_force.max"
+    early: dict[str, list[float]] = {"info/passes": [200] * 3, "info/passes_computed": [100, 200, 200]}
+    early |= {"info/standard_error_rms": [0.01] * 3, "info/standard_error_line": [0.01] * 3}
+    goal, results = plan([force], {force: 0.01}), frame({force: [1.0] * 3, "chaotic": [0.0] * 3}, **early)
+    assert error_bounds(goal, results)["error"].isna().tolist() == [True, False, False]
+    assert notes(goal, results).splitlines()[1:] == [
+        "1 case: accuracy unknown, because `error.scatter` is unknown"
+    ]
