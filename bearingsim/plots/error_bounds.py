@@ -1,13 +1,12 @@
 """Numerical errors of features: step, scatter of chaotic responses, and initial transient."""
 
 from collections.abc import Iterator, Sequence
-from math import inf
+from math import inf, nan
 from typing import TYPE_CHECKING
 
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.plots import labels
-from bearingsim.plots.points import relative_bounds
-from bearingsim.store import relative_error
+from bearingsim.store import feature_bounds, relative_error
 from bearingsim.store.nearness import scales
 from bearingsim.text.numbers import percent
 
@@ -34,12 +33,15 @@ def with_errors(results: "Results", rows: "pd.DataFrame", features: Sequence[str
 
     They are relative to the curves of the study, which may be longer than those of the figure.
     """
-    relative, accuracy = relative_bounds(rows), results.plan.get("accuracy")
-    if relative is None or accuracy is None:
+    if results.plan.get("accuracy") is None:
         return rows
-    names = [name for name in features if name in accuracy["of"] and results.has_feature(name)]
-    largest = {name: scales(results.plan, results.frame, name).reindex(rows["job"]).to_numpy() for name in names}
-    return rows.assign(**{f"error {name}": relative * largest[name] for name in names})
+    bounds = feature_bounds(results.plan, results.frame).replace(inf, nan)
+    columns = {
+        f"error {name}": bounds[name] * scales(results.plan, results.frame, name)
+        for name in features
+        if name in bounds and results.has_feature(name)
+    }
+    return rows.assign(**{name: column.reindex(rows["job"]).to_numpy() for name, column in columns.items()})
 
 
 def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
@@ -64,7 +66,7 @@ def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) 
     Features with error bars, in the columns of ``with_errors``, are left out.
     """
     for name in (name for name in names if f"error {name}" not in rows):
-        numerical, start = numerical_errors(results, rows, name), _start_errors(rows, name)
+        numerical, start = numerical_errors(results, rows, name), _start_errors(results, rows, name)
         for text, error in (("numerical error", numerical), ("start error", start)):
             if error is not None and (share := _largest_shares(error, rows[name].abs())) is not None:
                 of_value, of_largest = map(percent, share)
@@ -88,15 +90,16 @@ def _largest_shares(error: "pd.Series[float]", values: "pd.Series[float]") -> tu
     return float(shares.max()), float(error[is_drawn].max() / largest)
 
 
-def _start_errors(rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
+def _start_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
     """Return the error (SI) of the initial transient of a feature by row; 0 for jobs with random scatter.
 
-    Their parts also differ by chance, which the standard error contains.
+    Their parts also differ by chance, which the standard error contains. The column `error.start` of a study with
+    `accuracy` is a part of its error, not the feature.
     """
     base, kind = _base_and_kind(name)
-    start = rows.get(START_ERRORS.get(kind, ""))
-    if start is None or base not in rows:
+    if kind not in START_ERRORS or base not in rows:
         return None
+    start = results.values(START_ERRORS[kind]).reindex(rows["job"]).set_axis(rows.index)
     is_random = rows.filter(items=["standard_error.line", "cage.slip.mean"]).notna().any(axis=1)
     return start.where(~is_random, 0.0) * rows[base].abs()
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import labels, select
-from bearingsim.store import ERROR_PARTS, is_uncertain
+from bearingsim.store import is_uncertain
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -64,17 +64,6 @@ def points_of(
         status=list(curve["status"]),
         models=[str(model) for model in curve["model"]] if has_several_models else [""] * len(curve),
     )
-
-
-def relative_bounds(rows: "pd.DataFrame") -> "pd.Series[float] | None":
-    """Return the error bounds of rows relative to the largest value of their curve in the study.
-
-    A difference found by a failed audit is one if it is larger. None without an accuracy.
-    """
-    if not all(name in rows for name in (*ERROR_PARTS, "error")):
-        return None
-    parts = rows[[*ERROR_PARTS]].sum(axis=1, skipna=False)  # an unknown part leaves no bound
-    return parts.where(~(rows["error"] > parts), rows["error"])
 
 
 def curve_rows(

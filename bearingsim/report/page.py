@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from bearingsim.catalogue import MEANINGS
 from bearingsim.plots import labels
 from bearingsim.plots.caption import SMALL_UNITS, ring_values
-from bearingsim.plots.points import relative_bounds
 from bearingsim.report.charts import Chart
 from bearingsim.report.columns import Column, column_of, main_features, status_texts
 from bearingsim.report.figures import Figures, Picture, collect
@@ -19,6 +18,7 @@ from bearingsim.report.influence import Influence
 from bearingsim.report.measured import MeasuredTable, measured_tables
 from bearingsim.report.statements import FailedJob, assumption_texts, failures_of, plain
 from bearingsim.report.studied import Fact, studied, subject
+from bearingsim.store import feature_bounds
 from bearingsim.text.numbers import significant, span
 
 if TYPE_CHECKING:
@@ -155,8 +155,8 @@ def _table(results: "Results", table: "pd.DataFrame") -> Table:
     described = [_in_words(results, column_of(results, rows, name), name, rows) for name in names]
     columns = [("job", [job[:8] for job in rows["job"]]), *described]
     numeric = [False, *(rows[name].dtype.kind == "f" for name in names)]
-    bounds = relative_bounds(rows)
-    if bounds is not None:
+    if results.plan.get("accuracy") is not None:
+        bounds = feature_bounds(results.plan, results.frame).max(axis=1).reindex(rows["job"])
         columns.append(("error bound (%)", [significant(100.0 * bound, 2) for bound in bounds]))
         numeric.append(True)
     return Table([*columns, ("status", status_texts(rows))], [*numeric, False], len(table))

@@ -46,6 +46,7 @@ from bearingsim.store.nearness import (
     audit_results,
     error_bounds,
     error_parts,
+    feature_bounds,
     total_errors,
     withdrawn_errors,
 )
@@ -127,6 +128,7 @@ __all__ = [
     "error_bounds",
     "error_parts",
     "errors",
+    "feature_bounds",
     "find_removable",
     "flat_parameters",
     "full_disk_errors",

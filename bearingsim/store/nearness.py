@@ -100,6 +100,23 @@ def total_errors(parts: "Mapping[str, pd.DataFrame]") -> "pd.Series[float]":
     return pd.DataFrame(sums).max(axis=1)
 
 
+def feature_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Return the error bound of each requested feature by case, relative to the largest value on its curve.
+
+    It is the sum of the parts, or the difference found by a failed audit if that is larger; infinite if a part is
+    unknown. The bending of a ring that is assumed rigid is left out.
+    """
+    import pandas as pd
+
+    refuted_jobs = pd.Series(withdrawn_errors(plan, frame), dtype=float)
+    bounds = {}
+    for feature, parts in error_parts(plan, frame).items():
+        total = parts.sum(axis=1, skipna=False)
+        refuted = refuted_jobs.reindex(total.index)
+        bounds[feature] = total.where(~(refuted > total), refuted)
+    return pd.DataFrame(bounds)
+
+
 def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
     """Return the parts of the error of a feature by job, infinite if unknown.
 

@@ -11,7 +11,6 @@ from bearingsim.plots.axes import MODEL_MARK
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.ticks import log_ticks
 from bearingsim.report import columns
-from bearingsim.store import ERROR_PARTS
 from tests.scenes.figure_results import STUDY, only, record, results, text_of
 
 __all__ = ["results"]
@@ -221,11 +220,13 @@ def test_names_have_error_bars_models_and_measured_values(results, has_errors):
     stored = results(with_pairs("  load: [150 N, 300 N]\n") + measured)
     table = stored.table()
     if has_errors:
-        table = table.assign(**dict.fromkeys((*ERROR_PARTS, "error"), 0.0))
         table["error.model"] = 0.1
         jobs = [list(part["job"]) for _, part in select.case_rows(stored).groupby("load")]
         curves = [{"feature": "velocity@BPFO", "jobs": group} for group in jobs]
-        stored.plan["accuracy"] = {"of": ["velocity@BPFO"], "curves": curves}
+        choice = {"model": "ring", "error": {"velocity@BPFO": 0.1}}
+        choices = {job: choice for group in jobs for job in group}
+        goal = {"of": ["velocity@BPFO"], "within": 0.1, "jobs": choices, "curves": curves, "audits": []}
+        stored.plan["accuracy"] = goal
     with mock.patch.object(type(stored), "table", return_value=table):
         _, canvas = only(drawn(stored, x="excitation", y=["velocity@BPFO"]))
     [ax] = canvas.axes

@@ -7,7 +7,6 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from bearingsim import store
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots import PlotError, PlotWarning, axes, plot, select
 from bearingsim.plots.plot import drawn
@@ -131,34 +130,40 @@ def test_chaotic_results_are_ringed_and_explained_in_legend(results):
     assert text_of(canvas)[-1] == "chaotic, uncertain"
 
 
-@pytest.mark.parametrize(("total", "is_drawn"), [(math.nan, 0.04), (0.04, 0.04), (0.2, 0.2)])  # 0.2: by an audit
-def test_error_bars_and_model_marks_of_study_with_accuracy(results, total, is_drawn):
+def test_error_bars_and_model_marks_of_study_with_accuracy(results):
     stored = results()
-    table = stored.table()
-    errors = {**dict.fromkeys(store.ERROR_PARTS, 0.0), "error.model": 0.03, "error.step": 0.01, "error": total}
-    for name, share in errors.items():
-        table[name] = share
-    table["model"] = "planar"
+    table = stored.table().assign(**{"error.model": 0.03}, model="planar")
     table.loc[table["defect.length"] == 6e-3, "model"] = "rollers"
-    stored.plan["accuracy"] = accuracy_of(stored)
+    stored.plan["accuracy"] = accuracy_of(stored, 0.04)
     with mock.patch.object(type(stored), "table", return_value=table):
         _, canvas = only(drawn(stored, panels=["load"], by=[]))
     ax = canvas.axes[0]
     (bars,) = [collection for collection in ax.collections if len(collection.get_segments()) > 1]
     lengths = [abs(b[1] - a[1]) for a, b in bars.get_segments()]
-    assert lengths == pytest.approx([2 * is_drawn * max(ax.lines[0].get_ydata())] * len(lengths))
+    assert lengths == pytest.approx([2 * 0.04 * max(ax.lines[0].get_ydata())] * len(lengths))
     assert text_of(canvas)[-2:] == ["planar", "rollers"]
     marks = [line for line in ax.lines if line.get_markersize() == axes.MODEL_MARK["ms"]]
     positions = {line.get_marker(): set(line.get_xdata()) for line in marks}
     assert positions == {"o": {3.0, 9.0}, "s": {6.0}}
 
 
-def accuracy_of(stored):
-    """Make the accuracy of a plan with a curve over the length of the defect for each load and model."""
+def accuracy_of(stored, error):
+    """Make the accuracy of a plan with a curve over the length of the defect for each load and model.
+
+    error: that of the model of each case, relative to the largest value of a curve.
+    """
     rows = select.case_rows(stored)
     names = ["velocity@BPFO", "velocity@BPFO-healthy"]
     groups = [list(part["job"]) for _, part in rows.groupby(["load", "model"])]
-    return {"of": names, "curves": [{"feature": name, "jobs": jobs} for name in names for jobs in groups]}
+    curves = [{"feature": name, "jobs": jobs} for name in names for jobs in groups]
+    choice = {"model": "ring", "error": dict.fromkeys(names, error)}
+    return {
+        "of": names,
+        "within": 0.05,
+        "jobs": dict.fromkeys(rows["job"], choice),
+        "curves": curves,
+        "audits": [],
+    }
 
 
 @pytest.mark.parametrize(
@@ -175,9 +180,8 @@ def accuracy_of(stored):
 def test_error_bars_are_relative_to_the_curves_of_the_study(results, options, bars):
     """1 % of the largest value over the length, 19 and 20 um/s, only for features that the accuracy covers."""
     stored = results(STUDY)
-    table = stored.table().assign(**dict.fromkeys((*store.ERROR_PARTS, "error"), 0.0), model="ring")
-    table["error.model"] = 0.01
-    stored.plan["accuracy"] = accuracy_of(stored)
+    table = stored.table()
+    stored.plan["accuracy"] = accuracy_of(stored, 0.01)
     table = table[
         table["job"].isin([job["job"] for job in stored.plan["jobs"] if job["swept"]["model"] == "ring"])
     ]

@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from bearingsim import selection, store
-from bearingsim.plots.points import relative_bounds
 from bearingsim.selection import Choice
 from bearingsim.selection.choices import key
 from bearingsim.store import layouts
@@ -76,9 +75,7 @@ def test_error_bar_of_a_chaotic_result_includes_its_scatter_once() -> None:
     plan = {"jobs": [{"job": "a", "swept": {}, "variation": False}], "accuracy": accuracy, "assumptions": []}
     table = store.table.table(plan, frame)
     assert table["error.start"].tolist() == pytest.approx([0.03 - 0.04 / 2.0])
-    bounds = relative_bounds(table)
-    assert bounds is not None
-    assert bounds.tolist() == pytest.approx([0.03])
+    assert store.feature_bounds(plan, frame)["velocity@BPFO"].tolist() == pytest.approx([0.03])
     assert table["error"].tolist() == pytest.approx([0.03])
 
 

@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 
 from bearingsim.plots.error_bounds import error_texts
-from bearingsim.plots.points import relative_bounds
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.variations import variation_effects
 from bearingsim.sensitivity import Effects, Estimate, effects_text
-from bearingsim.store import ERROR_PARTS, spread
-from bearingsim.store.nearness import error_bounds
+from bearingsim.store import spread
+from bearingsim.store.nearness import error_bounds, feature_bounds
+from bearingsim.study.uncertainty import RIGID_RING
 from tests.store.test_nearness import AUDIT, LINE, RMS, frame, plan
 
 CHANGE = f"{LINE}-healthy"
@@ -126,17 +126,40 @@ def test_the_others_do_not_include_cases_of_unknown_accuracy() -> None:
 
 
 def test_error_bar_has_no_unknown_part() -> None:
-    rows = pd.DataFrame({name: [0.01, 0.01] for name in ERROR_PARTS} | {"error": [nan, 0.06]})
-    rows.loc[0, "error.scatter"] = nan
-    bounds = relative_bounds(rows)
-    assert bounds is not None
-    assert bounds.tolist() == pytest.approx([nan, 0.06], nan_ok=True)
+    """The audit of `a` finds a difference of 6 % of the largest value; the scatter of `b` is unknown."""
+    columns = {LINE: [1.88, 2.0, 2.0, 2.0], "chaotic": [0.0, 1.0, 0.0, 0.0]}
+    columns |= {f"{LINE}-scatter": [0.0, inf, 0.0, 0.0]}
+    goal = plan([LINE], {LINE: 0.01}, audits=[{"of": "a", "job": "d"}])
+    assert feature_bounds(goal, frame(columns))[LINE].tolist() == pytest.approx([0.06, inf, 0.01])
+
+
+def test_error_bar_of_a_feature_is_the_sum_of_its_own_parts() -> None:
+    """The model changes the line by 3 %, the step the RMS by 3 %: neither is off by 6 %.
+
+    They are relative to the reference, also if that has a rigid ring.
+    """
+    columns = {LINE: [1.0, 1.0, 1.0], RMS: [1.0, 1.0, 1.0], "step_error.rms": [0.03, 0.0, 0.0]}
+    goal = plan([LINE, RMS], {LINE: 0.03, RMS: 0.0}) | {"assumptions": [RIGID_RING]}
+    bounds = feature_bounds(goal, frame(columns))
+    assert bounds[LINE].tolist() == pytest.approx([0.03] * 3)
+    assert bounds[RMS].tolist() == pytest.approx([0.03, 0.0, 0.0])
+
+
+def test_start_error_is_not_the_part_of_a_study_with_an_accuracy() -> None:
+    """The column of the table is the excess over the scatter, relative to the curve; the feature is 3 %."""
+    values = {"error.start": pd.Series([0.03], index=["a"])}
+    rows = pd.DataFrame({"job": ["a"], LINE: [1.0], "error.start": [0.0], "chaotic": [0.0]})
+    results = SimpleNamespace(values=lambda name: values[name])
+    [text] = error_texts(results, rows, [LINE])  # type: ignore[arg-type]
+    assert text.startswith("start error of the")
+    assert text.endswith("up to 3 % of its value (3 % of the largest)")
 
 
 def test_caption_counts_unknown_errors() -> None:
     columns = {LINE: [1.0] * 3, f"{LINE}-scatter": [inf, 0.0, 0.0], "chaotic": [1.0, 0.0, 0.0]}
-    rows = pd.DataFrame(columns | {RMS: [1.0] * 3, "step_error.line": [0.001, 0.02, 0.001]})
-    [text] = error_texts(SimpleNamespace(), rows, [LINE])  # type: ignore[arg-type]
+    rows = pd.DataFrame(columns | {RMS: [1.0] * 3, "step_error.line": [0.001, 0.02, 0.001], "job": list("abc")})
+    results = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
+    [text] = error_texts(results, rows, [LINE])  # type: ignore[arg-type]
     assert text.endswith("up to 2 % of its value (2 % of the largest), unknown in 1 of 3")
 
 
