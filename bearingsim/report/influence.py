@@ -67,13 +67,14 @@ def _table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], 
     """Return headers and rows of a table: a row per parameter, the most important first; intervals in brackets."""
     from bearingsim.sensitivity import LEVEL, ROUNDING, Indices
 
-    unit, factor, digits = ("", 1.0, "z.2f") if isinstance(analysis, Indices) else (*_unit(blocks), ".3g")
+    is_share = isinstance(analysis, Indices)
+    unit, factor, digits = ("", 1.0, "z.2f") if is_share else (*_unit(blocks), ".3g")
     estimates = columns(analysis)
     headers = ["parameter"]
     for name in estimates:
         headers += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
     ranking = next(iter(estimates.values())).value
-    rounding = ROUNDING * float(abs(blocks.values).max())
+    rounding = ROUNDING * (1.0 if is_share else float(abs(blocks.values).max()))
     order = sorted(range(len(blocks.paths)), key=lambda index: -ranking[index])
     rows = [
         [

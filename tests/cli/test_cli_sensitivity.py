@@ -124,6 +124,17 @@ def test_spread_by_rounding_is_zero():
     ]
 
 
+def test_indices_do_not_depend_on_the_unit():
+    """Rounding of a feature is in its unit, an index is a share."""
+    [small], [large] = (
+        influences(
+            design_results(of=lambda points, scale=scale: scale * points @ np.array([3.0, 2.0, 1.0])), [LINE]
+        )
+        for scale in (1.0, 1e13)
+    )
+    assert small.rows == large.rows
+
+
 def test_numerical_errors_have_no_influence():
     """Below 1e-11 m/s a line is zero within numerical errors, whatever its variance."""
     opened = design_results("morris", n=9, of=lambda points: 1e-14 * points[:, 0])
