@@ -40,7 +40,7 @@ def statements(lines: Sequence[str], decimal: str = ".", separator: str | None =
     """Read the first statement of each value in lines of text; lines with unknown units are ignored.
 
     decimal, separator: decimal sign and separator of the table below. A number such as `12,800` is ignored unless
-    its comma is one of both, because it may be 12.8 or 12800.
+    its comma is one of both, because it may be 12.8 or 12800. After a colon it does not separate cells.
     """
     rates: list[Stated[float]] = []
     speeds: list[Stated[float]] = []
@@ -68,10 +68,11 @@ def statements(lines: Sequence[str], decimal: str = ".", separator: str | None =
 
 
 def _is_ambiguous(match: re.Match[str], separator: str | None) -> bool:
-    """Check if a comma splits the digits of a number and does not separate two cells."""
+    """Check if a comma splits the digits of a number and does not separate two cells, as before the number."""
     begin, end = match.span("value")
-    is_quoted = match.string[begin - 1] in "\"'"
-    return bool(COMMA.match(match.string, end)) and (is_quoted or separator != ",")
+    between = match.string[match.end("name") : begin]
+    is_cell = separator == "," and "," in between and not set(between) & set("\"'")
+    return bool(COMMA.match(match.string, end)) and not is_cell
 
 
 def is_speed(word: str, unit: str) -> bool:

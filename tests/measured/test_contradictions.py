@@ -231,6 +231,7 @@ def test_statements_have_the_decimal_comma_of_the_table(tmp_path, lines):
         (";", "fs [Hz]: 12,800\n"),
         ("\t", "fs (Hz)\t12,800\n"),
         (",", 'fs [Hz],"12,800"\n'),
+        (",", "fs [Hz]: 12,800\n"),
         (";", "fs [kHz]; 51,2\n"),
     ],
 )
