@@ -19,7 +19,7 @@ ORDER = (
     *("bent-ring", "speed-6000", "light-load", "off-centre", "inner-race"),
 )
 """Built-in scenes in the order of the report."""
-AUTOMATIC = {"method": "auto", "step": "auto", "tolerance": "auto", "step_check": "true", "periodic": "true"}
+AUTO_VALUES = {"method": "auto", "step": "auto", "tolerance": "auto", "step_check": "true", "periodic": "true"}
 """Values of a job with the automatic choice, which replace those of a study."""
 MAX_CASES = 3
 MAX_RECORD = 0.5  # s, limit of the record of a case
@@ -73,7 +73,7 @@ def load_scenes(path: Path, quick: bool) -> list[Scene]:
     """Load the first cases of a study file, one scene each. Raises StudyError with all problems of the file."""
     study = load_study(path, quick=quick)
     if study.goal is None:  # otherwise its cases have the reference model
-        study = load_study(path, AUTOMATIC | {"model": REFERENCE}, quick)
+        study = load_study(path, AUTO_VALUES | {"model": REFERENCE}, quick)
     reference_cases = _changed_cases(study, {})
     if any(case.ramp is not None for case in reference_cases if case is not None):
         raise UserError(f"{path}: no spectral line can be compared while the speed changes; omit `ramp`")
@@ -136,7 +136,7 @@ def _label(case: Case) -> str:
 
 def _changed_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
     """Return the cases of a study with the automatic choice, other values at some paths, and shorter records."""
-    return [case and _shorten(case) for case in study.otherwise({**AUTOMATIC, **changes})]
+    return [case and _shorten(case) for case in study.otherwise({**AUTO_VALUES, **changes})]
 
 
 def _shorten(case: Case) -> Case:

@@ -108,7 +108,8 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     unit = series.units[channel]
     factor = _factor(recording, name, channel, unit, scale)
     values = recording.channels[name] * (factor or 1.0)
-    shaft = _steady_speed(job, lines.speeds(results, job, series.time)) / (2.0 * math.pi)
+    info = results.info().loc[job].to_dict()
+    shaft = _steady_speed(job, lines.speeds(parameters, info, series.time)) / (2.0 * math.pi)
     measured_shaft = shaft if recording.speed is None else recording.shaft
     fs = 1.0 / float(series.time[1] - series.time[0])
     simulated = Signal(series.channels[channel].astype(float), fs, lines_of(parameters, shaft))

@@ -150,12 +150,14 @@ def _csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     if not all(np.array_equal(job_series.time, reference.time) for job_series in series_by_job.values()):
         raise UserError("the jobs have different time axes; export them to .mat, or one at a time")
     columns: dict[str, Any] = {"time [s]": reference.time}
+    parameters, info = results.parameters(), results.info()
     for job, job_series in series_by_job.items():
         prefix = f"{job}/" if len(series_by_job) > 1 else ""
         columns |= {
             f"{prefix}{name} [{job_series.units[name]}]": values for name, values in job_series.channels.items()
         }
-        rpm = 30.0 / np.pi * speeds(results, job, job_series.time)
+        speed = speeds(parameters.loc[job].to_dict(), info.loc[job].to_dict(), job_series.time)
+        rpm = 30.0 / np.pi * speed
         columns[f"{prefix}speed [rpm]"] = list(map(_without_rounding, rpm))
     return csv_text(pd.DataFrame(columns)).encode()
 
@@ -164,11 +166,12 @@ def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or words)."""
     from scipy.io import savemat
 
+    parameters = results.parameters()
     structs = {
         f"job_{job}": {
             **_fields({"time": job_series.time} | job_series.channels),
             "units": _fields({"time": "s"} | job_series.units),
-            "parameters": _fields(results.parameters().loc[job].replace("", None).dropna().to_dict()),
+            "parameters": _fields(parameters.loc[job].replace("", None).dropna().to_dict()),
         }
         for job, job_series in series_by_job.items()
     }

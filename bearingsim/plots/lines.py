@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
 
-    from bearingsim.store import Results
-
 
 class Family(NamedTuple):
     """Lines of one element: name and frequency of the fundamental, spacing of the sidebands and its name."""
@@ -89,19 +87,17 @@ def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
     return float(line.frequency(Z * cage, Z * (shaft - cage), spin, cage, shaft))
 
 
-def speeds(results: "Results", job: str, time: "np.ndarray") -> "np.ndarray":
+def speeds(parameters: Mapping[Any, Any], info: Mapping[Any, Any], time: "np.ndarray") -> "np.ndarray":
     """Return the speed (rad/s) of the inner ring of a job at the times (n,) of its record (s).
 
-    A ramp begins with the settling, the record after it.
+    A ramp begins with the settling, the record after it. info: attributes set by the solver, with that time.
     """
     import numpy as np
 
-    parameters: Mapping[Any, Any] = results.parameters().loc[job].to_dict()
     initial, final = float(parameters["speed"]), float(parameters.get("ramp.to", np.nan))
     if np.isnan(final):
         return np.full(len(time), initial)
-    settling = float(results.info().loc[job].to_dict().get("settle_s", 0.0))
-    share = (settling + time) / float(parameters["ramp.time"])
+    share = (float(info["settle_s"]) + time) / float(parameters["ramp.time"])
     return initial + (final - initial) * np.clip(share, 0.0, 1.0)
 
 

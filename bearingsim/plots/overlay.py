@@ -89,13 +89,18 @@ def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]
     parameters, x = point["parameters"], drawing.figure.x
     paths = x.split(", ")  # several if words are joined to a category
     others = {path: value for path, value in parameters.items() if path not in paths and path in part}
-    cases = part[list(others)].drop_duplicates().to_dict("records") if others else [{}]
-    if not set(paths) <= set(parameters) or not any(
-        all(same(case[path], value) for path, value in others.items()) for case in cases
-    ):
+    if not set(paths) <= set(parameters) or not _alike(part, others).any():
         return None
     value = parameters[x] if len(paths) == 1 else select.category(paths, parameters, drawing.units)
     return _position(x, value, drawing.rows, drawing.units)
+
+
+def _alike(part: "pd.DataFrame", values: Mapping[str, Any]) -> "pd.Series[bool]":
+    """Check by row of ``part`` if it has some values; each is compared with the distinct ones of its column."""
+    is_alike = part["job"].notna()
+    for path, value in values.items():
+        is_alike &= part[path].isin([stored for stored in part[path].unique() if same(stored, value)])
+    return is_alike
 
 
 def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mapping[str, str]) -> float | None:

@@ -197,7 +197,8 @@ def test_speed_of_a_job_is_that_after_its_ramp(results, settle_s, rpm):
     job = comparing.only_job(opened)
     opened._parameters[["ramp.to", "ramp.time"]] = 1200.0 * np.pi / 30.0, 0.2
     opened.frame["info/settle_s"] = settle_s
-    speed = speeds(opened, job, np.array([0.0, 0.1, 0.2, 1.0]))
+    parameters, info = (table.loc[job].to_dict() for table in (opened.parameters(), opened.info()))
+    speed = speeds(parameters, info, np.array([0.0, 0.1, 0.2, 1.0]))
     if rpm is None:  # from 900 rpm by 300 rpm in 0.2 s: 0.05, 0.15, 0.25 s after its start
         assert speed * 30.0 / np.pi == pytest.approx([975.0, 1125.0, 1200.0, 1200.0])
         with pytest.raises(UserError, match="changes in its record, from 975 to 1200 rpm"):
