@@ -8,7 +8,7 @@ from bearingsim.catalogue import MODELS, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.errors import UserError
-from bearingsim.selection.candidates import ladder, reference
+from bearingsim.selection.candidates import candidate_changes, reference
 from bearingsim.study import Study, load_study
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import StudyError
@@ -100,7 +100,7 @@ def _variants(study: Study, n: int, case: Case) -> tuple[Variant, ...]:
     """
     finest = reference(case)
     variants = {_label(finest): Variant(_label(finest), finest.model, finest)}
-    for candidate, changes in ladder(case).items():
+    for candidate, changes in candidate_changes(case).items():
         variant = _variant(study, n, candidate, changes)
         variants.setdefault(variant.name, variant)
     return tuple(variants.values())

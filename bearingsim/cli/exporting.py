@@ -1,4 +1,4 @@
-"""`bearingsim export`: features and series as csv, parquet or mat."""
+"""`bearingsim export`: table of features as csv or parquet, time series as csv or mat."""
 
 from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def features(results: "Results", path: Path | None, file_format: str | None, force: bool) -> Path:
-    """Write the table of jobs to csv or parquet; return the file.
+    """Write the table of jobs to csv or parquet; return the path of the file (`-`: stdout).
 
     Values are in SI; csv has headers with units, and swept speeds in the unit of the study.
 
@@ -37,9 +37,10 @@ def features(results: "Results", path: Path | None, file_format: str | None, for
 def series(
     results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None, force: bool
 ) -> Path:
-    """Write the recorded series (SI) of some jobs to csv or mat; return the file.
+    """Write the recorded series (SI) of some jobs to csv or mat; return the path of the file (`-`: stdout).
 
-    force: replace an existing file. Raises UserError for an existing file without it, ResultsError.
+    force: replace an existing file. Raises UserError for an existing file without it, or for a job without series,
+    and ResultsError for an unknown or unfinished job.
     """
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
@@ -54,13 +55,13 @@ def series(
 
 
 STDOUT = Path("-")
-"""Path that means stdout, whose format is csv."""
+"""Path that stands for stdout; the format is then csv."""
 
 
 def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
     """Refuse a series file without a job, two tables on stdout, and formats other than csv on stdout."""
     if out is not None and not jobs:
-        raise UserError("`--out` is for time series; name a job by `--series`, or use `--features FILE`")
+        raise UserError("`--out` is for time series; name a job with `--series`, or use `--features FILE`")
     if features == out == STDOUT:
         raise UserError("--features - and --out -: only one can go to stdout; name a file for the other")
     if STDOUT in (features, out) and file_format not in (None, "csv"):
@@ -83,7 +84,7 @@ def _write(target: Path, content: bytes) -> None:
 
 
 def _suffix(path: Path, formats: tuple[str, ...]) -> str:
-    """Return the format named by a file's suffix.
+    """Return the format of a file by its suffix.
 
     Raises UserError for a format that is not in ``formats``, or a missing folder.
     """
@@ -105,20 +106,20 @@ def _with_units(table: "pd.DataFrame", units: Mapping[str, str]) -> "pd.DataFram
     for name in map(str, table):
         unit = labels.table_unit(name, units)
         if name in units and unit and table[name].dtype.kind == "f":
-            converted[name] = [_without_rounding(labels.shown(name, value, unit)) for value in table[name]]
+            converted[name] = [_rounded(labels.shown(name, value, unit)) for value in table[name]]
         headers[name] = f"{name} ({unit})" if unit else name
     return converted.rename(columns=headers)
 
 
-def _without_rounding(value: float) -> float:
-    """Round a converted value to 12 digits, so that 1800 rpm is not 1799.9999999999998."""
+def _rounded(value: float) -> float:
+    """Round a converted value to 12 digits, which removes rounding errors: 1800 rpm, not 1799.9999999999998."""
     return float(f"{value:.12g}")
 
 
 def _parquet(table: "pd.DataFrame") -> bytes:
     """Return the content of a parquet file. Raises UserError if pyarrow is missing or too old for pandas.
 
-    A column of a path with numbers and words, such as a clearance of `C3` or 10 um, is text, as in csv.
+    A column that mixes numbers and words, such as a clearance of `C3` and 10 um, is written as text, as in csv.
     """
     mixed: dict[str, list[Any]] = {
         str(name): [str(value) if isinstance(value, float) and value == value else value for value in table[name]]
@@ -135,11 +136,9 @@ def _parquet(table: "pd.DataFrame") -> bytes:
 
 
 def _csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
-    """Return csv with a column of time, and for each job one per channel and one of the speed.
+    """Return csv with a column of time, and for each job a column per channel and one of the instantaneous speed.
 
-    The speed is that at each time. Headers contain the unit, and the job if there are several.
-
-    Raises UserError for jobs with different time axes.
+    Headers contain the unit, and the job if there are several. Raises UserError for jobs with different time axes.
     """
     import numpy as np
     import pandas as pd
@@ -158,12 +157,12 @@ def _csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
         }
         speed = speeds(parameters.loc[job].to_dict(), info.loc[job].to_dict(), job_series.time)
         rpm = 30.0 / np.pi * speed
-        columns[f"{prefix}speed [rpm]"] = list(map(_without_rounding, rpm))
+        columns[f"{prefix}speed [rpm]"] = list(map(_rounded, rpm))
     return csv_text(pd.DataFrame(columns)).encode()
 
 
 def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
-    """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or words)."""
+    """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or text)."""
     from scipy.io import savemat
 
     parameters = results.parameters()
@@ -181,5 +180,5 @@ def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
 
 
 def _fields(entries: Mapping[Any, Any]) -> dict[str, Any]:
-    """Replace the dots of names by underscores, as MATLAB requires for field names."""
+    """Replace dots in names by underscores, because MATLAB allows no dots in field names."""
     return {str(name).replace(".", "_"): value for name, value in entries.items()}

@@ -172,7 +172,7 @@ def friction_seconds(study: "Study", jobs: Sequence[PricedJob]) -> float:
 
     NaN if the models of the study are chosen, or its friction is specified.
     """
-    from bearingsim.selection.candidates import price, with_friction
+    from bearingsim.selection.candidates import estimated_cpu_time, with_friction
 
     if study.goal is None or study.selection is not None:
         return math.nan
@@ -180,7 +180,7 @@ def friction_seconds(study: "Study", jobs: Sequence[PricedJob]) -> float:
     if all(case is None for case in cases):
         return math.nan
     return sum(
-        priced.estimate.cpu_seconds if case is None else price(case)
+        priced.estimate.cpu_seconds if case is None else estimated_cpu_time(case)
         for priced, case in zip(jobs, cases, strict=True)
     )
 

@@ -44,10 +44,10 @@ else:
 
 
 MAX_DEFECTS = 100
-"""Limit of the defects of a case: checking so many for overlaps takes half a second."""
+"""Largest number of defects of a case; checking 100 defects for overlaps takes half a second."""
 
 MAX_BANDS = 100
-"""Limit of the band features of a case: each needs a transform of the record."""
+"""Largest number of entries in `features`; each band feature needs a Fourier transform of the record."""
 
 DEPRECATED_KEYS = {"prove": "step_check"}
 """Deprecated keys of a case, which are still accepted, and the keys that replace them."""
@@ -69,18 +69,18 @@ class CaseFields(Section):
     """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
     Values that depend on others are filled in: `clearance` by class becomes a length; `model` is never
-    `reference`; `method` is None for models without one; `contact.stiffness` suits the bearing. `friction` and
-    `cage` are None for models without slip, and set for all others. `drag`, `ramp`, `shaft`, `unbalance`,
-    `misalignment` and `surfaces` are None if absent. A line load in `record` becomes one channel per slice of the
-    roller.
+    `reference`; `method` is None for models without one; `contact.stiffness` is the law for rollers or for balls.
+    `friction` and `cage` are None for models without slip, and set for all others. `drag`, `ramp`, `shaft`,
+    `unbalance`, `misalignment` and `surfaces` are None if absent. A line load in `record` becomes one channel per
+    slice of the roller.
     """
 
     bearing: Annotated[Bearing, library_section("bearings")]
-    """Bearing: a name of the catalogue, a file, or a mapping."""
+    """Bearing: a name from the catalogue, a file, or a mapping."""
     rig: Annotated[Rig, library_section("rigs")] = Field(default_factory=default_rig)
     """Support of the outer ring and sensor: a name in configs/rigs, a file, or a mapping. Default: `bvt5`."""
     speed: Annotated[Rotation, BeforeValidator(_check_speed)]
-    """Rotation speed of the inner ring."""
+    """Rotational speed of the inner ring."""
     ramp: Annotated[free.Ramp | None, OPTIONAL] = None
     """Linear change of the speed, from `speed`. Default: constant speed."""
     load: Force
@@ -88,22 +88,22 @@ class CaseFields(Section):
     load_across: SignedForce = 0.0
     """Second radial load, perpendicular to `load`; positive values shift the load zone towards 90 deg."""
     gravity: Switch = False
-    """Switch of the weight of rollers and cage."""
+    """Weight of rollers and cage: `true` includes it."""
     clearance: Clearance = 0.0
     """Operating radial internal clearance (diametral): a length (negative: preload), or a class of ISO 5753-1."""
     defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_check_list)] = ()
-    """Defects of the bearing. A single one may be given as `defect`; without any the bearing is healthy."""
+    """Defects of the bearing. A single one may be given as `defect`. Default: none (healthy bearing)."""
     surfaces: Annotated[Surfaces | None, OPTIONAL] = None
-    """Form of the surfaces: waviness of races and rollers, unequal rollers. Default: smooth races, equal rollers.
+    """Surface form: waviness of races and rollers, unequal roller diameters. Default: smooth races, equal rollers.
     """
     excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
-    """Action of a defect on the contact. `envelope`: geometric path of the roller's centre; the others are the
-    pulses and stiffness changes of the literature. Default of the model `impulse`: `impulse-train`.
+    """Effect of a defect on the contact. `envelope`: geometric path of the roller's centre; the others: pulses and
+    stiffness changes from the literature. Default of the model `impulse`: `impulse-train`.
     """
     contact: Contact = Contact()
-    """Stiffness and damping of the contacts of rolling elements and races."""
+    """Stiffness and damping of the contacts between rolling elements and races."""
     friction: free.Friction | None = None
-    """Friction of rollers and races: a word, or a mapping with its parameters."""
+    """Friction between rollers and races: a law, or a mapping with its parameters."""
     cage: free.Cage | None = None
     """Mass, clearances, contacts and guidance of the cage."""
     drag: Annotated[free.Drag | None, OPTIONAL] = None
@@ -115,8 +115,8 @@ class CaseFields(Section):
     misalignment: Annotated[Misalignment | None, OPTIONAL] = None
     """Tilt of the rings' axes. Default: none."""
     model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS)] = catalogue.DEFAULT_MODEL
-    """Dynamic model, in order of detail; `reference`: the most detailed that the case needs. `accuracy` chooses it
-    instead.
+    """Dynamic model, in order of detail; `reference`: the most detailed that the case needs. `accuracy`
+    chooses the model.
     """
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
     """Integrator. `auto`: the cheapest that stiffness and damping of the case allow."""
@@ -125,7 +125,7 @@ class CaseFields(Section):
     tolerance: Tolerance = "auto"
     """Relative tolerance of adaptive methods. `auto`: reduced until the step check passes."""
     step_check: StepCheckMode = True
-    """Check of the step against a step 2.24 times shorter: at the start of the run (`true`), over the whole run
+    """Comparison of the step with one 2.24 times shorter: at the start of the run (`true`), over the whole run
     (`strict`), or not at all (`false`).
     """
     periodic: Switch = True
@@ -133,8 +133,8 @@ class CaseFields(Section):
     whole record.
     """
     until: Accuracy | None = None
-    """End of the record once the relative standard errors of the defects' lines, the RMS and `features` are below
-    this value, at the latest after `duration`.
+    """End of the record once the relative standard errors of amplitudes at defect frequencies, RMS and `features`
+    are below this value, at the latest after `duration`.
     """
     duration: Duration = 1.0
     """Length of the record, after settling."""
@@ -153,7 +153,7 @@ class CaseFields(Section):
     features: Annotated[
         tuple[Annotated[str, FileFormat(validate_feature, feature_schema)], ...], Field(max_length=MAX_BANDS)
     ] = ()
-    """Additional features of frequency bands, or means that `until` monitors."""
+    """Additional features of frequency bands, and means that `until` monitors."""
 
     @property
     def checks_step(self) -> bool:
@@ -162,11 +162,11 @@ class CaseFields(Section):
 
     @property
     def automatic(self) -> bool:
-        """True if the step is chosen by the program."""
+        """True if the program chooses the step of the method."""
         return self.method is not None and self.step == "auto"
 
     @property
     def settle_s(self) -> float:
-        """Time to settle in, s; `auto` must have been resolved (``simulation/settling.py``)."""
+        """Settling time, s; `auto` must have been resolved (``simulation/settling.py``)."""
         assert not isinstance(self.settle, str)
         return self.settle

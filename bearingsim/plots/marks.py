@@ -16,34 +16,35 @@ if TYPE_CHECKING:
 
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
 DASHED = (0, (2, 2))
-MARKS_APART = 0.02  # minimum distance of marks, relative to the length of the axis
-NAMES_APART_IN = 0.56  # inches, minimum distance of the names of marks
+MIN_MARK_DISTANCE = 0.02  # minimum distance of marks, relative to the length of the axis
+MIN_NAME_DISTANCE_IN = 0.56  # inches, minimum distance of the names of marks
 CHARACTER_IN = 0.069  # inches, width of a character of a name
-GAP_POINTS, ROW_POINTS = 2.0, 8.0  # height of the lowest row of names above the axes, and of a row
+GAP_POINTS, ROW_POINTS = 2.0, 8.0  # points, distance of the lowest row of names from the axes, height of a row
 ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 """Steps of the harmonics that are marked or named."""
 ALIGNMENTS = {-1: ("right", 1.0), 0: ("center", 0.5), 1: ("left", 0.0)}
-"""Alignment of a name, and the part of the name left of its mark, by the side of the line."""
+"""Alignment of a name, and the fraction of its width left of the mark, by side of the sideband (0: harmonic)."""
 
 
 def share_lines(jobs: Sequence[Job]) -> bool:
-    """Check if all jobs have the same spectral lines: the same defects and frequencies, at a constant speed."""
+    """Check if all jobs have defects of the same elements, and the same, constant fundamental frequency."""
     races = {tuple(lines.races(job.parameters)) for job in jobs}
-    fundamentals = [first_line(job.parameters) for job in jobs]
+    fundamentals = [fundamental_frequency(job.parameters) for job in jobs]
     steady = not any(recorded.has_ramp(job) for job in jobs)
     return steady and len(races) == 1 and max(fundamentals) <= (1.0 + 1e-9) * min(fundamentals)
 
 
-def first_line(parameters: Mapping[Any, Any]) -> float:
-    """Compute the fundamental frequency (Hz) of the job's defects."""
+def fundamental_frequency(parameters: Mapping[Any, Any]) -> float:
+    """Compute the fundamental frequency (Hz) of the first family with a defect in a job; BPFO if it is healthy."""
     return lines.frequency(lines.FAMILIES[(lines.races(parameters) or ["outer"])[0]].fundamental, parameters)
 
 
 def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
-    """Mark the lines of the defects' families, sidebands dashed; names are above, below the title of the axes.
+    """Mark the lines of the defects' families, or of BPFO if there is no defect; sidebands are dashed.
 
-    above: distance (points) of the lowest names from the axes. Each family has a row of names, above one of its
-    sidebands if any fits. Marks and names too close to others are left out.
+    named: whether names are written between the axes and their title; above: distance (points) of the names from
+    the axes, in addition to ``GAP_POINTS``. Each family has a row of names of harmonics, and below it a row of
+    names of sidebands if any fits. Marks and names too close to others are left out.
     """
     low, high = ax.get_xlim()
     height = above + GAP_POINTS
@@ -52,30 +53,30 @@ def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
         marks = [mark for mark in lines.marks(job.parameters, high) if mark.race == race]
         marks = [mark for mark in marks if low <= mark.hertz <= high]
         fundamental = lines.frequency(lines.FAMILIES[race].fundamental, job.parameters)
-        drawn_marks = _apart(marks, fundamental, MARKS_APART * (high - low))
+        drawn_marks = _apart(marks, fundamental, MIN_MARK_DISTANCE * (high - low))
         for mark in drawn_marks:
             dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.side else {"alpha": 0.5}
             ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
         if named:
-            distance = NAMES_APART_IN / _width(ax) * (high - low)
+            distance = MIN_NAME_DISTANCE_IN / _width(ax) * (high - low)
             harmonics = _apart([mark for mark in marks if not mark.side], fundamental, distance)
             sidebands = [mark for mark in drawn_marks if mark.side and mark.number]
             for row in (sidebands, [*(mark for mark in drawn_marks if not mark.number), *harmonics]):
                 height += ROW_POINTS * _name_marks(ax, row, colour, height)
     if named:
-        lift_title(ax, height)
+        raise_title(ax, height)
 
 
-def lift_title(ax: "Axes", points: float) -> None:
-    """Move the title of the axes to some points above them."""
+def raise_title(ax: "Axes", points: float) -> None:
+    """Move the title of the axes to ``points`` above them."""
     ax.set_title(ax.get_title(loc="left"), loc="left", fontsize=8, pad=points + 1.0)
 
 
 def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: float) -> bool:
-    """Write names of marks in a row, at some points above the axes; return whether any fits.
+    """Write names of marks in a row, at ``height`` points above the axes; return True if any fits.
 
-    The frequency follows the name of the fundamental line, and all names if there is room. Names of sidebands are
-    on the outer side of their marks. Names that would overlap others are left out.
+    The names of sidebands and of the fundamental line include the frequency, those of other harmonics only if all
+    have room. Names of sidebands are on the outer side of their marks. Names that overlap others are left out.
     """
     character_width = CHARACTER_IN / _width(ax)  # part of the axis
     to_axes = ax.transData + ax.transAxes.inverted()
@@ -100,7 +101,7 @@ def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: fl
 
 
 def _texts(mark: lines.Mark, has_room: bool) -> list[str]:
-    """List the texts of a name, the longest first."""
+    """List the alternative texts of a name, the longest first."""
     if mark.side and mark.number:
         return [_with_frequency(mark), *([f"{mark.hertz:.1f} Hz"] if mark.number == 1 else [])]
     return [_with_frequency(mark), mark.name] if has_room or mark.number <= 1 else [mark.name]
@@ -119,15 +120,16 @@ def _width(ax: "Axes") -> float:
 
 
 def _apart(marks: Sequence[lines.Mark], fundamental: float, distance: float) -> list[lines.Mark]:
-    """Select marks about ``distance`` (Hz) apart: the fundamental, multiples of a round number, their sidebands.
+    """Select the fundamental, and the harmonics at multiples of a round number, ``distance`` (Hz) or more apart.
 
-    Sidebands are left out if they would be closer than a third of that.
+    Their sidebands are included if every harmonic is selected, and the sidebands are at least ``distance``/3 from
+    the harmonics.
     """
-    every = next((step for step in ROUND_STEPS if step * fundamental >= distance), ROUND_STEPS[-1])
+    stride = next((step for step in ROUND_STEPS if step * fundamental >= distance), ROUND_STEPS[-1])
     spacings = [abs(mark.hertz - mark.number * fundamental) for mark in marks if mark.side]
-    with_sidebands = every == 1 and min(spacings, default=0.0) >= distance / 3.0
-    round_ones = [mark for mark in marks if mark.number == 1 or mark.number % every == 0]
-    return [mark for mark in round_ones if with_sidebands or not mark.side]
+    with_sidebands = stride == 1 and min(spacings, default=0.0) >= distance / 3.0
+    selected = [mark for mark in marks if mark.number == 1 or mark.number % stride == 0]
+    return [mark for mark in selected if with_sidebands or not mark.side]
 
 
 def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:

@@ -15,7 +15,7 @@ from bearingsim.measured.si import factor_to
 from bearingsim.plots.labels import PlotError, pretty
 from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.plot import FORMATS, MADE_BY, is_replaceable
-from bearingsim.plots.style import COLOURS, PAGE_IN, drawing, take_literally
+from bearingsim.plots.style import COLOURS, PAGE_IN, disable_invalid_math, drawing
 from bearingsim.signals import band_pass, envelope_spectrum, spectrum
 from bearingsim.store import write_bytes
 from bearingsim.text.numbers import significant
@@ -263,7 +263,7 @@ def _largest(
 @drawing()
 def write(canvas: Figure, path: Path) -> None:
     """Write a figure in the format of the file's suffix."""
-    take_literally(canvas)
+    disable_invalid_math(canvas)
     content, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(content, format=kind, metadata=MADE_BY[kind])
     write_bytes(path, content.getvalue())

@@ -207,10 +207,10 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
 
     Raises PlotError instead of replacing a file that is not a figure of bearingsim.
     """
-    from bearingsim.plots.style import take_literally
+    from bearingsim.plots.style import disable_invalid_math
     from bearingsim.store import write_bytes
 
-    take_literally(canvas)
+    disable_invalid_math(canvas)
     drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
     if path.parent.resolve() != results.path.resolve() / FIGURES and not is_replaceable(path):

@@ -14,9 +14,9 @@ from bearingsim.plots.marks import (
     GAP_POINTS,
     ROW_POINTS,
     explain_sidebands,
-    first_line,
-    lift_title,
+    fundamental_frequency,
     mark_lines,
+    raise_title,
     share_lines,
 )
 from bearingsim.plots.recorded import Job, Signal
@@ -110,7 +110,7 @@ def frequency_range(figure: "Figure", jobs: Iterable[Job]) -> tuple[float, float
     jobs = list(jobs)
     if figure.view.range is None:
         flat = PASSBAND * min(float(job.parameters["sampling"]) for job in jobs)
-        fundamental = max(first_line(job.parameters) for job in jobs)
+        fundamental = max(fundamental_frequency(job.parameters) for job in jobs)
         return 0.0, min((SHOWN_LINES.get(figure.kind, 12) + 0.5) * fundamental, flat)
     recorded.check_passband("range", figure.view.range, *jobs)
     return figure.view.range
@@ -124,7 +124,7 @@ def part_of_spectrum(
     name, job: of the signal, or of its healthy baseline. Raises PlotError for fewer than ``MIN_BINS``
     frequencies.
     """
-    frequency, amplitude = spectrum(*whole_periods(signal, first_line(job.parameters)))
+    frequency, amplitude = spectrum(*whole_periods(signal, fundamental_frequency(job.parameters)))
     in_range = (frequency >= limits[0]) & (frequency <= limits[1])
     if np.count_nonzero(in_range) < MIN_BINS:
         part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of job {name} resolve {frequency[1]:.3g} Hz"
@@ -182,4 +182,4 @@ def _add_orders(ax: "Axes", job: Job) -> None:
     functions = (partial(np.multiply, 1.0 / shaft), partial(np.multiply, shaft))
     axis = ax.secondary_xaxis("top", functions=functions)
     axis.set_xlabel(f"Order of the shaft frequency, {labels.number_text(shaft)} Hz", fontsize=8.0)
-    lift_title(ax, ORDERS_POINTS + GAP_POINTS + ROW_POINTS)
+    raise_title(ax, ORDERS_POINTS + GAP_POINTS + ROW_POINTS)

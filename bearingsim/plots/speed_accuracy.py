@@ -1,9 +1,9 @@
 """Chart of speed against accuracy: a figure per scene, CPU time over numerical (left) and total error (right).
 
-Rows of panels: defect line, RMS, largest force. Colours are models, paler for variants with fewer harmonics or
-slices. A dot is a run at one step or tolerance; a line joins the runs of a method, in a style of its own. Hollow
-dots are solvers of other packages, named beside them, and stars the automatic choice as a job. A line above the
-panels lists failed runs.
+The rows of panels are the amplitude at the defect frequency, the RMS, and the largest force. Each model has a
+colour, paler for variants with other harmonics or slices. A dot is a run at one step or tolerance; a line joins
+the runs of a method, in its line style. Hollow dots are solvers of other packages, with their names. Stars are
+jobs with automatic method and step. Failed runs are listed above the panels.
 """
 
 from collections.abc import Sequence
@@ -28,30 +28,31 @@ from bearingsim.plots.style import COLOURS, RC, drawing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
-SIZE_IN, DPI, SHADES = (7.08, 8.4), 150, 64  # 180 mm wide
-SMALL_POINTS = 7.0  # size of the smallest texts
-RAIL = 1.075  # height of the line of failed runs, over that of a panel
+STYLE = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
+SIZE_IN, DPI, PALETTE_SIZE = (7.08, 8.4), 150, 64  # 180 mm wide
+SMALL_POINTS = 7.0  # font size of the smallest texts
+FAILURES_HEIGHT = 1.075  # height of the line under the list of failed runs, relative to a panel
 TITLES = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
-SIDES = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
-MIN_ERROR, MAX_ERROR, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; smallest upper limit of an axis
+QUANTITY_LABELS = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
+MIN_ERROR, MAX_ERROR = 1e-4, 10.0  # limits to which errors are clipped
+LEAST_RANGE = 0.1  # error to twice which the axes extend at least
 LINES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
-"""Styles of the lines of methods, by the order of the methods."""
+"""Line styles of the methods, in their order."""
 DOT: dict[str, Any] = {"marker": "o", "markersize": 3.5}
 HOLLOW: dict[str, Any] = DOT | {"markerfacecolor": "white", "linewidth": 0.6, "linestyle": (0, (1, 3))}
 STAR: dict[str, Any] = {"marker": "*", "markersize": 9.0, "markeredgecolor": "black", "markeredgewidth": 0.5}
 FRONT: dict[str, Any] = {"color": "0.85", "linewidth": 5.0, "zorder": 1, "solid_capstyle": "round"}
-PALER = 0.35  # fraction of white blended in, for each further variant of a model
+PALER = 0.35  # share of white added to the colour for each further variant of a model
 
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
-    """Draw a scene's rows (``errors.with_errors``) into a PNG; return its path."""
-    with drawing(LOOK):
+    """Draw a scene's rows (``errors.with_errors``) to a PNG file; return its path."""
+    with drawing(STYLE):
         canvas = figure(rows, title)
         buffer = BytesIO()
         canvas.savefig(buffer, dpi=DPI)
     with Image.open(buffer) as image:  # few colours reduce the file to a third
-        image.convert("RGB").quantize(SHADES).save(path, optimize=True)
+        image.convert("RGB").quantize(PALETTE_SIZE).save(path, optimize=True)
     return path
 
 
@@ -65,10 +66,10 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     for i, quantity in enumerate(QUANTITIES):
         for j, kind in enumerate((NUMERICAL, TOTAL)):
             _panel(panels[i][j], rows, kind, quantity, colours, styles)
-        panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU time for 1 s of signal (s)")
+        panels[i][0].set_ylabel(f"{QUANTITY_LABELS[quantity]}\nCPU time for 1 s of signal (s)")
     for ax, kind in zip(panels[0], TITLES, strict=True):
         ax.set_title(TITLES[kind], fontsize=8.5, pad=24)
-    _rail(panels[0][0], rows, colours)
+    _list_failures(panels[0][0], rows, colours)
     for ax in panels[-1]:
         ax.set_xlabel("relative error")
     canvas.suptitle(f"{title}\n{_verdicts(rows)}", x=0.01, ha="left", fontsize=9.5)
@@ -78,7 +79,7 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
 
 
 def _colours(rows: Sequence[Row]) -> dict[str, str]:
-    """Assign a colour to each variant: one per model, the same in all scenes, paler for each further variant."""
+    """Assign a colour to each variant: that of its model in all scenes, paler for each further variant."""
     base_colours, shades, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
     for variant, model in {row["variant"]: row["model"] for row in rows}.items():
         shades[variant] = _paler(base_colours[model], 1.0 - (1.0 - PALER) ** seen.count(model))
@@ -86,9 +87,9 @@ def _colours(rows: Sequence[Row]) -> dict[str, str]:
     return shades
 
 
-def _paler(colour: str, part: float) -> str:
-    """Blend a colour with white; ``part``: 0 to 1."""
-    red, green, blue = (value + part * (1.0 - value) for value in to_rgb(colour))
+def _paler(colour: str, white: float) -> str:
+    """Blend a colour with white; ``white``: share of white, 0 to 1."""
+    red, green, blue = (value + white * (1.0 - value) for value in to_rgb(colour))
     return to_hex((red, green, blue))
 
 
@@ -110,19 +111,19 @@ def _verdicts(rows: Sequence[Row]) -> str:
 
 def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: dict, styles: dict) -> None:
     column = f"{kind}.{quantity}"
-    good = [row for row in rows if not row["failure"] and row[column] == row[column]]
+    completed = [row for row in rows if not row["failure"] and row[column] == row[column]]
     ax.set(xscale="log", yscale="log", ymargin=0.09)
     if kind == TOTAL:
-        best = pareto_front([row for row in good if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
+        best = pareto_front([row for row in completed if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
         ax.step(
-            [_shown(row[f"{column}.counted"]) for row in best],
+            [_clipped(row[f"{column}.counted"]) for row in best],
             [row["cpu_per_s"] for row in best],
             where="pre",
             **FRONT,
         )
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > MIN_ERROR:
-            ax.axvspan(MIN_ERROR / 2.0, _shown(floor), color="0.94", zorder=0)
+            ax.axvspan(MIN_ERROR / 2.0, _clipped(floor), color="0.94", zorder=0)
     for within in ACCURACIES:
         ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
         ax.text(
@@ -130,7 +131,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
             fontsize=SMALL_POINTS, color="0.35", ha="center", va="bottom",
         )  # fmt: skip
     for variant, colour in colours.items():
-        variant_rows = [row for row in good if row["variant"] == variant]
+        variant_rows = [row for row in completed if row["variant"] == variant]
         for method, style in styles.items():
             runs = [row for row in variant_rows if row["role"] == POINT and row["method"] == method]
             _dots(ax, runs, column, DOT | {"color": colour, "linewidth": 0.9, "linestyle": style, "zorder": 3})
@@ -138,24 +139,24 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
             runs = [row for row in variant_rows if row["role"] == PEER and row["method"] == method]
             _dots(ax, runs, column, HOLLOW | {"color": colour, "zorder": 2})
             if kind == NUMERICAL:
-                _name(ax, runs[0], _shown(runs[0][column]))
+                _annotate(ax, runs[0], _clipped(runs[0][column]))
         _dots(
             ax, [row for row in variant_rows if row["role"] == JOB], column, STAR | {"color": colour, "zorder": 5}
         )
     errors = [
-        _shown(row[f"{same_method}.{name}"])
+        _clipped(row[f"{error_kind}.{name}"])
         for row in rows
-        for same_method in TITLES
+        for error_kind in TITLES
         for name in QUANTITIES
         if not row["failure"]
     ]
-    ax.set_xlim(MIN_ERROR / 1.6, 2.0 * max(error for error in [*errors, ROOM] if error == error))
+    ax.set_xlim(MIN_ERROR / 1.6, 2.0 * max(error for error in [*errors, LEAST_RANGE] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _name(ax: "Axes", row: Row, x: float) -> None:
-    """Write the name of a solver of another package beside a run."""
+def _annotate(ax: "Axes", row: Row, x: float) -> None:
+    """Write the name of a solver of another package next to a run."""
     ax.annotate(
         row["method"].removeprefix("scipy-"), (x, row["cpu_per_s"]), xytext=(4.0, 0.0), textcoords="offset points",
         fontsize=SMALL_POINTS, color="0.25", va="center", zorder=6,
@@ -166,33 +167,36 @@ def _dots(ax: "Axes", rows: Sequence[Row], column: str, style: dict[str, Any]) -
     """Draw runs, joined from the coarsest setting if the style has a line."""
     if rows:
         style = {"linestyle": "none"} | style
-        ax.plot([_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows], **style)
+        ax.plot([_clipped(row[column]) for row in rows], [row["cpu_per_s"] for row in rows], **style)
 
 
-def _shown(error: float) -> float:
+def _clipped(error: float) -> float:
     return min(max(error, MIN_ERROR), MAX_ERROR)
 
 
-def _rail(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:
+def _list_failures(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:
     """List the failed runs above the panels, in the order of the rows."""
     failed = [row for row in rows if row["failure"]]
     if not failed:
         return
-    ax.plot([0.0, 2.05], [RAIL, RAIL], transform=ax.transAxes, color="0.6", lw=0.8, clip_on=False, in_layout=False)
-    names = [("failed", "0.3"), *((_failed(row), colours[row["variant"]]) for row in failed)]
+    ax.plot(
+        [0.0, 2.05], [FAILURES_HEIGHT] * 2, transform=ax.transAxes,
+        color="0.6", lw=0.8, clip_on=False, in_layout=False,
+    )  # fmt: skip
+    names = [("failed", "0.3"), *((_failure_label(row), colours[row["variant"]]) for row in failed)]
     for n, (name, colour) in enumerate(names):
         ax.text(
-            2.05 * n / len(names), RAIL + 0.02, name, transform=ax.transAxes,
+            2.05 * n / len(names), FAILURES_HEIGHT + 0.02, name, transform=ax.transAxes,
             fontsize=SMALL_POINTS, va="bottom", color=colour, in_layout=False,
         )  # fmt: skip
 
 
-def _failed(row: Row) -> str:
+def _failure_label(row: Row) -> str:
     return "any method" if row["role"] == JOB else f"{row['method']} {label(row)}".strip()
 
 
 def _legend(rows: Sequence[Row], colours: dict, styles: dict) -> list[Any]:
-    """Return the entries of three columns: models by colour, methods by line, runs by mark."""
+    """Return the legend in three columns: colours of models, line styles of methods, markers of runs."""
     chaotic = {row["variant"] for row in rows if row["chaotic"] == 1.0}
     models = [
         Line2D([], [], color=colour, linewidth=4.0, label=name + " (chaotic)" * (name in chaotic))

@@ -1,4 +1,4 @@
-"""Style of figures: journal column width, colour-blind safe, readable in grey print."""
+"""Style of figures: width of a journal page, colours for colour-blind readers, readable in greyscale."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-COLUMN_IN = 3.3  # width of one column of axes
-PAGE_IN = 6.8  # largest width of all columns of axes of a sweep, for a page of 180 mm
-FEW = 4  # up to this number of curves, each is thinner than the previous one
-SEQUENCE_FROM = 7  # from this number of ordered values on, colours are shades of a scale
+COLUMN_IN = 3.3  # inches, width of one column of axes
+PAGE_IN = 6.8  # inches, largest width of a figure of a sweep, for a page of 180 mm
+FEW = 4  # number of curves up to which each is thinner than the previous one
+SEQUENCE_FROM = 7  # number of ordered values from which their colours are shades of a colour map
 
 RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -44,28 +44,28 @@ LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
 
 @contextmanager
 def drawing(changes: Mapping[str, Any] = RC) -> Iterator[None]:
-    """Apply settings over matplotlib's defaults, ignoring the user's matplotlibrc."""
+    """Apply settings to matplotlib's defaults, without the user's matplotlibrc."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(changes)  # type: ignore[arg-type]
         yield
 
 
-def take_literally(canvas: Figure) -> None:
-    """Disable math mode in texts whose `$` do not enclose a formula that matplotlib can parse."""
-    reader = MathTextParser("path")
+def disable_invalid_math(canvas: Figure) -> None:
+    """Disable math mode in texts whose `$` signs enclose no formula that matplotlib can parse."""
+    parser = MathTextParser("path")
     for text in canvas.findobj(Text):
         if isinstance(text, Text) and "$" in text.get_text():
             try:
-                reader.parse(text.get_text())
+                parser.parse(text.get_text())
             except ValueError:
                 text.set_parse_math(False)
 
 
 class CurveStyle(NamedTuple):
-    """Colour, marker and line of a curve; hollow markers if not ``filled``.
+    """Colour, marker and line of a curve; the markers are hollow if not ``filled``.
 
-    ``rank``: number of the curve; later curves are thinner, so that a curve below remains visible.
+    ``rank``: the higher, the thinner the curve, so that curves drawn earlier remain visible below it.
     """
 
     colour: Any
@@ -84,7 +84,8 @@ class CurveStyle(NamedTuple):
 def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[CurveStyle]]:
     """Return the styles of ``by_colour`` x ``by_line`` curves, distinguished by colour and marker, and by line.
 
-    If ``by_line`` is 1, line styles vary with the colour. ``ordered``: many colours become shades.
+    Only the first line of each colour has filled markers. If ``by_line`` is 1, line styles vary with the colour,
+    except among shades. ``ordered``: ``SEQUENCE_FROM`` colours or more are shades.
     """
     shades = ordered and by_colour >= SEQUENCE_FROM
     colours = shaded(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
@@ -101,6 +102,6 @@ def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[Curve
 
 
 def shaded(count: int) -> list[Any]:
-    """Return ``count`` colours of a sequence, from dark to light, at least two."""
+    """Return ``count`` (2 or more) colours of a colour map, from dark to light."""
     scale = mpl.colormaps["viridis"]
     return [scale(0.86 * i / (count - 1)) for i in range(count)]

@@ -10,7 +10,7 @@ from bearingsim.errors import UserError
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots import PlotError, select
 from bearingsim.plots.plot import draw, jobs_of, requested
-from bearingsim.plots.style import drawing, take_literally
+from bearingsim.plots.style import disable_invalid_math, drawing
 from bearingsim.report import signals
 from bearingsim.report.charts import Chart
 from bearingsim.report.designs import design_chart
@@ -108,7 +108,7 @@ def _charts(results: "Results", group: Sequence[Figure]) -> Iterator[Chart]:
 def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Picture]:
     with drawing():
         for sheet in draw(results, figure):
-            take_literally(sheet.canvas)
+            disable_invalid_math(sheet.canvas)
             drawings = {kind: BytesIO() for kind in ("svg", "png")}
             sheet.canvas.savefig(drawings["svg"], format="svg", metadata={"Date": None})
             kind = "svg" if drawings["svg"].tell() <= MAX_SVG_BYTES else "png"

@@ -18,7 +18,7 @@ from bearingsim.runner.pool import DeathCounter, map_unordered
 from bearingsim.runner.progress import compilation_callback, progress
 from bearingsim.runner.stopping import stop_requested
 from bearingsim.runner.work import Engine, load
-from bearingsim.selection.candidates import price
+from bearingsim.selection.candidates import estimated_cpu_time
 from bearingsim.selection.choices import key
 from bearingsim.store.columns import Value
 from bearingsim.text.announcer import announcer
@@ -123,7 +123,7 @@ def _run_trials(
         with announcer(shown) as announcements, suppress(Exception):  # the trial raises the error again
             load(engine.warm)([trial.case for trial in todo], compilation_callback(announcements))
         arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
-        costs = {trial.id: min(price(trial.case), 1e6) for trial in todo}
+        costs = {trial.id: min(estimated_cpu_time(trial.case), 1e6) for trial in todo}
         try:
             with (
                 progress(shown, len(todo), sum(costs.values())) as report,
@@ -151,10 +151,10 @@ def _batches(todo: Sequence["TrialRequest"], workers: int) -> list[tuple["TrialR
     batches: list[list[TrialRequest]] = []
     seconds = float("inf")
     for trial in todo:
-        seconds += price(trial.case)
+        seconds += estimated_cpu_time(trial.case)
         if not batches or len(batches[-1]) == size or seconds > LONGEST_BATCH_S:
             batches.append([])
-            seconds = price(trial.case)
+            seconds = estimated_cpu_time(trial.case)
         batches[-1].append(trial)
     return [tuple(batch) for batch in batches]
 

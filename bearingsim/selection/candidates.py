@@ -1,4 +1,4 @@
-"""Candidates to replace the reference of a case (cheaper models, fewer slices or harmonics), and their price."""
+"""Candidates to replace the reference of a case: cheaper models, fewer slices or harmonics; and their CPU time."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,22 +25,22 @@ SLICES = {
     "a quarter of the slices": 0.25,
     "a sixth of the slices": 1.0 / 6.0,
 }
-"""Candidates' numbers of slices relative to the case; the error is of second order in the slice width."""
-MIN_SLICES = 2
+"""Candidates by name, with their number of slices relative to the case."""
+MIN_SLICES = 2  # smallest number of slices of a candidate
 WITH_FRICTION = "reference with friction"
 """Name of the reference with a free cage and friction."""
-FINER = 2  # factor on slices or harmonics for the reference, and on nodes for the trial of their error
+REFINEMENT = 2  # factor on slices or harmonics in the reference, and on nodes in the trial of their error
 CANDIDATES = (*SLICES, GIVEN_HARMONICS, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """Names of all candidates, from the most detailed to the simplest."""
 FORMER_NAMES = {"the harmonics that are said": GIVEN_HARMONICS, "the slices that are said": next(iter(SLICES))}
 """Names of candidates in `choices.json` of earlier versions."""
-WORTH_TRYING = 0.8  # largest cost relative to the reference at which a candidate is tried
+MAX_RELATIVE_COST = 0.8  # largest CPU time of a candidate that is tried, relative to the reference
 
 
 def reference(case: Case) -> Case:
     """Return the reference of a case, with doubled slices, or doubled harmonics if its ring is flexible."""
     if case.rig.ring is not None:
-        harmonics = min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))
+        harmonics = min(MAX_HARMONICS, REFINEMENT * int(case.rig.ring.harmonics))
         return case.model_copy(update={"rig": _with_harmonics(case, harmonics)})
     return _finely_sliced(case) if MODELS[case.model].sliced else case
 
@@ -48,7 +48,8 @@ def reference(case: Case) -> Case:
 def with_friction(case: Case) -> Case | None:
     """Return the reference of a case with a free cage and dry friction on the races, the defaults of its model.
 
-    None if the case specifies friction (also `friction: none`), cage or drag, or its model does not compute slip.
+    None if the case specifies friction (also `friction: none`), cage or drag, if it records slip or the motion of
+    the cage, or if its model does not compute slip.
     """
     if not has_default_friction(case):
         return None
@@ -58,23 +59,27 @@ def with_friction(case: Case) -> Case | None:
 def remeshed(case: Case, is_reference: bool = True) -> tuple[Case, float] | None:
     """Return a case with another mesh, and the ratio of its discretisation error to the resulting change.
 
-    Nodes along defects are doubled. In a reference, harmonics are doubled as well, and slices are halved, because
-    twice as many would exceed their limit; so are harmonics, where they would. An error of first order is twice
-    the change by doubling, or equal to the change by halving. is_reference: whether the case is a reference; for
-    any other candidate, the error from the reference already includes that of slices and harmonics. None if
-    nothing changes.
+    In models with slices those of a reference are halved, because twice as many may exceed the limit. In other
+    models the nodes along defects are doubled, and in a reference the harmonics, or halved where twice as many
+    would exceed their limit. An error of first order is twice the change by doubling, or equal to the change by
+    halving; one of higher order is smaller. None if nothing changes. is_reference: whether the case is a
+    reference; for any other candidate, the error relative to the reference already includes that of slices and
+    harmonics.
     """
     contact, rig, ratio = case.contact, case.rig, 1.0
     if MODELS[case.model].sliced:
-        coarse_contact = contact.model_copy(update={"slices": max(1, int(contact.slices) // FINER)})
+        coarse_contact = contact.model_copy(update={"slices": max(1, int(contact.slices) // REFINEMENT)})
         return (case.model_copy(update={"contact": coarse_contact}), ratio) if is_reference else None
     if is_reference and rig.ring is not None:
         harmonics = int(rig.ring.harmonics)
-        may_double = FINER * harmonics <= MAX_HARMONICS
-        rig = _with_harmonics(case, FINER * harmonics if may_double else harmonics // FINER)
-        ratio = float(FINER) if may_double else ratio
+        may_double = REFINEMENT * harmonics <= MAX_HARMONICS
+        rig = _with_harmonics(case, REFINEMENT * harmonics if may_double else harmonics // REFINEMENT)
+        ratio = float(REFINEMENT) if may_double else ratio
     if any(varies_along_roller(defect) for defect in case.defects):
-        contact, ratio = contact.model_copy(update={"length_nodes": FINER * contact.length_nodes}), float(FINER)
+        contact, ratio = (
+            contact.model_copy(update={"length_nodes": REFINEMENT * contact.length_nodes}),
+            float(REFINEMENT),
+        )
     is_unchanged = contact is case.contact and rig is case.rig
     return None if is_unchanged else (case.model_copy(update={"contact": contact, "rig": rig}), ratio)
 
@@ -87,45 +92,45 @@ def _with_harmonics(case: Case, harmonics: int) -> Rig:
 
 def _finely_sliced(case: Case) -> Case:
     """Double the slices of a case, unless its defects then cut too many or it records slices by number."""
-    update = {"slices": min(MAX_SLICES, FINER * int(case.contact.slices))}
+    update = {"slices": min(MAX_SLICES, REFINEMENT * int(case.contact.slices))}
     finer = case.model_copy(update={"contact": case.contact.model_copy(update=update)})
     return case if slice_count(finer) is None or any(map(slice_number, case.record)) else finer
 
 
 def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
-    """List the cases of each applicable candidate that is cheaper than the reference, by name.
+    """Return the cases of each applicable candidate that is cheaper than the reference, by name.
 
-    The most detailed candidate comes first. Cases that become identical to another case of the study are left out,
-    because they would have the same result.
+    numbers: indices of the cases in the study. The most detailed candidate comes first. Cases that become
+    identical to another case of the study are left out, because they would have the same result.
     """
     study_cases, cases_of = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
     for n in numbers:
-        max_price = WORTH_TRYING * price(reference(study_cases[n]))
-        for name in ladder(study_cases[n]):
-            case = computed_by(study, n, name)
-            if case is not None and price(case) < max_price:
+        max_cpu_time = MAX_RELATIVE_COST * estimated_cpu_time(reference(study_cases[n]))
+        for name in candidate_changes(study_cases[n]):
+            case = candidate_case(study, n, name)
+            if case is not None and estimated_cpu_time(case) < max_cpu_time:
                 cases_of[name][n] = case
     distinct = {name: _drop_identical(study, name, cases) for name, cases in cases_of.items() if cases}
     return {name: cases for name, cases in distinct.items() if cases}
 
 
 def can_be_tried(case: Case) -> bool:
-    """Check if a case has candidates, and no ramp, so that its first passes are representative."""
-    return case.ramp is None and bool(ladder(case))
+    """Check if a case has candidates and no ramp; on a ramp the first ball passes are not representative."""
+    return case.ramp is None and bool(candidate_changes(case))
 
 
 def _drop_identical(study: Study, candidate: str, cases: Mapping[int, Case]) -> dict[int, Case]:
     """Drop all cases that are identical to another case of the study with the same candidate."""
-    others = (computed_by(study, n, candidate) for n in range(len(study.cases())) if n not in cases)
+    others = (candidate_case(study, n, candidate) for n in range(len(study.cases())) if n not in cases)
     ids = {n: identity(case) for n, case in cases.items()}
     counts = Counter([*ids.values(), *(identity(case) for case in others if case is not None)])
     return {n: case for n, case in cases.items() if counts[ids[n]] == 1}
 
 
-def computed_by(study: Study, number: int, candidate: str) -> Case | None:
+def candidate_case(study: Study, number: int, candidate: str) -> Case | None:
     """Return a case of a study with the settings of a candidate; None if the candidate does not apply."""
     case = study.swept_cases[number][0]
-    changes = ladder(case).get(FORMER_NAMES.get(candidate, candidate))
+    changes = candidate_changes(case).get(FORMER_NAMES.get(candidate, candidate))
     if changes is None:
         return None
     if not changes:
@@ -133,24 +138,24 @@ def computed_by(study: Study, number: int, candidate: str) -> Case | None:
     return study.otherwise(changes)[number]
 
 
-def ladder(case: Case) -> dict[str, dict[str, str]]:
-    """List the candidates below the reference of a case, by name, with the study keys that each changes."""
-    steps = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
+def candidate_changes(case: Case) -> dict[str, dict[str, str]]:
+    """Return the study keys that each candidate for a case changes, by name, from the most detailed candidate."""
+    changes = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
-        steps[GIVEN_HARMONICS] = {}
+        changes[GIVEN_HARMONICS] = {}
         if int(case.rig.ring.harmonics) > FEW_HARMONICS:
-            steps[f"{FEW_HARMONICS} harmonics"] = {"rig.ring.harmonics": str(FEW_HARMONICS)}
-    return steps | {name: {"model": name} | _same_cage(case, name) for name in simpler_models(case.model)}
+            changes[f"{FEW_HARMONICS} harmonics"] = {"rig.ring.harmonics": str(FEW_HARMONICS)}
+    return changes | {name: {"model": name} | _same_cage(case, name) for name in simpler_models(case.model)}
 
 
 def _same_cage(case: Case, name: str) -> dict[str, str]:
-    """Return the keys that keep the cage kinematic in a candidate model, if it is so in the case."""
+    """Return the keys that make the cage of a candidate model kinematic, if that of the case is."""
     kinematic = MODELS[name].slips and case.cage is not None and case.cage.motion == "kinematic"
     return {"cage.motion": "kinematic"} if kinematic else {}
 
 
 def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield candidates with at most the slices of the case, each number of slices once."""
+    """Yield candidates with the slices of the case or fewer, each number of slices once."""
     slices = previous = int(case.contact.slices)
     for name, fraction in SLICES.items():
         count = max(MIN_SLICES, round(fraction * slices))
@@ -162,7 +167,7 @@ def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 @lru_cache(maxsize=1 << 17)
-def price(case: Case) -> float:
+def estimated_cpu_time(case: Case) -> float:
     """Estimate the CPU time (s) of a case if its response is not periodic; infinite if the case is refused."""
     try:
         return estimate(case).most_seconds

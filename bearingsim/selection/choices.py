@@ -11,7 +11,7 @@ from random import Random
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.errors import UserError
-from bearingsim.selection.candidates import WITH_FRICTION, computed_by, reference, with_friction
+from bearingsim.selection.candidates import WITH_FRICTION, candidate_case, reference, with_friction
 from bearingsim.selection.curves import curves, scales
 from bearingsim.selection.trials import required_healthy_case
 from bearingsim.store.choices import Choice, Choices
@@ -48,7 +48,7 @@ def _case(study: Study, study_cases: Sequence[Case], number: int, candidate: str
     computed = (
         make_reference(study_cases[number])
         if make_reference is not None
-        else computed_by(study, number, candidate)
+        else candidate_case(study, number, candidate)
     )
     if computed is None:
         raise UserError(

@@ -16,7 +16,7 @@ from bearingsim.selection.candidates import (
     WITH_FRICTION,
     can_be_tried,
     candidates,
-    price,
+    estimated_cpu_time,
     reference,
     with_friction,
 )
@@ -155,7 +155,13 @@ class ModelSelector:
         compile_time = max(map(self.compiling, new_models), default=0.0)
         if compile_time == 0.0:
             return True
-        return sum(price(reference(study_cases[n])) - price(case) for n, case in cases.items()) > compile_time
+        return (
+            sum(
+                estimated_cpu_time(reference(study_cases[n])) - estimated_cpu_time(case)
+                for n, case in cases.items()
+            )
+            > compile_time
+        )
 
     def _candidate_trials(
         self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction
@@ -178,7 +184,9 @@ class ModelSelector:
 
     def _cost(self, name: str, group: Sequence[int]) -> float:
         """Return the total cost of a candidate for the cases of a group to which it applies."""
-        return sum(price(self.candidate_cases[name][n]) for n in group if n in self.candidate_cases[name])
+        return sum(
+            estimated_cpu_time(self.candidate_cases[name][n]) for n in group if n in self.candidate_cases[name]
+        )
 
     def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
         """Check if the errors of model and friction are known, and within ``FOR_MODEL`` of the accuracy."""
@@ -193,14 +201,14 @@ class ModelSelector:
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Choose one model for the cases of a group, or several if these cost less than a third
         (``MIXED_COST_RATIO``)."""
-        costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
+        costs = {REFERENCE: {n: estimated_cpu_time(reference(self.study.cases()[n])) for n in group}}
         for name, cases in self.candidate_cases.items():
             accurate = [
                 n
                 for n in group
                 if n in cases and self._is_accurate(evidence.errors(n, cases[n]), friction.errors(n))
             ]
-            costs[name] = {n: price(cases[n]) for n in accurate}
+            costs[name] = {n: estimated_cpu_time(cases[n]) for n in accurate}
         group_costs = {
             name: sum(case_costs.values()) for name, case_costs in costs.items() if len(case_costs) == len(group)
         }

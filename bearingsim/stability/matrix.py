@@ -24,7 +24,7 @@ from bearingsim.stability.references import SCIPY, solve
 from bearingsim.stability.scene import (
     DEFECTS,
     DURATION,
-    PRINTED,
+    PAPER_STIFFNESS,
     SAMPLE_INTERVAL,
     STEEL,
     STIFFNESS_NAMES,
@@ -54,7 +54,7 @@ class Grid(NamedTuple):
 
 
 FULL = Grid(
-    k=(STEEL, 1e7, PRINTED),
+    k=(STEEL, 1e7, PAPER_STIFFNESS),
     damping=((0.0, 1e-1), (0.0, 1e1), (0.0, 1e3), (0.0, 1e6), (1.0, 1e2), (1.0, 1e4), (1.0, 1e6), (2.0, 1e6)),
     defects=tuple(DEFECTS),
     steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
@@ -64,7 +64,7 @@ FULL = Grid(
     reference_limit=6.0,
 )
 QUICK = Grid(
-    k=(STEEL, PRINTED),
+    k=(STEEL, PAPER_STIFFNESS),
     damping=((0.0, 1e-1), (0.0, 1e6), (1.0, 1e4), (1.0, 1e6)),
     defects=(HEALTHY, "0.2 mm slot"),
     steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),

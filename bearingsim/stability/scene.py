@@ -1,9 +1,9 @@
 """Scenes of the stability map: a loaded roller crosses three defects, with given stiffness and damping.
 
-The NF308 runs at 1800 rpm under 150 N for 2.2 ms from static equilibrium. The defects lie 0.6 ms apart on the
-outer race around the load line, so that one roller crosses all of them near its largest load. The first 0.5 ms are
-free of defects, so that adaptive methods reach long steps. The contact force is k delta^(10/9) + c v delta^m3 in
-all scenes.
+The NF308 runs at 1800 rpm under 150 N for 2.2 ms from static equilibrium. A roller crosses a defect of the outer
+race every 0.6 ms, around the load line, so that it meets all of them near its largest load. It enters the first
+one after 0.36 ms at the earliest, so adaptive methods have reached long steps. The contact force of a ``Scene`` is
+k delta^(10/9) + c v delta^m3.
 """
 
 from math import degrees
@@ -18,14 +18,14 @@ from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PAL
 
 DURATION = 2.2e-3  # s
 SAMPLE_INTERVAL = 1e-6  # s between compared samples
-CROSSING_TIMES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times of the roller at the middle of each defect
+CROSSING_TIMES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times at which the roller is at the middle of each defect
 LOAD = 150.0  # N
 
 STEEL = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
-"""Palmgren's coefficient of a roller of 12 mm, N/mm^(10/9)."""
-PRINTED = 1e8  # N/mm^(10/9), as printed in the paper
-STIFFNESS_NAMES = {STEEL: "steel", PRINTED: "printed"}
-"""Names of stiffnesses."""
+"""Palmgren's coefficient of a roller 12 mm long, N/mm^(10/9)."""
+PAPER_STIFFNESS = 1e8  # N/mm^(10/9), as printed in the paper
+STIFFNESS_NAMES = {STEEL: "steel", PAPER_STIFFNESS: "printed"}
+"""Names of the stiffnesses in tables and figures."""
 
 SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
 DEFECTS: dict[str, dict[str, Any]] = {
@@ -34,13 +34,14 @@ DEFECTS: dict[str, dict[str, Any]] = {
     "0.8 mm slot": {"width": "0.8 mm"},
     "0.2 mm pulse": {"width": "0.2 mm", "excitation": "rectangular-pulse"},
 }
-"""Defects by name, from none to one with step edges."""
+"""Changes of ``SLOT`` by name; an empty mapping means no defect."""
 
 
 class Scene(NamedTuple):
     """Bearing, defects and contact of a run.
 
-    model: name; defect: key of ``DEFECTS``; k (N/mm^(10/9)) and c (N s/mm^(1 + m3)): in units of multibody tools.
+    model: name; defect: key of ``DEFECTS``; k (N/mm^(10/9)), c (N s/mm^(1 + m3)) and exponent m3 of the damping
+    force, in mm as in multibody programs.
     """
 
     model: str
@@ -52,9 +53,9 @@ class Scene(NamedTuple):
 
 def scene_case(scene: Scene) -> Case:
     """Build the case of a scene, without method and step."""
-    law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
+    damping = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
     stiffness = {"law": "constant", "coefficient": scene.k, "exponent": LINE_CONTACT_EXPONENT}
-    return crossing_case(scene.model, scene.defect, {"stiffness": stiffness, "damping": law})
+    return crossing_case(scene.model, scene.defect, {"stiffness": stiffness, "damping": damping})
 
 
 def crossing_case(model: str, defect: str, contact: dict[str, Any], delay: float = 0.0) -> Case:
@@ -71,12 +72,12 @@ def crossing_case(model: str, defect: str, contact: dict[str, Any], delay: float
 
 SAMPLES = round(DURATION / SAMPLE_INTERVAL)
 TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
-"""Times (s) of the samples of a scene, without the start."""
+"""Times (s) of the samples of a scene, without t = 0."""
 
 
 def crossing_windows(model: Any) -> list[tuple[float, float]]:
     """Compute entry and exit times (s) of the roller at each defect, at kinematic speeds."""
     if len(model.defects.head) == 0:
         return []
-    half_time = float(model.defects.head[0, HALF_WIDTH]) / passing_speed(model.defects, 0, model.bearing)
-    return [(t - half_time, t + half_time) for t in CROSSING_TIMES]
+    half_duration = float(model.defects.head[0, HALF_WIDTH]) / passing_speed(model.defects, 0, model.bearing)
+    return [(t - half_duration, t + half_duration) for t in CROSSING_TIMES]

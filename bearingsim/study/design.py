@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from bearingsim.designs import EXTENSIBLE, Kind, block, cube
 from bearingsim.study.distributions import at_key, range_of, si_bounds
 from bearingsim.study.sweep import Axis, EntryError
-from bearingsim.study.words import SweepSettings
+from bearingsim.study.sweep_settings import SweepSettings
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
 

@@ -34,8 +34,7 @@ from bearingsim.study.sweep import (
     single_axis,
     unit_of,
 )
-from bearingsim.study.used import is_random
-from bearingsim.study.words import (
+from bearingsim.study.sweep_settings import (
     COMMAND_LINE_SETTINGS,
     SWEEP_SETTINGS,
     SweepSettings,
@@ -44,6 +43,7 @@ from bearingsim.study.words import (
     remove_path,
     update_setting,
 )
+from bearingsim.study.used import is_random
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
 

@@ -9,7 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 
 from bearingsim.config.fields import Path
 from bearingsim.study.paths import dimension, node_at, put
-from bearingsim.study.words import SweepSettings
+from bearingsim.study.sweep_settings import SweepSettings
 from bearingsim.text.algebra import BOOLEAN, DIMENSIONLESS, Kind, kind_of, kind_text
 from bearingsim.text.expressions import Expression, ExpressionError, read
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse

@@ -10,7 +10,7 @@ from itertools import product
 from bearingsim.config.fields import describe_value
 from bearingsim.designs import KINDS
 from bearingsim.study.paths import dimension, normal_form
-from bearingsim.study.words import SWEEP_SETTINGS, assigned_paths
+from bearingsim.study.sweep_settings import SWEEP_SETTINGS, assigned_paths
 from bearingsim.text.units import UNITS, UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 

@@ -18,7 +18,7 @@ import numpy as np
 
 import bearingsim
 from bearingsim.config import Case
-from bearingsim.selection.candidates import computed_by
+from bearingsim.selection.candidates import candidate_case
 from bearingsim.simulation import simulate, step_check
 from benchmarks.speed.report import Section, Target
 from benchmarks.speed.scenes import case
@@ -101,7 +101,7 @@ def fig16_cases(model: str) -> list[Case]:
     study = bearingsim.load_study(FIG16)
     cases = study.cases()
     numbers = np.linspace(0, len(cases) - 1, CASES_PER_MODEL).round().astype(int).tolist()
-    converted = (cases[n] if cases[n].model == model else computed_by(study, n, model) for n in numbers)
+    converted = (cases[n] if cases[n].model == model else candidate_case(study, n, model) for n in numbers)
     return [case_ for case_ in converted if case_ is not None]
 
 

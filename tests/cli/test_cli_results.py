@@ -198,7 +198,7 @@ def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
     [
         (["--features", "-", "--format", "parquet"], "only csv can go to stdout, not parquet"),
         (["--features", "-", "--series", "JOB", "--out", "-"], "only one can go to stdout"),
-        (["--out", "x.csv"], "`--out` is for time series; name a job by `--series`"),
+        (["--out", "x.csv"], "`--out` is for time series; name a job with `--series`"),
     ],
 )
 def test_unsuitable_exports_to_stdout_are_refused(done, words, message):

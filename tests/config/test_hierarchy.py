@@ -34,22 +34,26 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     (IMPULSES, "impulse", "`impulse-train` is a force history"),
     (IMPULSES | {"record": ["ring.acceleration"]}, "impulse", "a force history"),
     (IMPULSES | {"excitation": "random-impulses", "seed": 3}, "impulse", "a force history"),
-    ({}, "static", "a healthy bearing vibrates by varying compliance"),
+    ({}, "static", "a healthy bearing vibrates due to varying compliance"),
     ({"defect": DEFECT}, "static", "`envelope` needs elastic contacts"),
     ({"defect": DEFECT | {"race": "inner"}}, "static", "`envelope` needs elastic contacts"),
     ({"defect": DEFECT | {"race": "roller"}}, "static", "`envelope` needs elastic contacts"),
     ({"defect": DEFECT, "excitation": "half-sine-pulse"}, "static", "`half-sine-pulse` needs elastic contacts"),
     ({"record": ["roller.2.inner_force"]}, "static", "a contact force is recorded"),
-    ({"load_across": "10 N"}, "static", "`load_across` turns the load"),
+    ({"load_across": "10 N"}, "static", "`load_across` changes the direction of the load"),
     ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
     ({"record": ["ring.acceleration"]}, "ring", "acceleration depends on the masses"),
     ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` needs a moving ring"),
     ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` needs a moving ring"),
-    ({"defect": DEFECT, "contact": {"damping": JUMPING}}, "rollers", "this damping law needs the mass of rollers"),
+    (
+        {"defect": DEFECT, "contact": {"damping": JUMPING}},
+        "rollers",
+        "this damping law needs the mass of the rollers",
+    ),
     (
         {"defect": DEFECT, "contact": {"damping": "kraemer"} | LINEAR},
         "rollers",
-        "this damping law needs the mass of rollers",
+        "this damping law needs the mass of the rollers",
     ),
     ({"defect": DEFECT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` needs a moving ring"),
     (
@@ -66,7 +70,7 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"defect": DEFECT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the contact force"),
     ({"defect": DEFECT, "record": ["roller.outer_force"]}, "rollers", "the impact depends on a roller's mass"),
     ({"defect": DEFECT, "record": ["ring.acceleration"]}, "rollers", "the impact depends on a roller's mass"),
-    ({"speed": "9000 rpm"}, "rollers", "centrifugal force 109 % of load"),
+    ({"speed": "9000 rpm"}, "rollers", "centrifugal force 109 % of roller load"),
     ({"ramp": {"to": "3000 rpm", "time": "1 s"}}, "planar", "a `ramp` changes the speed"),
     ({"gravity": True}, "planar", "`gravity` needs rollers"),
     ({"friction": "static-dynamic"}, "planar", "`friction` needs rollers that can slip"),
@@ -79,8 +83,8 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
     ({"rig": SPRUNG}, "spatial", "lets the outer ring tilt"),
     ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring tilt"),
-    ({"record": ["roller.2.tilt"]}, "spatial", "tilt or line load of a roller"),
-    ({"record": ["roller.outer_line_load"]}, "spatial", "tilt or line load of a roller"),
+    ({"record": ["roller.2.tilt"]}, "spatial", "the tilt of a roller is recorded"),
+    ({"record": ["roller.outer_line_load"]}, "spatial", "the line load of a roller is recorded"),
 ]
 
 
@@ -158,7 +162,7 @@ def test_keys_of_planar_are_refused_by_simpler_models(fields: dict[str, Any], mo
         ),
         (
             IMPULSES | {"model": "impulse", "friction": "traction", "load_across": "1 N"},
-            ["`friction` needs", "`load_across` turns"],
+            ["`friction` needs", "`load_across` changes"],
             "no model can compute all of this",
         ),
         (
@@ -233,5 +237,5 @@ def test_only_the_spatial_model_refuses_balls() -> None:
             assert case(**fields).model == name
             continue
         ((message, hint),) = refusals(**fields)
-        assert "balls have no axis to tilt" in message
+        assert "tilt and skew are defined for rollers, not for balls" in message
         assert hint == "the simplest one that can is `model: static`"

@@ -159,7 +159,7 @@ def test_balls_and_shared_pressure_have_no_slices() -> None:
     with pytest.raises(ValidationError) as caught:
         case(bearing="6205", record=["roller.outer_line_load"])
     (only,) = caught.value.errors()[0]["ctx"]["conflicts"]
-    assert "balls have no axis to tilt" in only.message
+    assert "tilt and skew are defined for rollers, not for balls" in only.message
     assert "not of its slices" in refusal(defect=DEFECT, excitation="pressure-share")[0]
 
 

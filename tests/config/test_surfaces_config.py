@@ -87,7 +87,7 @@ def test_wrong_surfaces_are_refused_with_a_remedy(what):
 
 def test_a_model_without_form_is_refused():
     messages = refusals({"outer": SPECTRUM}, model="impulse", defect=SLOT)
-    assert any("needs a model with form of the surfaces" in message for message in messages)
+    assert any("needs a model that includes surface form" in message for message in messages)
 
 
 def test_implicit_methods_of_rollers_that_slip_are_refused():

@@ -4,7 +4,7 @@ from io import BytesIO
 
 from matplotlib.figure import Figure
 
-from bearingsim.plots.style import drawing, take_literally
+from bearingsim.plots.style import disable_invalid_math, drawing
 
 
 def test_text_that_is_no_formula_is_drawn_literally() -> None:
@@ -15,7 +15,7 @@ def test_text_that_is_no_formula_is_drawn_literally() -> None:
         ax.plot([1.0, 1e4], [1.0, 2.0], label=r"$\frac$")
         ax.legend()
         title, formula = canvas.suptitle(r"5 $ and \x$"), ax.set_title(r"$v_\mathrm{rms}$")
-        take_literally(canvas)
+        disable_invalid_math(canvas)
         canvas.savefig(BytesIO(), format="svg")
     assert not title.get_parse_math()
     assert formula.get_parse_math()

@@ -50,11 +50,11 @@ def test_candidates_are_in_descending_order(write: Write, costs: dict[str, float
 def test_lower_model_has_cage_of_reference(write: Write) -> None:
     """Without slip neither slips; with slip `planar` would not be periodic, and differ by the slip."""
     study = accuracy_study(write, OFFSET)
-    own, planar = study.cases()[0], candidates.computed_by(study, 0, "planar")
+    own, planar = study.cases()[0], candidates.candidate_case(study, 0, "planar")
     assert planar is not None
     assert (planar.model, planar.cage, planar.friction) == ("planar", own.cage, own.friction)
     free = accuracy_study(write, OFFSET + "cage: {pocket_clearance: 0.1 mm}\n")
-    below = candidates.computed_by(free, 0, "planar")
+    below = candidates.candidate_case(free, 0, "planar")
     assert below is not None
     assert below.cage == free.cases()[0].cage
     assert below.cage is not None
@@ -90,7 +90,7 @@ def test_candidates_are_independent_of_other_cases(write: Write, costs: dict[str
     )
     study = accuracy_study(write, text)
     assert study.cases()[0].model == "spatial"
-    half = [candidates.computed_by(study, n, HALF) for n in range(2)]
+    half = [candidates.candidate_case(study, n, HALF) for n in range(2)]
     assert [case.contact.slices for case in half if case is not None] == [5, 10]
     result = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
     more = accuracy_study(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
@@ -107,7 +107,8 @@ def test_reference_of_flexible_ring_has_twice_the_harmonics(write: Write) -> Non
     assert own is not None
     assert above is not None
     assert int(above.harmonics) == 2 * int(own.harmonics)
-    assert list(candidates.ladder(case)) == [candidates.GIVEN_HARMONICS, "8 harmonics", "ring", "static"]
+    names = [candidates.GIVEN_HARMONICS, "8 harmonics", "ring", "static"]
+    assert list(candidates.candidate_changes(case)) == names
     assert candidates.reference(accuracy_study(write).cases()[0]) == accuracy_study(write).cases()[0]
 
 
@@ -115,8 +116,8 @@ def test_reference_of_sliced_roller_has_twice_the_slices(write: Write) -> None:
     case = accuracy_study(write, SPATIAL).cases()[0]
     assert (case.model, case.contact.slices) == ("spatial", 24)
     assert candidates.reference(case).contact.slices == 48
-    assert list(candidates.ladder(case))[:4] == [SAID, HALF, QUARTER, SIXTH]
-    assert candidates.computed_by(accuracy_study(write, SPATIAL), 0, SAID) == case
+    assert list(candidates.candidate_changes(case))[:4] == [SAID, HALF, QUARTER, SIXTH]
+    assert candidates.candidate_case(accuracy_study(write, SPATIAL), 0, SAID) == case
     most = accuracy_study(write, SPATIAL + "contact: {slices: 40}\n").cases()[0]
     assert candidates.reference(most).contact.slices == 48
 

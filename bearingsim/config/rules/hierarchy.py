@@ -19,14 +19,12 @@ from bearingsim.core.geometry.kinematics import cage_speed
 if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
-STRIBECK = 4.08  # largest roller load relative to F/Z, for line contacts without clearance (balls: 4.37)
-MIN_CENTRIFUGAL_SHARE = (
-    0.1  # centrifugal force of a roller above which inertia is needed, relative to the largest load
-)
+STRIBECK = 4.08  # largest roller load over F/Z, for line contacts without clearance; also used for balls (4.37)
+MIN_CENTRIFUGAL_SHARE = 0.1  # least centrifugal force, over the largest roller load, that needs roller inertia
 
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
-"""Remedy of a run without progress: without roller mass, a ring that lifts off closes its contacts in ever smaller
-and faster impacts (docs/stability.md)."""
+"""Reason to advise a model with roller mass if a run stalls: without it, a ring that has lifted off closes its
+contacts in ever smaller and more frequent impacts (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
 
@@ -73,7 +71,7 @@ def omitted_needs(case: "CaseFields") -> list[Need]:
 
 
 def specifies_slip(case: "CaseFields") -> bool:
-    """Check if a case specifies cage, friction or drag, or records slip or the cage."""
+    """Check if a case specifies cage, drag or friction (other than `none`), or records slip or cage motion."""
     is_specified = any(_is_specified(case, name) for name in ("cage", "friction", "drag"))
     slips = ("slip", "cage")
     return is_specified or any(
@@ -82,7 +80,10 @@ def specifies_slip(case: "CaseFields") -> bool:
 
 
 def has_default_friction(case: "CaseFields") -> bool:
-    """Check if the model of a case computes slip, but the case specifies neither friction, cage nor drag."""
+    """Check if the model of a case computes slip, but the case neither specifies nor records it.
+
+    It specifies slip by `friction` (also `none`), `cage` or `drag`.
+    """
     slips = catalogue.MODELS[case.model].slips
     return slips and not specifies_slip(case) and "friction" not in case.model_fields_set
 
@@ -122,7 +123,7 @@ def _defect_needs(case: "CaseFields") -> Iterator[Need]:
         reason = f"`{case.excitation}` needs elastic contacts"
         yield Need("shapes", reason, excitation)
     else:
-        yield Need("balance", "a healthy bearing vibrates by varying compliance", (("defects",),))
+        yield Need("balance", "a healthy bearing vibrates due to varying compliance", (("defects",),))
     if case.defects and case.excitation in STIFFNESS_EXCITATIONS:
         reason = f"`{case.excitation}` changes the contact force, which needs the mass of a ring"
         yield Need("weakened contact", reason, excitation)
@@ -142,7 +143,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
     ("drag", "drag", "`drag` needs rollers and a cage that can slip"),
     ("shaft", "shaft", "a `shaft` needs a moving inner ring"),
     ("unbalance", "shaft", "an `unbalance` needs a moving inner ring"),
-    ("surfaces", "form", "`surfaces` needs a model with form of the surfaces"),
+    ("surfaces", "form", "`surfaces` needs a model that includes surface form"),
     ("misalignment", "tilting rings", "a `misalignment` loads the rollers unevenly along their length"),
 )
 
@@ -154,7 +155,7 @@ def _section_needs(case: "CaseFields") -> Iterator[Need]:
     if case.gravity:
         yield Need("gravity", "`gravity` needs rollers that can slip", (("gravity",),))
     if case.load_across != 0.0:
-        yield Need("a second load", "`load_across` turns the load direction", (("load_across",),))
+        yield Need("a second load", "`load_across` changes the direction of the load", (("load_across",),))
     if case.rig.ring is not None:
         paths: tuple[Path, ...] = (("rig", "ring", "bends"), ("rig", "ring"), ("rig",))
         yield Need("bending ring", "`rig.ring` lets the outer ring bend", paths)
@@ -172,10 +173,10 @@ def _section_needs(case: "CaseFields") -> Iterator[Need]:
 
 def _shape_needs(case: "CaseFields") -> Iterator[Need]:
     if case.bearing.roller_profile.shape != "straight":
-        reason = "`roller_profile` needs the load along the roller"
+        reason = "`roller_profile` needs the load distribution along the roller"
         yield Need("profile", reason, (("bearing", "roller_profile"), ("bearing",)))
     if case.bearing.element == "ball":
-        yield Need("balls", "balls have no axis to tilt", (("bearing",),))
+        yield Need("balls", "tilt and skew are defined for rollers, not for balls", (("bearing",),))
 
 
 def _is_specified(case: "CaseFields", name: str) -> bool:
@@ -200,16 +201,11 @@ _RECORD_ABILITIES = {
     "cage.position": ("cage", "the motion of the cage is recorded"),
     "inner.displacement": ("shaft", "the motion of the inner ring is recorded"),
     "load_zone.rollers": ("forces", "the load zone is recorded"),
-    **dict.fromkeys(
-        (
-            "roller.tilt",
-            "roller.skew",
-            "roller.axial",
-            "roller.flange_force",
-            *(f"roller.{x}" for x in LINE_LOADS),
-        ),
-        ("tilt", "tilt or line load of a roller is recorded"),
-    ),
+    "roller.tilt": ("tilt", "the tilt of a roller is recorded"),
+    "roller.skew": ("tilt", "the skew of a roller is recorded"),
+    "roller.axial": ("tilt", "the axial motion of a roller is recorded"),
+    "roller.flange_force": ("tilt", "the flange force of a roller is recorded"),
+    **dict.fromkeys((f"roller.{load}" for load in LINE_LOADS), ("tilt", "the line load of a roller is recorded")),
     **dict.fromkeys(
         ("ring.axial", "ring.lean", "inner.axial", "inner.lean", "cage.axial", "cage.lean"),
         ("tilting rings", "the out-of-plane motion of a ring is recorded"),
@@ -226,7 +222,7 @@ def _record_needs(case: "CaseFields") -> Iterator[Need]:
 
 
 def _mass_needs(case: "CaseFields") -> Iterator[Need]:
-    """Yield the needs for roller inertia: impacts in a defect, damping laws that jump, centrifugal force."""
+    """Yield the needs for roller inertia: impacts at a defect, jumps of the damping force, centrifugal force."""
     channels = [without_numbers(name) for name in case.record]
     records_impacts = any(name.startswith("roller.") or name.endswith(".acceleration") for name in channels)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and records_impacts:
@@ -235,19 +231,19 @@ def _mass_needs(case: "CaseFields") -> Iterator[Need]:
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and case.contact.jumps:
         yield Need(
             "roller inertia",
-            "this damping law needs the mass of rollers",
+            "this damping law needs the mass of the rollers",
             (("contact", "damping"),),
             required=False,
         )
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
     if force > MIN_CENTRIFUGAL_SHARE * load:
-        reason = f"centrifugal force {100.0 * force / load:.0f} % of load"
+        reason = f"centrifugal force {100.0 * force / load:.0f} % of roller load"
         yield Need("roller inertia", reason, (("speed",), ("load",)), required=False)
 
 
 def _centrifugal_force(case: "CaseFields") -> float:
-    """Compute m omega_c^2 d_m/2 (N) of one rolling element at the highest speed."""
+    """Compute the centrifugal force m omega_c^2 d_m/2 (N) of a rolling element at the highest speed."""
     bearing = case.bearing
     speed = max(case.speed, case.ramp.to) if case.ramp else case.speed
     omega = cage_speed(speed, bearing.roller_diameter, bearing.pitch_diameter)

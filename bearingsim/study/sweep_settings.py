@@ -1,4 +1,4 @@
-"""Keys of a sweep that are not paths: designs, `derived`, `where` and `repeat`."""
+"""Settings of a sweep, that is, its keys that are not paths: designs, `derived`, `where` and `repeat`."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,22 +8,22 @@ from bearingsim.study.paths import normal_form
 from bearingsim.text.yamlfile import Node
 
 SWEEP_SETTINGS = (*KINDS, "derived", "where", "repeat")
-COMMAND_LINE_SETTINGS = ("repeat", *(f"{kind}.{word}" for kind in KINDS for word in ("n", "seed")))
-"""Keys that `--set` can change."""
+COMMAND_LINE_SETTINGS = ("repeat", *(f"{kind}.{name}" for kind in KINDS for name in ("n", "seed")))
+"""Keys that `--set` can change, in addition to paths."""
 
 SweepSettings = dict[str, Node]
-"""Entries of these keys in a study."""
+"""Entries of a study, by key of ``SWEEP_SETTINGS``."""
 
 
 def update_setting(settings: SweepSettings, key: str, node: Node) -> SweepSettings:
-    """Update one key. A design replaces a design of another kind, and is merged with one of the same kind."""
-    others = {
+    """Set a key. A design replaces a design of another kind, and is merged with one of the same kind."""
+    retained = {
         name: entry for name, entry in settings.items() if name == key or key not in KINDS or name not in KINDS
     }
-    previous = others.get(key)
+    previous = retained.get(key)
     if previous is not None and previous.mapping and node.mapping:
         node = replace(node, value=previous.mapping | node.mapping)
-    return others | {key: node}
+    return retained | {key: node}
 
 
 def assigned_paths(settings: Mapping[str, Node]) -> set[str]:
@@ -34,7 +34,7 @@ def assigned_paths(settings: Mapping[str, Node]) -> set[str]:
 
 
 def remove_path(settings: SweepSettings, path: str) -> SweepSettings:
-    """Remove a path, in any spelling, from all keys; remove keys that are left without paths."""
+    """Remove a path, in any spelling, from all keys; remove keys without remaining paths."""
     remaining: SweepSettings = {}
     for setting, node in settings.items():
         entries = assigned_entries(setting, node)
@@ -47,7 +47,7 @@ def remove_path(settings: SweepSettings, path: str) -> SweepSettings:
 
 
 def assigned_entries(setting: str, node: Node) -> dict[str, Node]:
-    """Return the paths to which a key assigns values, with their entries."""
+    """Return the entries of a key by the path to which each assigns values."""
     if setting in KINDS:
         return node.mapping["over"].mapping if "over" in node.mapping else {}
     if setting == "repeat":
@@ -56,7 +56,7 @@ def assigned_entries(setting: str, node: Node) -> dict[str, Node]:
 
 
 def _with_entries(setting: str, node: Node, entries: dict[str, Node]) -> Node:
-    """Return the entry of a design or `derived`, restricted to these paths."""
+    """Return a design or `derived` with these entries only."""
     if setting not in KINDS:
         return replace(node, value=entries)
     return replace(node, value=node.mapping | {"over": replace(node.mapping["over"], value=entries)})
