@@ -316,7 +316,11 @@ def slice_row(k, i):
 
 
 def lane_of(cells: np.ndarray) -> np.ndarray:
-    """Return the roller (from 0) in whose lane each of ``cells`` of the buffer lies; -1 for shared cells."""
+    """Return the roller (from 0) in whose lane each of ``cells`` of the buffer lies; -1 for shared cells.
+
+    Between COS_0 and LOADED_ROLLERS lanes must begin at a multiple of ROW. Those of ``linearise``, ``roller_load``
+    and STAGE begin FIRST_LANE later, and the cells F_X to M_INNER count as lanes: none of these can be recorded.
+    """
     starts_with_lanes = (cells >= COS_0) & (cells < LOADED_ROLLERS)  # rows that begin with the lanes
     lane = cells % ROW - np.where(starts_with_lanes, 0, FIRST_LANE)
     return np.where((lane >= 0) & (lane < MAX_ROLLERS), lane, -1)
@@ -325,7 +329,8 @@ def lane_of(cells: np.ndarray) -> np.ndarray:
 def free_rows(owner: str) -> dict[str, list[int]]:
     """Return the rows of WORK and of JACOBIAN_WORK, counted from either, that ``owner`` may declare.
 
-    A new model passes the names of the models and parts whose functions it calls, separated by blanks.
+    A new model passes the names of the models and parts whose functions it calls, separated by blanks. Only rows
+    of imported modules are known.
     """
     owners = {*owner.split(), ALL_OWNERS}
     occupied = {

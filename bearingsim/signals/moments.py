@@ -11,7 +11,7 @@ def statistics(series: np.ndarray, weights: np.ndarray | None = None) -> dict[st
     """
     centred = series - np.average(series, weights=weights)
     peak, largest = (max(values.max(), -values.min()) for values in (centred, series))
-    squares = np.square(centred, out=centred)
+    squares = np.square(centred, out=centred)  # in place: moments of odd order come before
     mean_square = np.average(squares, weights=weights)
     varies = peak > 1e-12 * largest  # smaller values are rounding errors
     fourth_moment = np.average(np.square(squares, out=squares), weights=weights)
