@@ -97,12 +97,17 @@ def _audit_case(case: Case, choice: Choice) -> Case:
 
 
 def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
-    """Draw a seeded sample of the jobs of other models, to be computed again by their references."""
+    """Draw a seeded sample of the jobs of other models, to be computed again by their references.
+
+    Each job has a random rank of its own, so that further cases hardly change the sample: otherwise a failed audit
+    would be dropped from an extended study, and the accuracy restored.
+    """
     replaced = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
     if not replaced:
         return []
     sample_size = min(len(replaced), max(MIN_AUDITED, round(AUDITED_SHARE * len(replaced))))
-    sample = Random(references[0].seed).sample(replaced, sample_size)
+    seed = references[0].seed
+    sample = sorted(replaced, key=lambda job: Random(f"{seed} {job[0]}").random())[:sample_size]
     return [_audit(study, name, case) for name, case in sample]
 
 

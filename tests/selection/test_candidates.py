@@ -172,6 +172,20 @@ def test_audited_cases_are_drawn_by_seed(write: Write) -> None:
     assert nothing.audits == ()
 
 
+def test_a_further_case_replaces_at_most_one_audit(write: Write) -> None:
+    """A failed audit would otherwise be dropped from an extended study, and the accuracy restored."""
+    loads = [f"{100 + n} N" for n in range(10)]
+
+    def audited(values: list[str]) -> set[str]:
+        result = with_choice(accuracy_study(write, TEXT.replace("150 N, 300 N, 450 N", ", ".join(values))), "static")
+        assert result.selection is not None
+        return {audit.of for audit in result.selection.audits}
+
+    sample = audited(loads)
+    for further in ("90 N", "95 N", "98 N"):
+        assert len(audited([further, *loads]) & sample) >= choices.MIN_AUDITED - 1
+
+
 def test_audit_of_change_from_healthy_has_healthy_job(write: Write) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     result = with_choice(accuracy_study(write, text), "static")
