@@ -83,10 +83,17 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
 def error_parts(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "dict[str, pd.DataFrame]":
     """Return the columns ``ERROR_PARTS`` by case for each requested feature, infinite where unknown.
 
-    NaN for cases that are not done, and for the change from healthy of a healthy bearing.
+    NaN for cases that are not done, and for the change from healthy of a healthy bearing. If the audit of a case
+    has found more than their sum and its scatter, `error.model` is larger by the rest.
     """
     cases = [job for job in plan["accuracy"]["jobs"] if job in frame.index]
-    return {feature: _parts(plan, frame, feature).loc[cases] for feature in plan["accuracy"]["of"]}
+    parts = {feature: _parts(plan, frame, feature).loc[cases] for feature in plan["accuracy"]["of"]}
+    for audit in audit_results(plan, frame):
+        errors = parts[audit.feature]
+        rest = audit.difference - audit.scatter - errors.drop(columns="error.model").sum(axis=1, skipna=False)
+        is_larger = (errors.index == audit.job) & (rest > errors["error.model"])
+        errors["error.model"] = errors["error.model"].mask(is_larger, rest)
+    return parts
 
 
 def total_errors(parts: "Mapping[str, pd.DataFrame]") -> "pd.Series[float]":

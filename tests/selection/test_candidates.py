@@ -177,7 +177,9 @@ def test_a_further_case_replaces_at_most_one_audit(write: Write) -> None:
     loads = [f"{100 + n} N" for n in range(10)]
 
     def audited(values: list[str]) -> set[str]:
-        result = with_choice(accuracy_study(write, TEXT.replace("150 N, 300 N, 450 N", ", ".join(values))), "static")
+        result = with_choice(
+            accuracy_study(write, TEXT.replace("150 N, 300 N, 450 N", ", ".join(values))), "static"
+        )
         assert result.selection is not None
         return {audit.of for audit in result.selection.audits}
 

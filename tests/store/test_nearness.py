@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.runner.promises import accuracy_notes, withdrawals
-from bearingsim.store.nearness import audit_results, error_bounds, scales, withdrawn_errors
+from bearingsim.store.nearness import audit_results, error_bounds, feature_bounds, scales, withdrawn_errors
 from bearingsim.study.uncertainty import RIGID_RING
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
@@ -197,7 +197,7 @@ def test_failed_audit_withdraws_the_accuracy_of_its_curve() -> None:
     assert withdrawn_errors(goal, results) == pytest.approx({"a": 0.2, "b": 0.2})
     bounds = error_bounds(goal, results)
     assert bounds["error"].iloc[:3].tolist() == pytest.approx([0.2, 0.2, 0.01])
-    assert bounds["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
+    assert bounds["error.model"].iloc[:3].tolist() == pytest.approx([0.2, 0.01, 0.01])
     assert list(withdrawals(goal, results)) == [
         "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO is 20 % different from its reference",
         "  in job a; `model: reference` instead of `accuracy` computes all cases with the reference",
@@ -205,6 +205,28 @@ def test_failed_audit_withdraws_the_accuracy_of_its_curve() -> None:
     assert list(accuracy_notes(goal, results)) == [
         "1 of the other 1 cases are within 5 % according to their trials"
     ]
+
+
+def test_error_of_an_audited_case_is_at_least_the_difference_found() -> None:
+    """Job `a` is 4 % of the largest value off, within the accuracy; its trial has promised 1 %."""
+    goal = plan([LINE, RMS], {LINE: 0.01, RMS: 0.01}, audits=AUDIT)
+    columns = {LINE: [1.0, 2.0, 2.0, 1.08], RMS: [1.0, 1.0, 1.0, 1.005]}
+    bounds = error_bounds(goal, frame(columns))
+    assert bounds["error"].iloc[:3].tolist() == pytest.approx([0.04, 0.01, 0.01])
+    assert feature_bounds(goal, frame(columns)).loc["a"].to_dict() == pytest.approx({LINE: 0.04, RMS: 0.01})
+    assert not withdrawn_errors(goal, frame(columns))
+
+
+def test_scatter_explains_the_difference_of_an_audit() -> None:
+    """Two standard errors of both runs are 0.02 of the largest value, the rest of 0.04 is due to the model."""
+    goal = plan([LINE], {LINE: 0.01}, audits=AUDIT)
+    scatter = 0.01 * 2.0 / 2.0**0.5
+    columns = {
+        LINE: [1.0, 2.0, 2.0, 1.08],
+        f"{LINE}-scatter": [scatter, 0, 0, scatter],
+        "chaotic": [1.0, 0, 0, 1.0],
+    }
+    assert error_bounds(goal, frame(columns))["error.model"].iloc[0] == pytest.approx(0.02 - scatter / 2.0)
 
 
 @pytest.mark.parametrize(("audit", "is_failed"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])
