@@ -265,6 +265,8 @@ def test_a_balls_defect_may_be_longer_than_its_contact() -> None:
         ({"rollers": 2}, "from 3 to 104"),
         ({"outside_diameter": 0.0769}, "outside the outer ring"),
         ({"bore": 0.0531}, "inside the bore"),
+        ({"roller_length": 0.0231}, r"a roller of 23.1 mm is longer than the rings are wide \(23 mm\)"),
+        (BALL | {"width": 0.0119}, "a ball of 12 mm is longer than the rings are wide"),
         ({"roller_length": None}, "a roller bearing needs `roller_length`"),
         ({"inner_groove_radius": 0.0062}, "a roller bearing has no `inner_groove_radius`"),
         ({"element": "ball"}, "a ball bearing has no `roller_length`"),

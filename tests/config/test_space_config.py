@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from bearingsim import assemble
 from bearingsim.assemble import space
-from bearingsim.config import Case, dataset_names
+from bearingsim.config import Bearing, Case, dataset_names
 from bearingsim.config.rules.completion import slice_count, slice_ends
 from bearingsim.core.geometry.slices import MAX_SLICES, WEIGHT, ZETA, slice_edges
 from bearingsim.core.parts.cage_in_space import CageInPlane
@@ -86,6 +86,33 @@ def test_missing_or_unknown_keys_of_a_profile_are_refused() -> None:
     ):
         with pytest.raises(ValidationError, match=words):
             profiled(**profile)
+
+
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        ({"roller_profile": {"shape": "crowned", "drop": 5e-6, "straight_length": 0.012}}, "leaves no crown"),
+        ({"roller_profile": "logarithmic", "roller_diameter": 4.7e-3}, "at most 2.5 diameters"),
+        ({"flanges": {"inner": 2, "height": 0.012}}, "flanges of 12 mm do not fit between the races, 12 mm apart"),
+        ({"flanges": {"inner": 2, "outer": 1, "height": 0.006}}, "flanges of 6 mm do not fit"),
+    ],
+)
+def test_profile_and_flanges_must_fit_the_roller(change: dict[str, Any], part: str) -> None:
+    bearing = case().bearing.model_dump()
+    with pytest.raises(ValidationError, match=part):
+        Bearing.model_validate(bearing | change)
+
+
+def test_longest_profile_and_highest_flanges_that_fit() -> None:
+    bearing = case().bearing.model_dump()
+    fitting: list[dict[str, Any]] = [
+        {"roller_profile": {"shape": "crowned", "drop": 5e-6, "straight_length": 0.0119}},
+        {"roller_profile": "logarithmic", "roller_diameter": 4.8e-3},
+        {"flanges": {"inner": 2, "height": 0.0119}},
+        {"flanges": {"inner": 2, "outer": 1, "height": 0.0059}},
+    ]
+    for change in fitting:
+        Bearing.model_validate(bearing | change)
 
 
 def test_nf308_has_two_inner_flanges_and_one_outer_flange() -> None:

@@ -40,6 +40,9 @@ from bearingsim.text.units import show
 
 Element = Literal["roller", "ball"]
 
+MAX_LOGARITHMIC_LENGTH = 2.5
+"""Length of a roller over its diameter up to which ISO/TS 16281 defines the logarithmic profile by one formula."""
+
 _GROOVES = ("inner_groove_radius", "outer_groove_radius")
 _ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
@@ -170,6 +173,37 @@ class Bearing(Section):
         if pitch - roller <= self.bore:
             race = show(pitch - roller, "mm")
             refuse("bore", f"the inner race ({race}) is inside the bore", at="bore")
+        length = roller if self.roller_length is None else self.roller_length
+        if length > self.width:
+            size, width = show(length, "mm"), show(self.width, "mm")
+            refuse("width", f"a {self.element} of {size} is longer than the rings are wide ({width})", at="width")
+        return self
+
+    @model_validator(mode="after")
+    def _check_profile(self) -> "Bearing":
+        length, straight = self.roller_length, self.roller_profile.straight_length or 0.0
+        if length is None:
+            return self
+        if self.roller_profile.shape == "crowned" and straight >= length:
+            message = (
+                f"a straight part of {show(straight, 'mm')} leaves no crown on a roller of {show(length, 'mm')}"
+            )
+            refuse("crown", message, "use a shorter one", at="roller_profile")
+        ratio = round(length / self.roller_diameter, 9)
+        if self.roller_profile.shape == "logarithmic" and ratio > MAX_LOGARITHMIC_LENGTH:
+            message = f"this profile is defined for rollers of at most {MAX_LOGARITHMIC_LENGTH:g} diameters"
+            refuse("long", message, "use `shape: crowned`", at="roller_profile")
+        return self
+
+    @model_validator(mode="after")
+    def _check_flanges(self) -> "Bearing":
+        flanges = self.flanges
+        if flanges is None or flanges.height is None:
+            return self
+        height = flanges.height * ((flanges.inner > 0) + (flanges.outer > 0))
+        if round(height / self.roller_diameter, 9) >= 1.0:
+            size, gap = show(flanges.height, "mm"), show(self.roller_diameter, "mm")
+            refuse("flanges", f"flanges of {size} do not fit between the races, {gap} apart", at="flanges")
         return self
 
 

@@ -30,7 +30,7 @@ class Profile(Section):
     """Profile of a roller: reduction of its radius towards the ends.
 
     `crowned`: zero up to the ends of `straight_length`, then a parabola.
-    `logarithmic`: 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)].
+    `logarithmic`: 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)], for rollers of L_w <= 2.5 D_w.
     """
 
     shape: Annotated[ProfileShape, one_of(*get_args(ProfileShape))] = "straight"
