@@ -11,8 +11,8 @@ import numpy as np
 
 from bearingsim.assemble import bending, contacts, defects, form, free, geometry, scales, space
 from bearingsim.assemble.anchor import bracket_anchor
-from bearingsim.assemble.reduced import bearing_of, healthy_case, static_case
-from bearingsim.assemble.rest import static_model
+from bearingsim.assemble.reduced import bearing_of, healthy_case, static_case, waveless_case
+from bearingsim.assemble.rest import largest_load, static_model
 from bearingsim.catalogue import METHODS, MODELS, call, code
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
@@ -25,7 +25,11 @@ from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_in_cpu_time, solve_initial_equilibrium
 from bearingsim.core.models.interface import ModelKind
-from bearingsim.core.models.spatial_equilibrium import mean_spatial_equilibrium, solve_spatial_equilibrium
+from bearingsim.core.models.spatial_equilibrium import (
+    MeanSpatialEquilibrium,
+    mean_spatial_equilibrium,
+    solve_spatial_equilibrium,
+)
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Support
 from bearingsim.core.parts.bending import RigidRing
@@ -41,6 +45,7 @@ __all__ = [
     "kind",
     "kind_of_method",
     "kind_of_model",
+    "largest_line_load",
     "method",
     "method_kind",
     "model",
@@ -168,16 +173,26 @@ def ring_anchor(case: Case) -> tuple[float, float]:
     if not space.unevenly_loaded(case):
         return bracket_anchor(case)
     smooth = static_case(case).model_copy(update={"surfaces": None})
-    anchor = anchor_in_space(smooth)
+    anchor = equilibrium_in_space(smooth)
     if case.surfaces is None:
-        return anchor
+        return anchor.x, anchor.y
     moved, unmoved = bracket_anchor(static_case(case)), bracket_anchor(smooth)
-    return anchor[0] + moved[0] - unmoved[0], anchor[1] + moved[1] - unmoved[1]
+    return anchor.x + moved[0] - unmoved[0], anchor.y + moved[1] - unmoved[1]
+
+
+def largest_line_load(case: Case) -> float:
+    """Compute the largest static line load (N/m) of the healthy, smooth bearing without bracket, over a ball pass.
+
+    It is that of a slice with profile or misalignment, and the mean over the roller's length without.
+    """
+    if not space.unevenly_loaded(case):
+        return largest_load(case) / contacts.roller_length(case)
+    return equilibrium_in_space(static_case(waveless_case(case))).line_load
 
 
 @lru_cache(maxsize=256)
-def anchor_in_space(case: Case) -> tuple[float, float]:
-    """Compute the mean position (m, m) over a ball pass of a ring with unevenly loaded rollers."""
+def equilibrium_in_space(case: Case) -> MeanSpatialEquilibrium:
+    """Compute the static equilibrium over a ball pass of a bearing with unevenly loaded rollers."""
     ring_load = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     fields = {
         name: PARAMETER_BUILDERS[name](case) for name in _builder_fields(spatial.Spatial) if name != "support"
@@ -185,8 +200,7 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     bearing = undamped(spatial.Spatial(support=ring_load, **fields))
     y = empty_buffer(bearing)
     solve_in_cpu_time(solve_initial_equilibrium, static_model(bearing), 0.0, y)
-    equilibrium = mean_spatial_equilibrium(bearing, y)
-    return equilibrium.x, equilibrium.y
+    return mean_spatial_equilibrium(bearing, y)
 
 
 def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:

@@ -5,7 +5,9 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy.optimize import root
 
 from bearingsim import store
 from bearingsim.config import Case
@@ -16,6 +18,8 @@ from bearingsim.study.ranges import (
     contact_pressure,
     frequency,
     omission_warnings,
+    pressure,
+    range_warnings,
     shortest_crossing,
     static_rating,
 )
@@ -64,6 +68,45 @@ def test_contact_pressure_at_the_static_rating_is_4_gpa(name: str) -> None:
     rated, bearing = case(name), case(name).bearing
     force = 5.0 * static_rating(rated) / bearing.rollers
     assert contact_pressure(bearing, force) == pytest.approx(4e9, rel=0.01)
+
+
+def line_load_between_tilted_rings(tilt: float, load: float, count: int = 24) -> float:
+    """Compute the largest line load (N/m) of an NF308 whose inner ring is tilted (rad) towards the load (N).
+
+    Rollers without mass share the approach equally between Palmgren's contacts of both races, slice by slice; two
+    forces on the outer ring balance. Terms of second order in the tilt are neglected.
+    """
+    length, pitch = 12e-3, 2.0 * np.pi / 13
+    z = length * ((np.arange(count) + 0.5) / count - 0.5)
+
+    def line_loads(position: Any, angles: Any) -> Any:
+        radial = -position[0] * np.cos(angles) - position[1] * np.sin(angles)
+        approach = np.maximum(radial[:, np.newaxis] + tilt * np.outer(np.cos(angles), z), 0.0) / 2.0
+        return (1e3 * approach / 3.84e-5) ** (10 / 9) * 12 ** (8 / 9) / length
+
+    def net_force(position: Any, angles: Any) -> Any:
+        forces = line_loads(position, angles).mean(axis=1) * length
+        return [forces @ np.cos(angles) - load, forces @ np.sin(angles)]
+
+    largest = 0.0
+    for part in (np.arange(32) + 0.5) / 32:
+        angles = pitch * (part + np.arange(13))
+        solution = root(net_force, [-1e-7, 0.0], args=(angles,), tol=1e-12)
+        assert np.hypot(*net_force(solution.x, angles)) < 1e-6 * load
+        largest = max(largest, line_loads(solution.x, angles).max())
+    return largest
+
+
+def test_pressure_of_misaligned_rollers_is_that_of_the_most_loaded_slice() -> None:
+    """With E' of both bodies and the radius at the inner race, Hertz's line contact (Johnson, 4.45)."""
+    modulus, radius = 207e9 / (2.0 * (1.0 - 0.3**2)), 1.0 / (1.0 / 6e-3 + 1.0 / 26.5e-3)
+    tilted = case("nf308", model="spatial", misalignment={"inner": "1 mrad"})
+    expected = math.sqrt(line_load_between_tilted_rings(1e-3, 150.0) * modulus / (math.pi * radius))
+    assert pressure(tilted) == pytest.approx(expected, rel=0.01)
+    assert pressure(tilted) > 2.0 * pressure(case("nf308", model="spatial"))
+    overloaded = case("nf308", model="spatial", load="30 kN", misalignment={"inner": "15 mrad"})
+    (warning,) = range_warnings([overloaded], [])
+    assert "would dent the races" in warning
 
 
 def test_lines_are_at_the_frequencies_of_freq() -> None:

@@ -24,6 +24,7 @@ import numpy as np
 from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
 from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.jit import jit
 from bearingsim.core.models.bodies_in_space import set_mounted_rings
 from bearingsim.core.models.equilibrium import NoEquilibrium, solve_2x2, solve_in_cpu_time
@@ -243,11 +244,13 @@ def solve_spatial_equilibrium(model: Any, t: float, y: np.ndarray, tilted: bool 
 
 
 class MeanSpatialEquilibrium(NamedTuple):
-    """Static equilibrium over a ball pass: mean position of the ring (m), largest force on a roller (N)."""
+    """Static equilibrium over a ball pass: mean position of the ring (m), largest force on a roller (N), largest
+    line load of a slice (N/m)."""
 
     x: float
     y: float
     load: float
+    line_load: float
 
 
 def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> MeanSpatialEquilibrium:
@@ -257,13 +260,16 @@ def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> Me
 
     Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
-    b = model.bearing
+    b, widths = model.bearing, model.L_w * model.slices.table[:, WEIGHT]
+    load_rows = [[lay.slice_row(k, race) for race in (lay.LOAD_O, lay.LOAD_I)] for k in range(len(widths))]
     pass_time = 2.0 * np.pi / (b.Z * b.omega_c)
-    load, positions = hypot(model.support.F, model.support.F_across), []
+    load, rows = hypot(model.support.F, model.support.F_across), []
     for n in range(samples):
         residual = solve_spatial_equilibrium(model, (n + 0.5) / samples * pass_time, y, tilted=n > 0)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium in space: residual {residual:g} N at a load of {load:g} N")
-        positions.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.Q_O : lay.Q_O + b.Z].max()))
-    x_mean, y_mean, _ = (float(value) for value in np.mean(positions, axis=0))
-    return MeanSpatialEquilibrium(x_mean, y_mean, float(max(largest for _, _, largest in positions)))
+        slice_loads = [max(y[row : row + b.Z].max() for row in pair) for pair in load_rows]
+        position = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+        rows.append((*position, y[lay.Q_O : lay.Q_O + b.Z].max(), (slice_loads / widths).max()))
+    x_mean, y_mean = np.mean(rows, axis=0)[:2].tolist()
+    return MeanSpatialEquilibrium(x_mean, y_mean, *np.max(rows, axis=0)[2:].tolist())
