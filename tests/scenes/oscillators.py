@@ -16,6 +16,7 @@ from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     accelerations,
     degrees_of_freedom,
+    linearise,
     monitored,
     state_width,
     update_extremes,
@@ -86,6 +87,13 @@ def _accelerations(model, t, y):
         y[lay.Q_O] = model.floor * max(-q, 0.0) ** model.n
         a += y[lay.Q_O]
     y[lay.RADIAL_A] = a if t < model.until else model.after
+
+
+@linearise.register(Oscillator)
+def _linearise(model, t, y):
+    """Fill the derivatives of the linear spring and damper, which is all that scenes of implicit methods have."""
+    y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0)] = -model.K
+    y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0)] = -model.C
 
 
 @jit

@@ -92,4 +92,5 @@ prepare.register(GeneralisedAlpha)(_prepare)
 step.register(GeneralisedAlpha)(_step)
 stability_ratio.register(GeneralisedAlpha)(no_limit)
 
-KIND = MethodKind(GeneralisedAlpha, evaluations=4, fraction=1.0, per_period=20, cusp=1 / 2, order=2, lag=0.0)
+# the force at 1 - a_f of a step is that of a midpoint rule whose interval begins at 1/2 - a_f
+KIND = MethodKind(GeneralisedAlpha, evaluations=4, fraction=1.0, per_period=20, cusp=0.5 - A_F, order=2, lag=0.0)

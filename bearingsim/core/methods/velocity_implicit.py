@@ -49,4 +49,4 @@ def _stability_ratio(method, K, C):
     return h * h * K / (4.0 + 2.0 * h * C)
 
 
-KIND = MethodKind(VelocityImplicitEuler, evaluations=1, fraction=0.25, per_period=40, cusp=1 / 2, order=1, lag=0.0)
+KIND = MethodKind(VelocityImplicitEuler, evaluations=1, fraction=0.25, per_period=40, cusp=0.99, order=1, lag=0.0)

@@ -8,7 +8,17 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.methods import dop853, dormand_prince, nystrom, rk4, stabilised
+from bearingsim.core.methods import (
+    dop853,
+    dormand_prince,
+    generalised_alpha,
+    nystrom,
+    rk4,
+    stabilised,
+    symplectic_euler,
+    velocity_implicit,
+    verlet,
+)
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.methods.interface import stability_ratio, step
@@ -103,6 +113,21 @@ def test_order_on_a_smooth_problem(method, order, steps):
     exact = at_even_steps(Dop853, model, span / 400, 400, 0.5, 0.2)
     errors = [np.abs(at_even_steps(method, model, span / n, n, 0.5, 0.2) - exact).max() for n in steps]
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.3)
+
+
+# Jumps
+
+
+@pytest.mark.parametrize(
+    "module", [generalised_alpha, nystrom, rk4, stabilised, symplectic_euler, velocity_implicit, verlet]
+)
+def test_jump_at_the_cusp_fraction_causes_no_first_order_error(module):
+    """The force turns from 1 to -1 N on 1 kg within step 11 of 40; the speed then is the time before less that
+    after it, except for 2 % of a step."""
+    method, h, steps = module.KIND.parameters, 0.01, 40
+    jump = (10 + module.KIND.cusp) * h
+    out, _ = run(method(h), Oscillator(0.0, 0.0, g=-1.0, until=jump, after=-1.0), steps, 0.0, 0.0)
+    assert out[-1, 1] == pytest.approx(jump - (steps * h - jump), abs=0.021 * h)
 
 
 # Limits
