@@ -214,9 +214,7 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 
 def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
     """Return a finer run of a periodic motion, started from the end of the coarse run to become periodic soon."""
-    fine = set_up(
-        coarse.case, coarse.step_fraction * step_ratio(coarse.grid.decimation), MAX_COST_RATIO * time_grid.MAX_CPU
-    )
+    fine = set_up(coarse.case, finer_fraction(coarse), MAX_COST_RATIO * time_grid.MAX_CPU)
     start, closeness = rewound_state(coarse, raw), ORBIT_CLOSENESS._replace(contraction=raw.repetition.contraction)
     return fine, integrate(fine, start=start, closeness=closeness, max_passes=max_finer_passes(raw))
 
@@ -289,11 +287,7 @@ def check_on_pilot(
     allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
     pilot_case = pilot_case.model_copy(update={"periodic": False, "step_check": False})
     coarse = previous.setup if previous is not None else set_up(pilot_case, step_fraction, allowed)
-    fine = set_up(
-        with_finer_tolerance(pilot_case),
-        step_fraction * step_ratio(coarse.grid.decimation),
-        MAX_COST_RATIO * allowed,
-    )
+    fine = set_up(with_finer_tolerance(pilot_case), finer_fraction(coarse), MAX_COST_RATIO * allowed)
     coarse_run = previous.signals if previous is not None else run_pilot(coarse, passes, raw=beginning(coarse))
     fine_run = run_pilot(fine, passes, raw=beginning(fine))
     finer = FinerPilot(fine, fine_run, regular or (previous is not None and previous.converges))
@@ -363,6 +357,18 @@ def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[floa
 def run_time(case: Case) -> float:
     """Return the computed time (s) of a case."""
     return case.settle_s + case.duration
+
+
+def finer_fraction(coarse: Setup) -> float:
+    """Return the fraction of the requested step for a run with ``step_ratio`` of the step of ``coarse``.
+
+    The step taken divides a fine sample, so it may be much shorter than that requested. The fraction of an
+    adaptive method scales its tolerance, which does not depend on the grid.
+    """
+    taken = coarse.step_fraction
+    if not assemble.is_adaptive(coarse.case):
+        taken = coarse.grid.step / time_grid.requested_step(coarse.case)
+    return taken * step_ratio(coarse.grid.decimation)
 
 
 def step_ratio(decimation: int) -> float:

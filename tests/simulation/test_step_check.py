@@ -278,6 +278,35 @@ def test_given_tolerance_is_checked_with_a_tenth_of_it() -> None:
     assert assemble.method(step_check.with_finer_tolerance(test_case), 1e-6).rtol == pytest.approx(1e-4)
 
 
+@pytest.mark.parametrize(
+    ("fields", "fraction"),
+    [
+        ({"step": "5 us", "sampling": "204800 Hz"}, 1.0),  # a fine sample is shorter than the step
+        ({"step": "20 us"}, 1.0),  # a fine sample is little longer than the step
+        ({"sampling": "102400 Hz"}, 1.0),
+        ({}, 2.0),
+    ],
+)
+def test_shorter_step_is_about_root_five_times_shorter(fields: dict, fraction: float) -> None:
+    """The ratio is above 2 for any sampling, so no run is compared with itself or with one of half the step."""
+    coarse = set_up(case(model="ring", method="verlet", **fields), fraction)
+    fine = set_up(coarse.case, step_check.finer_fraction(coarse))
+    assert 2.0 < coarse.grid.step / fine.grid.step <= 3.0
+    assert fine.grid.decimation == max(
+        2 * coarse.grid.decimation + 1, round(math.sqrt(5.0) * coarse.grid.decimation)
+    )
+
+
+def test_given_step_is_checked_even_if_a_fine_sample_is_shorter() -> None:
+    """A step of 1.2 us (5 us are given) changes the RMS by 0.06 %, compared with one of 0.1 us."""
+    scene = {"model": "ring", "method": "verlet", "sampling": "204800 Hz", "defect": SLOT}
+    fields = scene | {"duration": "30 ms", "settle": "20 ms"}
+    checked = simulate(case(step="5 us", **fields | {"step_check": True})).features
+    reference = simulate(case(step="0.1 us", **fields)).features
+    error = abs(checked["velocity.rms"] / reference["velocity.rms"] - 1.0)
+    assert 3e-4 < error <= checked["step_error.rms"]
+
+
 def test_step_check_detects_the_error_of_a_second_defect() -> None:
     """With half the step, both cusps could stay at the same fraction of a step, and the error would not show."""
     defects = [
