@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import labels
+from bearingsim.store.measured import difference
 from bearingsim.study.measured_values import listed
 from bearingsim.text.numbers import significant
 
@@ -42,8 +43,10 @@ def _table(results: "Results", entry: "MeasuredSet", max_rows: int) -> MeasuredT
     for item in entry.comparisons[:max_rows]:
         measured = entry.scaled(item.feature, item.measured)
         unit, factor = labels.feature_axis(item.feature, max(abs(measured), abs(item.simulated)))
-        values = measured * factor, item.simulated * factor, (item.simulated - measured) * factor
-        ratio = item.simulated / measured if measured else math.nan
+        change = difference(item.feature, item.simulated, measured)
+        values = measured * factor, item.simulated * factor, change * factor
+        has_ratio = measured != 0.0 and not item.feature.endswith(".phase")
+        ratio = item.simulated / measured if has_ratio else math.nan
         parameters = labels.swept_text({**item.parameters, **item.others}, units)
         numbers = [significant(value, 4) if math.isfinite(value) else "-" for value in (*values, ratio)]
         rows.append([item.feature, parameters, unit, *numbers, item.job[:8] or BETWEEN])

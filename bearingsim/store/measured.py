@@ -1,7 +1,7 @@
 """Measured features of a study compared with the simulated ones: at the same parameters, or between two cases."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from math import isfinite
+from math import isfinite, pi, remainder
 from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -132,8 +132,13 @@ def _value_at(cases: Sequence[Mapping[Any, Any]], parameters: Values, feature: s
         below, above = [pair for pair in numbers if pair[0] < value], [pair for pair in numbers if pair[0] > value]
         if below and above:
             (x0, y0), (x1, y1) = below[-1], above[0]
-            return "", y0 + (y1 - y0) * (value - x0) / (x1 - x0)
+            return "", y0 + difference(feature, y1, y0) * (value - x0) / (x1 - x0)
     return "", float("nan")
+
+
+def difference(feature: str, value: float, other: float) -> float:
+    """Return the difference of two values of a feature; that of two phases (rad) is from -pi to pi."""
+    return remainder(value - other, 2.0 * pi) if feature.endswith(".phase") else value - other
 
 
 def _factor(comparisons: Iterable[Comparison]) -> float:

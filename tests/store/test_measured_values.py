@@ -1,11 +1,11 @@
 """Measured features beside simulated ones: equal parameters, interpolation, factor."""
 
-from math import isclose
+from math import isclose, pi
 
 import pandas as pd
 import pytest
 
-from bearingsim.store.measured import measured_sets
+from bearingsim.store.measured import difference, measured_sets
 
 LINE, ENVELOPE, KURTOSIS = "velocity@BPFO", "envelope@BPFO", "velocity.kurtosis"
 
@@ -39,6 +39,17 @@ def test_a_point_between_cases_is_compared_with_the_straight_line():
     (item,) = entry.comparisons
     assert item.job == ""
     assert isclose(item.simulated, 461.0)
+
+
+def test_phases_are_compared_on_the_shorter_arc():
+    rows, phase = table(), f"{LINE}.phase"
+    rows[phase] = [3.0, -3.0, -2.0, 0.0][: len(rows)]
+    (entry,) = sets([{"parameters": {"load": 150.0, "width": 1.0}, "features": {phase: 3.0}}], rows)
+    (item,) = entry.comparisons
+    halfway = 3.0 + 0.5 * (2.0 * pi - 6.0)  # from 3 to -3 + 2 pi
+    assert isclose(item.simulated, halfway)
+    assert isclose(difference(phase, -3.0, 3.0), 2.0 * pi - 6.0)
+    assert difference(LINE, -3.0, 3.0) == -6.0
 
 
 @pytest.mark.parametrize("parameters", [{"load": 90.0, "width": 1.0}, {"load": 310.0, "width": 1.0}])
