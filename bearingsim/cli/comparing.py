@@ -262,7 +262,7 @@ def only_job(results: "Results") -> str:
 
 def _steady_speed(job: str, speed: "np.ndarray") -> float:
     """Return the mean of a job's speed (n,), in rad/s. Raises UserError if a ramp changes it in the record."""
-    from bearingsim.measured.tables import MAX_CHANGE
+    from bearingsim.measured.arrays import MAX_CHANGE
 
     mean = float(speed.mean())
     if speed.max() - speed.min() > MAX_CHANGE * mean:

@@ -15,6 +15,8 @@ TIMES = ("t", "time", "times", "timestamp", "zeit", "xvalue")
 SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
 OWN_SPEED = "parameters.speed"
 """End of the name of a job's speed (rad/s) in an exported file."""
+MAX_CHANGE = 0.01
+"""Largest relative change of a speed that counts as constant."""
 MIN_SAMPLES = 16
 """Smallest number of samples of a signal; shorter arrays are ignored."""
 MAX_CHANNELS = 256
@@ -57,6 +59,10 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
             if own_unit not in SECONDS:
                 raise MeasuredError(path, f"has times in `{own_unit}`: expected s, ms or us")
             times.append(Stated(SECONDS[own_unit] * values.astype(float).ravel(), f"the variable `{name}`"))
+        elif word in SPEEDS and values.size == max(values.shape):
+            speed, end = sampled_speed(values.astype(float).ravel() * pi / 30.0, f"the variable `{name}`")
+            speeds.setdefault(name.rpartition(".")[0], speed)
+            other_speed = other_speed or end
         else:
             channels |= _columns(name, values)
     if times:
@@ -67,6 +73,20 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     time, rate = times[0] if times else None, rates[0] if rates else None
     other_rate = contradiction(rates) or rate_of_other_times(times)
     return Content(channels, time, rate, speeds, _units(channels, texts), other_rate, other_speed)
+
+
+def sampled_speed(values: np.ndarray, source: str) -> tuple[Stated[float], Stated[float] | None]:
+    """Return the mean of samples (n,) of a speed (rad/s), and None; of a speed that changes, its two extremes.
+
+    Missing samples are left out.
+    """
+    known = values[~np.isnan(values)]
+    if len(known) == 0:
+        return Stated(float("nan"), source), None
+    if np.ptp(known) <= MAX_CHANGE * abs(known.mean()):
+        return Stated(float(known.mean()), source), None
+    lowest, highest = float(known.min()), float(known.max())
+    return Stated(lowest, f"the lowest in {source}"), Stated(highest, f"the highest in {source}")
 
 
 def rises(values: np.ndarray) -> bool:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.measured.arrays import TIMES, rate_of_other_times, rises, word_of
+from bearingsim.measured.arrays import MAX_CHANGE, TIMES, rate_of_other_times, rises, sampled_speed, word_of
 from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.measured.si import FACTORS, SECONDS
 from bearingsim.measured.statements import HEADER, MARKS, Statements, is_speed, speed_factor, statements
@@ -40,8 +40,6 @@ TIME_UNIT = re.compile(r"^(?P<name>t|time)[ _](?P<unit>s|ms|us)$", re.IGNORECASE
 """Header of a column of time with its unit, such as `time_ms`."""
 REMARK_HEADS = ("", "comment")
 """Headers of columns behind the last one with numbers."""
-MAX_CHANGE = 0.01
-"""Largest relative change of a speed that counts as constant."""
 
 
 class Layout(NamedTuple):
@@ -229,13 +227,13 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
             if unit.lower() not in SECONDS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
             times.append(Stated(SECONDS[unit.lower()] * column, f"the column `{header}`"))
-        elif is_speed(word_of(last), unit.lower()) and np.ptp(column) <= MAX_CHANGE * abs(column.mean()):
+        elif is_speed(word_of(last), unit.lower()):
             factor = speed_factor(word_of(last), unit.lower())
-            speed = Stated(factor * float(column.mean()), f"the column `{header}`")
+            speed, end = sampled_speed(factor * column, f"the column `{header}`")
             stated_speed = speeds.get(owner, speed)
             if abs(speed.value - stated_speed.value) > MAX_CHANGE * abs(speed.value):
                 other_speed = stated_speed
-            speeds[owner] = speed
+            speeds[owner], other_speed = speed, end or other_speed
         elif name or not _counts(column):
             if name in channels:
                 raise MeasuredError(path, f"has two columns `{name}`: rename or remove one of them")

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from bearingsim.measured import MeasuredError, read
+from bearingsim.measured import MeasuredError, Request, read
 
 RATE = 12800.0
 COUNT = 4096
@@ -118,11 +118,26 @@ def test_other_tables_are_refused_with_the_reason(tmp_path, name):
         read(tmp_path / "a.csv")
 
 
-def test_a_speed_that_changes_is_a_channel(tmp_path):
-    (tmp_path / "a.csv").write_text("time,acc,rpm\n" + rows(T, X, np.linspace(1000.0, 1100.0, COUNT)))
-    recording = read(tmp_path / "a.csv")
-    assert list(recording.channels) == ["acc", "rpm"]
-    assert recording.speed is None
+@pytest.mark.parametrize("kind", ["csv", "npz"])
+def test_a_speed_that_changes_is_refused_unless_one_is_given(tmp_path, kind):
+    path, rpm = tmp_path / f"a.{kind}", np.linspace(1000.0, 1100.0, COUNT)
+    if kind == "csv":
+        path.write_text("time,acc,rpm\n" + rows(T, X, rpm))
+    else:
+        np.savez(path, time=T, acc=X, rpm=rpm)
+    with pytest.raises(MeasuredError, match=r"two speeds, 1000 rpm \(the lowest in .* and 1100 rpm \(the highest"):
+        read(path)
+    recording = read(path, Request(speed=110.0))
+    assert list(recording.channels) == ["acc"]
+    assert recording.speed.value == 110.0
+
+
+def test_missing_samples_of_a_constant_speed_are_left_out(tmp_path):
+    rpm = np.where(np.arange(COUNT) % 2, np.nan, 1000.0)
+    np.savez(tmp_path / "a.npz", time=T, acc=X, rpm=rpm)
+    recording = read(tmp_path / "a.npz")
+    assert list(recording.channels) == ["acc"]
+    assert recording.speed.value == pytest.approx(1000.0 * pi / 30.0)
 
 
 def test_statements_need_known_units(tmp_path):
