@@ -108,7 +108,7 @@ def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mappin
     distinct = select.values(rows, path)
     if select.is_numeric(distinct) and not isinstance(value, str):
         return labels.shown(path, value, select.x_unit(path, rows, units))
-    return float(distinct.index(value)) if value in distinct else None
+    return next((float(number) for number, other in enumerate(distinct) if same(other, value)), None)
 
 
 def _colour(curves: Sequence["Curve"], part: "pd.DataFrame", parameters: Mapping[str, float | str], x: str) -> str:
@@ -155,7 +155,7 @@ def _read(file: Mapping[str, Any], factor: float) -> Signal | None:
     try:
         series, fs = read_series(SignalFile(**file))
     except (UserError, OSError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        warnings.warn(f"measured signal skipped: {file['path']}: {reason}", PlotWarning, stacklevel=2)
+        reason = f"{file['path']}: {error.strerror}" if isinstance(error, OSError) else str(error)
+        warnings.warn(f"measured signal skipped: {reason}", PlotWarning, stacklevel=2)
         return None
     return Signal(np.arange(len(series)) / fs, factor * series)

@@ -259,17 +259,18 @@ class _Reader:
         )
         if len(self.problems) > count or path is None:
             return
-        case = self.nearest(parameters)
         speed = parameters.get(self.cases.spelling("speed"))
-        if isinstance(speed, float):  # of the measurement, between those of the sweep
-            case = case.model_copy(update={"speed": speed})
+        own_speed = speed if isinstance(speed, float) else None
         try:
-            signal, features, remarks = signal_point(path, request, case, self.cases.features)
+            signal, features, remarks = signal_point(
+                path, request, self.nearest(parameters), own_speed, self.cases.features
+            )
         except MeasuredError as error:
             self.fail(entries["file"].mark, f"measured: {error}")
             return
         self.remarks += remarks
-        yield MeasuredPoint(parameters, features, path.name, signal)
+        place = path.name if request.channel is None else f"{path.name} ({request.channel})"
+        yield MeasuredPoint(parameters, features, place, signal)
 
     def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
         """Return a positive quantity (SI) of a signal; None, with a problem if it is invalid."""
@@ -284,11 +285,11 @@ class _Reader:
             self.fail(entries[key].mark, f"measured: {key}: expected {EXPECTED[kind]} above zero")
         return value
 
-    def nearest(self, parameters: Mapping[str, float | str]) -> Case:
-        """Return the first case that has most of the values: its bearing, speed and sampling serve a signal."""
-        return max(self.cases.swept, key=lambda pair: sum(same(pair[1].get(p), v) for p, v in parameters.items()))[
-            0
-        ]
+    def nearest(self, parameters: Mapping[str, float | str]) -> list[Case]:
+        """Return the cases that have most of the values: their bearing, speed and sampling serve a signal."""
+        counts = [sum(same(swept.get(p), v) for p, v in parameters.items()) for _, swept in self.cases.swept]
+        most = max(counts)
+        return [case for (case, _), count in zip(self.cases.swept, counts, strict=True) if count == most]
 
     # Values outside the study
 

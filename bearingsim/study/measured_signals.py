@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -13,12 +13,15 @@ from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis import Lines
 from bearingsim.measured import MeasuredError, Recording, Request, StudyRequest, read
 from bearingsim.measured.checks import refuse_unusable
+from bearingsim.measured.content import EXAMPLES, MissingError
 from bearingsim.measured.files import OF_FULL_SCALE
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.signals import band_rms, envelope_spectrum, pick_from, spectrum, statistics
 from bearingsim.signals.spectra import FLAT
-from bearingsim.study.measured_values import SignalFile
+from bearingsim.study.measured_values import SignalFile, listed
+from bearingsim.text.files_read import digest
 
+Value = TypeVar("Value")
 TOLERANCE = 0.02
 """Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
 MIN_PROMINENCE = 4.0
@@ -46,62 +49,78 @@ class MeasuredSignal(NamedTuple):
 
 
 def signal_point(
-    path: Path, request: Request, case: Case, features: Sequence[str]
+    path: Path, request: Request, cases: Sequence[Case], speed: float | None, features: Sequence[str]
 ) -> tuple[SignalFile, dict[str, float], list[str]]:
     """Read a signal and compute its features (SI); also return remarks.
 
-    case: gives bearing, speed (unless file or request state it) and the sampling rate of its record, the low-pass
-    of which level and shape share; features: bands and envelopes to compute in addition. Raises MeasuredError.
+    cases: those that the signal is compared with; they give its bearing, and the sampling rate of their records,
+    the low-pass of which level and shape share. speed: of the signal's point (rad/s), None if it does not name one;
+    the speed of the file, or of the request, takes precedence. features: bands and envelopes to compute in
+    addition. Raises MeasuredError, also for cases of several bearings or sampling rates, and for several speeds of
+    which none is stated: the lines of one would be compared with those of another.
     """
     recording = read(path, request)
-    signal = _signal(path, recording, request, case)
+    speeds = sorted({case.speed for case in cases}) if speed is None else [speed]
+    if recording.speed is None and len(speeds) > 1:
+        raise MissingError(path, {"speed": EXAMPLES["speed"]}, request)
+    sampling = _shared(path, "sampling", [case.sampling for case in cases])
+    bearings = [case.bearing for case in cases]
+    rollers, roller, pitch = _shared(
+        path, "bearing", [(each.rollers, each.roller_diameter, each.pitch_diameter) for each in bearings]
+    )
+    parts = RollingParts(rollers=rollers, roller_diameter=roller, pitch_diameter=pitch)
+    shaft = (speeds[0] if recording.speed is None else recording.speed.value) / (2.0 * np.pi)
+    quantity, channel, series, fs = _series(path, recording, request)
+    signal = MeasuredSignal(quantity, QUANTITIES[quantity], channel, series, fs, Lines.of(parts, shaft))
     remarks = list(recording.remarks)
-    if signal.fs < case.sampling * (1.0 - SAME):
+    if signal.fs < sampling * (1.0 - SAME):
         remarks.append(
-            f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {case.sampling:g} Hz: "
+            f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {sampling:g} Hz: "
             "their RMS, peak, shape and envelopes without a band are not comparable"
         )
-    remarks += _remarks_on_passes(path, signal, case)
-    values = dict(_features(signal, case.sampling, features))
-    file = SignalFile(str(path.absolute()), signal.channel, signal.unit, request._asdict())
+    remarks += _remarks_on_passes(path, signal, speeds)
+    values = dict(_features(signal, sampling, features))
+    file = SignalFile(str(path.absolute()), channel, signal.unit, request._asdict(), digest(path) or "")
     return file, {name: value for name, value in values.items() if np.isfinite(value)}, remarks
 
 
-def _remarks_on_passes(path: Path, signal: MeasuredSignal, case: Case) -> Iterator[str]:
-    """Yield remarks on a record of few ball passes, and on a speed that is not the case's."""
+def _shared(path: Path, name: str, values: Sequence[Value]) -> Value:
+    """Return the value that all cases of a signal share. Raises MeasuredError if they have several."""
+    if any(value != values[0] for value in values):
+        raise MeasuredError(path, f"is at cases that differ in `{name}`: name a swept value of it by `at`")
+    return values[0]
+
+
+def _remarks_on_passes(path: Path, signal: MeasuredSignal, speeds: Sequence[float]) -> Iterator[str]:
+    """Yield remarks on a record of few ball passes, and on other speeds (rad/s) of the signal's cases."""
     slowest, seconds = min(signal.lines.outer, signal.lines.inner), len(signal.series) / signal.fs
     if seconds * slowest < MIN_PASSES:
         yield (
             f"{path.name} lasts {seconds:.3g} s, under {MIN_PASSES} ball passes: its values depend on where it "
             f"begins; {MIN_PASSES / slowest:.3g} s are enough"
         )
-    speed = case.speed / (2.0 * np.pi)
-    if abs(signal.lines.shaft - speed) > TOLERANCE * speed:
+    shafts = [speed / (2.0 * np.pi) for speed in speeds]
+    others = [shaft for shaft in shafts if abs(signal.lines.shaft - shaft) > TOLERANCE * shaft]
+    if others:
+        verb = "its point is" if len(shafts) == 1 else "some of its cases are"
+        texts = listed([f"{60.0 * shaft:.6g} rpm" for shaft in others])
         yield (
-            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, its point "
-            f"is at {60.0 * speed:.6g} rpm: levels depend on the speed"
+            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, {verb} at {texts}: "
+            "levels depend on the speed"
         )
 
 
 def read_series(file: SignalFile) -> tuple[np.ndarray, float]:
     """Read a signal again: its series (n,) in SI, and sampling rate (Hz).
 
-    Raises MeasuredError, and OSError if the file does not exist.
+    Raises MeasuredError, also if the file has changed since its features were computed, and OSError if it does not
+    exist.
     """
     path, request = Path(file.path), StudyRequest(**file.request)
+    if file.digest and digest(path) not in (None, file.digest):  # None: a missing file raises OSError below
+        raise MeasuredError(path, "has changed since `bearingsim run`, which computed its features: run it again")
     _, _, series, fs = _series(path, read(path, request), request)
     return series, fs
-
-
-def _signal(path: Path, recording: Recording, request: Request, case: Case) -> MeasuredSignal:
-    quantity, channel, series, fs = _series(path, recording, request)
-    speed = case.speed if recording.speed is None else recording.speed.value
-    bearing = case.bearing
-    parts = RollingParts(
-        rollers=bearing.rollers, roller_diameter=bearing.roller_diameter, pitch_diameter=bearing.pitch_diameter
-    )
-    lines = Lines.of(parts, speed / (2.0 * np.pi))
-    return MeasuredSignal(quantity, QUANTITIES[quantity], channel, series, fs, lines)
 
 
 def _series(path: Path, recording: Recording, request: Request) -> tuple[str, str, np.ndarray, float]:

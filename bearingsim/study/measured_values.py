@@ -9,12 +9,13 @@ from typing import Any
 @dataclass(frozen=True)
 class SignalFile:
     """File of a measured signal (absolute path), its channel and SI unit, and what the study states about it, by
-    the names of ``Request``."""
+    the names of ``Request``; digest: SHA-256 of the file, "" in plans of earlier versions."""
 
     path: str
     channel: str
     unit: str
     request: dict[str, Any] = field(default_factory=dict)
+    digest: str = ""
 
 
 @dataclass(frozen=True)

@@ -25,10 +25,11 @@ def record(path: Path) -> None:
     """Record a file that is read or looked for."""
     files, absolute = _files.get(), os.path.abspath(path)
     if files is not None and absolute not in files:
-        files[absolute] = _digest(absolute)
+        files[absolute] = digest(absolute)
 
 
-def _digest(path: str) -> str | None:
+def digest(path: str | Path) -> str | None:
+    """Return the SHA-256 of a file; None if it is missing or cannot be read."""
     try:
         if not os.path.isfile(path):
             return None

@@ -68,6 +68,41 @@ def test_a_signal_has_the_lines_of_the_speed_where_it_was_measured(tmp_path):
     assert measured.features["acceleration@BPFO"] == pytest.approx(2.0, rel=0.01)  # 0.5 at 900 rpm
 
 
+def test_a_signal_without_speed_in_a_sweep_of_speeds_is_refused(tmp_path):
+    two_lines(tmp_path)
+    with pytest.raises(StudyError, match="states no speed: give it, such as `speed: 1796 rpm`"):
+        point(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n")
+    section = "measured: [{signals: [{file: run.npz, unit: m/s^2, speed: 1500 rpm}]}]\n"
+    measured, remarks = point(tmp_path, section)
+    assert measured.features["acceleration@BPFO"] == pytest.approx(2.0, rel=0.01)
+    assert any("at 1500 rpm, some of its cases are at 900 rpm, 1800 rpm" in remark for remark in remarks)
+
+
+@pytest.mark.parametrize(
+    ("sweep", "named"),
+    [("bearing: [6205, 6203]", "bearing: 6203"), ("sampling: [12.8 kHz, 25.6 kHz]", "sampling: 25.6 kHz")],
+)
+def test_a_signal_at_cases_of_several_bearings_or_samplings_is_refused(tmp_path, sweep, named):
+    two_lines(tmp_path, rpm=1500.0)
+    text = STUDY.replace("speed: [900 rpm, 1800 rpm]", sweep)
+    section = "measured: [{{signals: [{{file: run.npz, unit: m/s^2{}}}]}}]\n"
+    (tmp_path / "rig.yaml").write_text(text + section.format(""))
+    with pytest.raises(
+        StudyError, match=f"differ in `{sweep.partition(':')[0]}`: name a swept value of it by `at`"
+    ):
+        load_study(tmp_path / "rig.yaml")
+    (tmp_path / "rig.yaml").write_text(text + section.format(f", at: {{{named}}}"))
+    assert load_study(tmp_path / "rig.yaml").measured[0].points
+
+
+def test_two_channels_of_a_file_are_points_at_two_places(tmp_path):
+    np.savez(tmp_path / "run.npz", a=NOISE, b=2.0 * NOISE, fs=float(RATE), unit="g", rpm=900.0)
+    signals = ", ".join(f"{{file: run.npz, channel: {name}}}" for name in "ab")
+    (tmp_path / "rig.yaml").write_text(STUDY + f"measured: [{{signals: [{signals}]}}]\n")
+    (entry,) = load_study(tmp_path / "rig.yaml").measured
+    assert [each.place for each in entry.points] == ["run.npz (a)", "run.npz (b)"]
+
+
 def test_two_speeds_of_a_signal_give_a_remark(tmp_path):
     two_lines(tmp_path)
     signal = "{file: run.npz, unit: m/s^2, at: {speed: 1500 rpm}, speed: 900 rpm}"

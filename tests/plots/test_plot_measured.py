@@ -4,13 +4,16 @@ import json
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 import bearingsim as bs
 from bearingsim.cli import tables
 from bearingsim.cli.app import app
+from bearingsim.plots import overlay
 from bearingsim.plots.plot import drawn
+from bearingsim.study import Figure
 from tests.study.test_measured_section import BPFO, STUDY
 
 SECTION = """\
@@ -87,6 +90,25 @@ def test_a_lost_file_is_a_warning(results, tmp_path):
             drawn(results, "spectrum")
     finally:
         (tmp_path / "run.npz").rename(file)
+
+
+def test_a_file_that_changed_since_the_run_is_a_warning(results):
+    file = results.path.parent / "run.npz"
+    content = file.read_bytes()
+    try:
+        np.savez(file, a=10.0 * np.load(file)["a"], fs=25600.0)
+        with pytest.warns(UserWarning, match="measured signal skipped.*has changed since `bearingsim run`"):
+            (_, canvas), *_ = drawn(results, "spectrum")
+        assert not any("sensor" in str(line.get_label()) for ax in canvas.axes for line in ax.lines)
+    finally:
+        file.write_bytes(content)
+
+
+def test_a_word_in_other_case_is_at_its_category():
+    rows = pd.DataFrame({"job": ["a", "b"], "bearing": ["nf308", "6205"]})
+    drawing = overlay.Drawing(Figure(x="bearing", y=("velocity@BPFO",)), rows, {"bearing": ""})
+    assert overlay.position_in(drawing, rows, {"parameters": {"bearing": "NF308"}}) == 0.0
+    assert overlay.position_in(drawing, rows, {"parameters": {"bearing": "6206"}}) is None
 
 
 def test_show_prints_measured_beside_simulated(results):
