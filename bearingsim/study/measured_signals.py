@@ -54,10 +54,10 @@ def signal_point(
     """Read a signal and compute its features (SI); also return remarks.
 
     cases: those that the signal is compared with; they give its bearing, and the sampling rate of their records,
-    the low-pass of which level and shape share. speed: of the signal's point (rad/s), None if it does not name one;
-    the speed of the file, or of the request, takes precedence. features: bands and envelopes to compute in
-    addition. Raises MeasuredError, also for cases of several bearings or sampling rates, and for several speeds of
-    which none is stated: the lines of one would be compared with those of another.
+    the low-pass of which level and shape share. speed: of the signal's point (rad/s), None if it does not name
+    one; the speed of the file, or of the request, takes precedence. features: bands and envelopes to compute in
+    addition. Raises MeasuredError, also for cases of several bearings or sampling rates, and for several speeds
+    of which none is stated: the lines of one would be compared with those of another.
     """
     recording = read(path, request)
     speeds = sorted({case.speed for case in cases}) if speed is None else [speed]
