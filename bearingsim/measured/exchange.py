@@ -48,8 +48,10 @@ def read_tdms(path: Path) -> Content:
     except ImportError:
         raise MeasuredError(path, f"TDMS needs nptdms: {EXTRA}") from None
     channels, units, steps, speeds = {}, {}, set(), {}
-    for group in TdmsFile.read(str(path)).groups():
+    file = TdmsFile.read(str(path))
+    for group in file.groups():
         for channel in group.channels():
+            properties = {**file.properties, **group.properties, **channel.properties}
             values = np.asarray(channel[:])
             if values.dtype.kind not in "fiu" or len(values) < 2:
                 continue
@@ -59,8 +61,8 @@ def read_tdms(path: Path) -> Content:
                 steps.add(float(channel.properties["wf_increment"]))
             if channel.properties.get("unit_string"):
                 units[name] = str(channel.properties["unit_string"])
-            if "rpm" in channel.properties:
-                speeds[name] = Stated(float(channel.properties["rpm"]) * pi / 30.0, "the property `rpm`")
+            if "rpm" in properties:
+                speeds[name] = Stated(float(properties["rpm"]) * pi / 30.0, "the property `rpm`")
     if not channels:
         raise MeasuredError(path, "has no channel with numbers")
     if len(steps) > 1:

@@ -58,10 +58,9 @@ def read_hdf5(path: Path, most: float) -> Content:
         for name in _datasets(file, ""):
             if name.startswith("#"):
                 continue
-            shape = file.shape(name)
             if file.attribute("MATLAB_class", name, variable=True) == "char":
                 texts[name.replace("/", ".")] = "".join(map(chr, file.numbers(name).ravel()[:80]))
-            elif shape and file.has_numbers(name):
+            elif file.has_numbers(name):
                 arrays[name.replace("/", ".")] = file.numbers(name).T
     return content_of(path, arrays, texts)
 

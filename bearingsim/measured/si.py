@@ -25,4 +25,4 @@ TURNS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
 
 def factor_to(si_unit: str, unit: str) -> float | None:
     """Return the factor from a unit to an SI unit; None if the unit is unknown or of another quantity."""
-    return FACTORS.get(si_unit, {}).get(unit.strip())
+    return FACTORS.get(si_unit, {}).get(unit.strip().replace("\u03bc", "\u00b5"))  # the Greek letter is micro, too

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import labels
-from bearingsim.store.measured import difference
+from bearingsim.store.measured import difference, gives_factor
 from bearingsim.study.measured_values import listed
 from bearingsim.text.numbers import significant
 
@@ -67,12 +67,16 @@ def _remarks(entry: "MeasuredSet", max_rows: int) -> list[str]:
         *entry.remarks,
         *_unmatched(entry),
         *([] if entry.points else ["no point is at the fixed values of the study: `bearingsim check` names them"]),
-        *(["`scale: true` without effect: no ratio to a simulated value"] if _lacks_factor(entry) else []),
+        *(
+            ["`scale: true` without effect: no ratio to a simulated motion"]
+            if _lacks_factor(entry)
+            else []
+        ),
     ]
 
 
 def _lacks_factor(entry: "MeasuredSet") -> bool:
-    return entry.is_scaled and not any(item.measured > 0.0 < item.simulated for item in entry.comparisons)
+    return entry.is_scaled and not any(map(gives_factor, entry.comparisons))
 
 
 def _key(location: str, parameters: Mapping[str, float | str]) -> str:

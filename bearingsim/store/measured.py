@@ -144,11 +144,16 @@ def difference(feature: str, value: float, other: float) -> float:
 def _factor(comparisons: Iterable[Comparison]) -> float:
     """Return the median ratio of simulated to measured signals; 1 without a feature that a factor changes."""
     ratios = [
-        (entry.simulated / entry.measured) ** (1.0 / POWERS[unit])
+        (entry.simulated / entry.measured) ** (1.0 / POWERS[FEATURES[entry.feature].unit])
         for entry in comparisons
-        if (unit := FEATURES[entry.feature].unit) in POWERS and entry.measured > 0.0 and entry.simulated > 0.0
+        if gives_factor(entry)
     ]
     return median(ratios) if ratios else 1.0
+
+
+def gives_factor(entry: Comparison) -> bool:
+    """Check if a feature is proportional to its signal, or to its square, and both values are above zero."""
+    return FEATURES[entry.feature].unit in POWERS and entry.measured > 0.0 and entry.simulated > 0.0
 
 
 def _has(value: Any) -> bool:

@@ -269,7 +269,8 @@ class _Reader:
             self.fail(entries["file"].mark, f"measured: {error}")
             return
         self.remarks += remarks
-        place = path.name if request.channel is None else f"{path.name} ({request.channel})"
+        name = str(entries["file"].value)  # with its folder: several may have a file of one name
+        place = name if request.channel is None else f"{name} ({request.channel})"
         yield MeasuredPoint(parameters, features, place, signal)
 
     def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:

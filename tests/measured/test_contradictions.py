@@ -103,6 +103,16 @@ def test_two_channels_of_a_file_are_points_at_two_places(tmp_path):
     assert [each.place for each in entry.points] == ["run.npz (a)", "run.npz (b)"]
 
 
+def test_files_of_one_name_in_two_folders_are_at_two_places(tmp_path):
+    for folder in ("first", "second"):
+        (tmp_path / folder).mkdir()
+        np.savez(tmp_path / folder / "run.npz", a=NOISE, fs=float(RATE), unit="g", rpm=900.0)
+    signals = "{file: first/run.npz}, {file: second/run.npz}"
+    (tmp_path / "rig.yaml").write_text(STUDY + f"measured: [{{signals: [{signals}]}}]\n")
+    (entry,) = load_study(tmp_path / "rig.yaml").measured
+    assert [each.place for each in entry.points] == ["first/run.npz", "second/run.npz"]
+
+
 def test_two_speeds_of_a_signal_give_a_remark(tmp_path):
     two_lines(tmp_path)
     signal = "{file: run.npz, unit: m/s^2, at: {speed: 1500 rpm}, speed: 900 rpm}"

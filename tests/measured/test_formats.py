@@ -13,6 +13,7 @@ from scipy.io import savemat, wavfile
 from bearingsim.measured import MeasuredError, Request, read
 from bearingsim.measured.arrays import content_of
 from bearingsim.measured.checks import clipped_share, refuse_unusable
+from bearingsim.measured.si import factor_to
 from tests.scenes.commands import STUDY, type_
 
 RATE = 12800.0
@@ -107,6 +108,26 @@ def tdms(path):
                 for column, (name, properties) in enumerate((("acc", {"unit_string": "g"}), ("b", {})))
             ]
         )
+
+
+def test_a_speed_of_a_whole_tdms_file_is_that_of_its_channels(tmp_path):
+    nptdms = pytest.importorskip("nptdms", reason="the extra `formats` is not installed")
+    with nptdms.TdmsWriter(str(tmp_path / "a.tdms")) as writer:
+        channel = nptdms.ChannelObject("g1", "acc", X[:, 0], {"wf_increment": 1.0 / RATE, "unit_string": "g"})
+        writer.write_segment([nptdms.RootObject({"rpm": 1796.0}), channel])
+    assert read(tmp_path / "a.tdms").speed.value == pytest.approx(1796.0 * pi / 30.0)
+
+
+def test_scalars_of_hdf5_are_read(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["acc"], file["fs"], file["rpm"] = X[:, 0], RATE, 1796.0
+    recording = read(tmp_path / "a.h5")
+    assert (recording.rate.value, list(recording.channels)) == (RATE, ["acc"])
+    assert recording.speed.value == pytest.approx(1796.0 * pi / 30.0)
+
+
+def test_the_greek_letter_is_micro():
+    assert factor_to("m/s", "\u03bcm/s") == factor_to("m/s", "\u00b5m/s") == 1e-6
 
 
 @pytest.mark.parametrize(

@@ -173,13 +173,17 @@ def test_measurements_change_without_computing_anew(results):
 
 def test_sources_without_a_point_or_a_factor_say_so(results):
     folder = results.path.parent
-    rows = ["{load: 900 N, velocity@BPFO: 1 um/s}", "{speed: 900 rpm, velocity@BPFO: 1 um/s}"]
-    entries = [f"{{points: [{row}], label: {name}, scale: true}}" for row, name in zip(rows, "ab", strict=True)]
+    rows = [
+        "{load: 900 N, velocity@BPFO: 1 um/s}",
+        "{speed: 900 rpm, velocity@BPFO: 1 um/s}",
+        "{load: 150 N, velocity.kurtosis: 3, outer_force.max: 0.2 kN}",
+    ]
+    entries = [f"{{points: [{row}], label: {name}, scale: true}}" for row, name in zip(rows, "abc", strict=True)]
     text = STUDY + SECTION.split("measured:")[0] + f"measured: [{', '.join(entries)}]\n"
     (folder / "rig3.yaml").write_text(text)
     bs.run(bs.load_study(folder / "rig3.yaml"), jobs=1, out=folder / "out")
     output = CliRunner().invoke(app, ["show", str(folder / "out"), "--measured"]).output
     assert "no point is at the fixed values of the study: `bearingsim check` names them" in output
-    assert output.count("`scale: true` without effect: no ratio to a simulated value") == 2
+    assert output.count("`scale: true` without effect: no ratio to a simulated motion") == 3
     (_, canvas), *_ = drawn(bs.open_results(folder / "out"))
     assert "b" not in {label.get_text() for label in canvas.legends[0].get_texts()}
