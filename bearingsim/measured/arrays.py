@@ -80,12 +80,12 @@ def sampled_speed(values: np.ndarray, source: str) -> tuple[Stated[float], State
 
     Missing samples are left out.
     """
-    known = values[~np.isnan(values)]
-    if len(known) == 0:
+    present = values[~np.isnan(values)]
+    if len(present) == 0:
         return Stated(float("nan"), source), None
-    if np.ptp(known) <= MAX_CHANGE * abs(known.mean()):
-        return Stated(float(known.mean()), source), None
-    lowest, highest = float(known.min()), float(known.max())
+    if np.ptp(present) <= MAX_CHANGE * abs(present.mean()):
+        return Stated(float(present.mean()), source), None
+    lowest, highest = float(present.min()), float(present.max())
     return Stated(lowest, f"the lowest in {source}"), Stated(highest, f"the highest in {source}")
 
 
