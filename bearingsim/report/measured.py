@@ -67,11 +67,7 @@ def _remarks(entry: "MeasuredSet", max_rows: int) -> list[str]:
         *entry.remarks,
         *_unmatched(entry),
         *([] if entry.points else ["no point is at the fixed values of the study: `bearingsim check` names them"]),
-        *(
-            ["`scale: true` without effect: no ratio to a simulated motion"]
-            if _lacks_factor(entry)
-            else []
-        ),
+        *(["`scale: true` without effect: no ratio to a simulated motion"] if _lacks_factor(entry) else []),
     ]
 
 
