@@ -9,6 +9,7 @@ import numpy as np
 
 from bearingsim import config
 from bearingsim.assemble.contacts import point_contact
+from bearingsim.assemble.form import contact_half_width
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
 from bearingsim.catalogue import SHAPES, call
@@ -51,7 +52,6 @@ from bearingsim.core.defects.traced import (
     sharpest_cusp,
     slice_paths,
 )
-from bearingsim.core.laws import hertz
 from bearingsim.errors import Refused
 
 EXCITATIONS: dict[str, Any] = {
@@ -98,10 +98,11 @@ def roller_defect_pairs(case: Case, middles: Positions | None = None) -> list[Ro
     return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, middles)]
 
 
-def excitation(case: Case) -> Any:
-    """Build the excitation of the case's rollers by a defect."""
+def excitation(case: Case, side: int = OUTER) -> Any:
+    """Build the excitation of the case's rollers by a defect; ``side``: the race for whose contact its groups are
+    built."""
     if case.excitation == "pressure-share":
-        return excitations.PressureShare(half_width(case))
+        return excitations.PressureShare(contact_half_width(case, side == OUTER))
     if case.excitation == "elastic-edge":
         return elastic_edge(case)
     return EXCITATIONS[case.excitation]
@@ -122,18 +123,6 @@ def reduced_radius(case: Case, side: int) -> float:
     if side == OUTER:
         return outer_reduced_radius(R_w, outer_radius(case))
     return inner_reduced_radius(R_w, inner_radius(case))
-
-
-def half_width(case: Case) -> float:
-    """Compute the half width (m) of the outer contact along rolling, under the largest load of the healthy
-    bearing.
-    """
-    load = largest_load(case)
-    if case.bearing.element == "ball":
-        return point_contact(case, on_outer=True).semi_axes(load)[1]
-    material = case.bearing.material
-    length, R = float(case.bearing.roller_length or 0.0), reduced_radius(case, OUTER)
-    return hertz.half_width(load, length, R, material.young_modulus, material.poisson_ratio)
 
 
 def contact_length(case: Case, side: int) -> float:
@@ -260,7 +249,7 @@ def _pair(
     radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
     if cluster.defect is None:
         rows = closed_form_groups(case, cluster.leader, side, middles)
-        jumps = closed_form_jumps(excitation(case), tuple(map(tuple, rows)), R)
+        jumps = closed_form_jumps(excitation(case, side), tuple(map(tuple, rows)), R)
         return _checked_pair(
             case, cluster.leader, RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, jumps=jumps)
         )
@@ -315,7 +304,7 @@ def closed_form_groups(case: Case, d: config.Defect, side: int, middles: Positio
         if middles is None
         else groups_of_slices(defect, R, middles, d.offset)
     )
-    groups = excitations.response_groups(excitation(case), defect, rows, R)
+    groups = excitations.response_groups(excitation(case, side), defect, rows, R)
     if middles is not None and len(groups) != len(middles):
         raise Refused(f"`{case.excitation}` cannot act on sliced rollers", "use `excitation: envelope`")
     return groups

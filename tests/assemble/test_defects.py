@@ -1,12 +1,15 @@
 """Defects of a case as roller-defect pairs: offset, merged, traced, in slices."""
 
-from math import pi
+from math import asin, pi, sqrt
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 from bearingsim import assemble
 from bearingsim.assemble.defects import packed_defects, roller_defect_pairs
+from bearingsim.assemble.rest import largest_load
 from bearingsim.core.defects.closed_forms import groups_of, roller_drop
 from bearingsim.core.defects.depth import Circular, Rectangular, Triangular
 from bearingsim.core.defects.excitations import Envelope, TracedPath, defect_response
@@ -281,3 +284,37 @@ def test_impulses_of_a_traced_slot():
         assemble.model(case(defect=SLOT | edge, **fields)) for edge in ({}, {"edge": {"radius": "0.001 um"}})
     )
     assert eased.J_x == pytest.approx(sharp.J_x, rel=1e-4)
+
+
+@pytest.mark.parametrize("bearing", ["nf308", "6205"])
+@pytest.mark.parametrize("race", ["outer", "inner"])
+def test_pressure_share_has_the_contact_of_the_damaged_race(bearing, race):
+    """Hertz's contact is narrower on the inner race; its pressure over a dent of 10 um is integrated here."""
+    dented = case(
+        bearing=bearing,
+        defect=SLOT | {"race": race, "length": "5 mm", "width": "10 um"},
+        excitation="pressure-share",
+    )
+    b, sign = dented.bearing, 1.0 if race == "inner" else -1.0
+    load, E_star = largest_load(dented), b.material.young_modulus / (2.0 * (1.0 - 0.3**2))
+    R_race, R_w = (b.pitch_diameter - sign * b.roller_diameter) / 2.0, b.roller_diameter / 2.0
+    along = 1.0 / R_w + sign / R_race
+    if bearing == "nf308":
+        half = sqrt(4.0 * load / along / (pi * b.roller_length * E_star))
+    else:
+        groove = b.inner_groove_radius if race == "inner" else b.outer_groove_radius
+        half = hertz_half_width(load, E_star, along, 1.0 / R_w - 1.0 / groove)
+    x = 5e-6 / half
+    packed = packed_defects(dented)
+    groups = packed.groups[0, : int(packed.head[0, GROUP_COUNT])]
+    shares = [defect_response(packed.excitation, group, 0.0, packed.head[0, REDUCED_RADIUS]) for group in groups]
+    over_dent = [share for share, drop, _ in shares if drop > 0.0]
+    assert over_dent == pytest.approx([2.0 * (asin(x) + x * sqrt(1.0 - x * x)) / pi], rel=1e-6)
+
+
+def hertz_half_width(Q, E_star, steep, flat):
+    """Return the shorter semi-axis (m) of Hertz's ellipse from SciPy's elliptic integrals."""
+    shape = lambda m: ((ellipe(m) / (1.0 - m) - ellipk(m)) / (ellipk(m) - ellipe(m))) - steep / flat  # noqa: E731
+    m = brentq(shape, 1e-6, 1.0 - 1e-9)
+    a_cubed = 3.0 * Q * ellipe(m) / (2.0 * pi * E_star * (1.0 - m) * (steep + flat) / 2.0)
+    return a_cubed ** (1.0 / 3.0) * sqrt(1.0 - m)

@@ -26,8 +26,6 @@ from bearingsim.core.defects.envelope import drop_at, drop_curvature_at
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, NO_WALL, X_E
 from bearingsim.core.jit import generic, jit
 
-LOADED_PART, UNLOADED_PART = -1.0, 1.0  # in column KAPPA of ``PressureShare``: a group's part of the pressure
-
 
 @generic
 def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
@@ -233,9 +231,10 @@ class PressureShare(NamedTuple):
         rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
 
     and the contact consists of two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant,
-    at the largest healthy load (``hertz.half_width``). Neglected: the pressure shifted to the dent's rims, and the
-    increase of b with load. Valid for dents narrower than the contact, 2 b; over a wider defect (most are: b is
-    about 18 um at 47 N) the roller drops to the floor as a point would.
+    that of the race at the largest healthy load (``hertz.half_width``). Column KAPPA of a group contains b if the
+    group is the part over the defect, and -b if it is the other part. Neglected: the pressure shifted to the
+    dent's rims, and the increase of b with load. Valid for dents narrower than the contact, 2 b; over a wider
+    defect (most are: b is about 18 um at 47 N) the roller drops to the floor as a point would.
     """
 
     b: float
@@ -250,9 +249,10 @@ def pressure_before(x):
 
 @defect_response.register(PressureShare)
 def _defect_response_pressure_share(excitation, group, s, R):
-    half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
+    b = abs(group[KAPPA])
+    half_width = group[GROUP_HALF_WIDTH] - b
     rho = pressure_before((half_width - s) / b) - pressure_before((-half_width - s) / b)
-    if group[KAPPA] == UNLOADED_PART:
+    if group[KAPPA] > 0.0:
         return rho, group[DEPTH], 0.0
     return 1.0 - max(rho, 0.0), 0.0, 0.0
 
@@ -265,23 +265,24 @@ def pressure_at(x):
 
 @defect_response_gradient.register(PressureShare)
 def _defect_response_gradient_pressure_share(excitation, group, s, R):
-    half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
+    b = abs(group[KAPPA])
+    half_width = group[GROUP_HALF_WIDTH] - b
     front, back = (half_width - s) / b, (-half_width - s) / b
     rho_derivative = (pressure_at(back) - pressure_at(front)) / b
-    return (rho_derivative if group[KAPPA] == UNLOADED_PART else -rho_derivative), 0.0
+    return (rho_derivative if group[KAPPA] > 0.0 else -rho_derivative), 0.0
 
 
 @response_groups.register(PressureShare)
 def _response_groups_pressure_share(excitation, defect, rows, R):
-    response = []
+    response, b = [], excitation.b
     for row in rows:
         if row[DEPTH] == 0.0:
-            response.append((row[GROUP_WEIGHT], 0.0, NO_WALL, LOADED_PART, 0.0))
+            response.append((row[GROUP_WEIGHT], 0.0, NO_WALL, -b, 0.0))
         else:
-            reach = row[GROUP_HALF_WIDTH] + excitation.b
+            reach = row[GROUP_HALF_WIDTH] + b
             response += [
-                (row[GROUP_WEIGHT], reach, NO_WALL, LOADED_PART, 0.0),
-                (row[GROUP_WEIGHT], reach, NO_WALL, UNLOADED_PART, row[DEPTH]),
+                (row[GROUP_WEIGHT], reach, NO_WALL, -b, 0.0),
+                (row[GROUP_WEIGHT], reach, NO_WALL, b, row[DEPTH]),
             ]
     return response
 
