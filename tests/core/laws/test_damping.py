@@ -76,6 +76,16 @@ def test_a_dashpot_without_indentation_exponent_acts_only_in_contact():
     assert normal_force(general(STEEL, 1e6, 1.0, 0.0), -1e-9, 0.1) == 0.0
 
 
+@pytest.mark.parametrize(("v", "sign"), [(-1e-9, -1.0), (0.0, 0.0), (-0.0, 0.0), (1e-9, 1.0)])
+def test_damping_independent_of_the_rate_has_no_force_at_rest(v, sign):
+    """c sgn(v) delta with c = 1e8 N/m, where the elastic force k delta^(10/9) is larger."""
+    law, delta = general(STEEL, 1e8, 0.0, 1.0), 1e-6
+    drag = 1e8 * sign
+    assert normal_force(law, delta, v) == pytest.approx(elastic(STEEL, delta) + drag * delta, rel=1e-14)
+    slope_at_rest = 10 / 9 * elastic(STEEL, delta) / delta + drag
+    assert derivatives(law, delta, v)[0] == pytest.approx(slope_at_rest, rel=1e-12)
+
+
 @pytest.mark.parametrize(("m2", "m3", "rate", "depth"), INTEGER_EXPONENTS)
 def test_integer_exponents_have_types_and_equal_the_general_one(m2, m3, rate, depth):
     law, reference = general(STEEL, 1e9, m2, m3), General(STEEL, 1e9, Power(m2), Power(m3))

@@ -3,7 +3,7 @@
 from math import isclose
 from typing import Any, NamedTuple
 
-from bearingsim.core.jit import generic
+from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import MIN_APPROACH, elastic, tangent
 
@@ -23,11 +23,16 @@ class General(NamedTuple):
     m3: Any
 
 
+@jit
+def sign(v):
+    """Return the sign of ``v``, 0 at rest, where Coulomb damping (m2 = 0) has no force."""
+    return (1.0 if v > 0.0 else 0.0) - (1.0 if v < 0.0 else 0.0)
+
+
 @normal_force.register(General)
 def _force(contact, delta, v):
     d = max(delta, 0.0)
-    drag = contact.c * monomial(contact.m2, abs(v)) * monomial(contact.m3, d)
-    drag = drag if v > 0.0 else -drag
+    drag = sign(v) * contact.c * monomial(contact.m2, abs(v)) * monomial(contact.m3, d)
     closed = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
     return closed * max(elastic(contact.stiffness, d) + drag, 0.0)
 
@@ -38,8 +43,7 @@ def _derivatives(contact, delta, v):
     can be infinite at 0."""
     d, speed = max(delta, 0.0), abs(v)
     approach_factor = monomial(contact.m3, d)
-    drag = contact.c * monomial(contact.m2, speed)
-    drag = drag if v > 0.0 else -drag
+    drag = sign(v) * contact.c * monomial(contact.m2, speed)
     closed = 1.0 if delta > 0.0 else 0.0
     closed = closed if elastic(contact.stiffness, d) + drag * approach_factor > 0.0 else 0.0
     K = tangent(contact.stiffness, d) + drag * monomial_derivative(contact.m3, max(d, MIN_APPROACH))
@@ -50,7 +54,7 @@ def _derivatives(contact, delta, v):
 @stiffness_bound.register(General)
 def _stiffness_bound(contact, delta, v):
     K_drag = contact.c * monomial(contact.m2, abs(v)) * monomial_derivative(contact.m3, max(delta, 1e-12))
-    return tangent(contact.stiffness, delta) + max(K_drag if v > 0.0 else -K_drag, 0.0)
+    return tangent(contact.stiffness, delta) + max(sign(v) * K_drag, 0.0)
 
 
 @damping_bound.register(General)
