@@ -103,7 +103,7 @@ def drag(case: Case) -> Any:
     if d is None:
         return cages.NoDrag()
     frontal_area = b.roller_diameter * (b.roller_length or pi / 4.0 * b.roller_diameter)
-    land_width = d.land_width if d.land_width is not None else b.width - (b.roller_length or b.roller_diameter)
+    land_width = d.land_width if d.land_width is not None else b.land_width
     R, on_outer = land_radius(case, d.land == "outer"), d.land == "outer"
     return cages.OilDrag(
         roller=0.5 * d.oil_fraction * d.oil_density * d.drag_coefficient * frontal_area,

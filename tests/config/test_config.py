@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from bearingsim import assemble, catalogue, shipped
 from bearingsim.assemble import contacts
+from bearingsim.assemble.free import drag
 from bearingsim.config import (
     CHANNELS,
     FEATURES,
@@ -29,6 +30,16 @@ from bearingsim.config.sections.contact import WORD_LAWS
 from tests.scenes.case_messages import INNER, ON_ROLLER, SLOT, case, messages
 
 PLANAR = {"model": "planar"}
+NF308 = {
+    "rollers": 13,
+    "roller_diameter": 0.012,
+    "roller_length": 0.012,
+    "pitch_diameter": 0.065,
+    "bore": 0.040,
+    "outside_diameter": 0.090,
+    "width": 0.023,
+}
+NARROW = NF308 | {"width": 0.010}
 
 
 def test_text_with_units_becomes_si() -> None:
@@ -143,6 +154,11 @@ def test_damping_is_chosen_by_its_law() -> None:
         (PLANAR | {"friction": {"dynamic": 0.4}}, "dynamic friction (0.4) is above static (0.3)"),
         (PLANAR | {"friction": {"dynamic_speed": "1 mm/s"}}, "must be above `static_speed`"),
         (PLANAR | {"friction": {"law": "traction", "static": 0.3}}, "Extra inputs"),
+        (PLANAR | {"friction": {"law": "traction", "a": -0.2}}, "a + d = -0.1 is below zero"),
+        (PLANAR | {"friction": {"law": "traction", "a": 0.1}}, "a = 0.1 is above zero"),
+        (PLANAR | {"friction": {"law": "traction", "b": -5}}, "a plain number that is not negative"),
+        (PLANAR | {"friction": {"law": "traction", "c": 0}}, "a plain number above zero"),
+        (PLANAR | {"drag": {}, "bearing": NARROW}, "no land beside the roller (12 mm) in a ring of 10 mm"),
         (PLANAR | {"cage": {"motion": "kinematic"}, "friction": "traction"}, "RMS 11-15 % low"),
         (PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}}, "drag has no effect on a kinematic cage"),
         (PLANAR | {"cage": {"motion": "kinematic", "guide": "rollers"}}, "a kinematic cage stays centred"),
@@ -195,6 +211,16 @@ def test_defaults_of_planar() -> None:
     assert (traction.a, traction.b, traction.c, traction.d) == (-0.1, 22.28, 181.46, 0.1)
 
 
+def test_traction_may_start_from_zero_within_rounding() -> None:
+    """0.1 + 0.2 is not 0.3, as in a sweep."""
+    assert case(model="planar", friction={"law": "traction", "a": -0.1 - 0.2, "d": 0.3}).friction.d == 0.3
+
+
+def test_cage_without_land_has_no_drag_of_a_land() -> None:
+    for bearing in ("nf308", NARROW):
+        assert drag(case(model="planar", bearing=bearing, drag={"land_width": "0 mm"})).land == 0.0
+
+
 def test_stiffness_suits_the_bearing() -> None:
     assert case().contact.stiffness == "palmgren"
     assert case(bearing="6205").contact.stiffness == "point"
@@ -228,17 +254,6 @@ def test_every_section_survives_its_own_dump() -> None:
     )
     assert Case.model_validate(test_case.model_dump()) == test_case
     assert test_case.load_across == -20.0
-
-
-NF308 = {
-    "rollers": 13,
-    "roller_diameter": 0.012,
-    "roller_length": 0.012,
-    "pitch_diameter": 0.065,
-    "bore": 0.040,
-    "outside_diameter": 0.090,
-    "width": 0.023,
-}
 
 
 BALL = {"element": "ball", "roller_length": None, "inner_groove_radius": 0.00624, "outer_groove_radius": 0.00636}

@@ -11,9 +11,11 @@ from bearingsim.config.fields import (
     Duration,
     InverseVelocity,
     Length,
+    LengthOrZero,
     Mass,
     MassRadius,
     Number,
+    PositiveNumber,
     Rotation,
     Section,
     Share,
@@ -71,18 +73,31 @@ class StaticDynamic(_Curve):
     dynamic: Number = 0.15
 
 
+ROUNDING = 1e-12  # error of the sum of two coefficients, as of a sweep's values
+
+
 class Traction(Section):
     """Lubricated traction, mu = (a + b s) exp(-c s) + d, with s the slide-to-roll ratio (Kragelskii)."""
 
     law: Literal["traction"] = "traction"
     a: SignedNumber = -0.1
     """Coefficient a of mu = (a + b s) exp(-c s) + d, with s the slide-to-roll ratio."""
-    b: SignedNumber = 22.28
+    b: Number = 22.28
     """Coefficient b of the traction curve."""
-    c: Number = 181.46
+    c: PositiveNumber = 181.46
     """Coefficient c of the traction curve."""
     d: Number = 0.1
     """Friction coefficient at large slip, d of the traction curve."""
+
+    @model_validator(mode="after")
+    def _check_sign(self) -> "Traction":
+        """Refuse a curve that is negative somewhere, for friction would then drive the slip."""
+        if self.a > 0.0:
+            refuse("curve", f"a = {self.a:g} is above zero: friction would fall from zero slip on", at="a")
+        if self.a + self.d < -ROUNDING:
+            message = f"a + d = {self.a + self.d:g} is below zero: friction would drive the slip"
+            refuse("curve", message, "a curve that starts from zero has a = -d", at="a")
+        return self
 
 
 class Frictionless(Section):
@@ -157,8 +172,8 @@ class Drag(Section):
     """Ring whose land guides the cage and shears the film: `inner` or `outer`."""
     land_gap: Length = 2e-4
     """Thickness of the oil film between cage and land."""
-    land_width: Length | None = None
-    """Width of the land. Default: width of the ring minus length of the roller."""
+    land_width: LengthOrZero | None = None
+    """Width of the land, 0 for a cage without land. Default: width of the ring minus length of the roller."""
 
 
 class Shaft(Section):

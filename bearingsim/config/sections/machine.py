@@ -125,6 +125,16 @@ class Bearing(Section):
         return {"height": round(height, 12), "width": self.width}
 
     @property
+    def element_length(self) -> float:
+        """Axial length of a rolling element, m: that of a roller, the diameter of a ball."""
+        return self.roller_diameter if self.roller_length is None else self.roller_length
+
+    @property
+    def land_width(self) -> float:
+        """Width of the ring minus that of the rolling elements, m, which a cage may use as its land."""
+        return self.width - self.element_length
+
+    @property
     def element_mass(self) -> float:
         """Mass of one rolling element, a cylinder or sphere, kg."""
         cross_section = math.pi / 4.0 * self.roller_diameter**2
