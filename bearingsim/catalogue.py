@@ -236,7 +236,9 @@ register(
     Method("stabilised", f"{_S}.stabilised"),
     Law("palmgren", "stiffness", "", f"{_A}.contacts:palmgren", bare=True, element="roller", material=False),
     Law("iso16281", "stiffness", "", f"{_A}.contacts:iso16281", bare=True, element="roller", material=False),
-    Law("johnson", "stiffness", "", f"{_A}.contacts:johnson", bare=True, element="roller"),
+    Law(
+        "johnson", "stiffness", "", f"{_A}.contacts:johnson", bare=True, element="roller", stiff_at_touch_down=True
+    ),
     Law("point", "stiffness", "", f"{_A}.contacts:point", bare=True, element="ball"),
     Law("constant", "stiffness", f"{_C}.contact:Constant", f"{_A}.contacts:constant", material=False),
     Law("kraemer", "damping", f"{_C}.contact:Kraemer", f"{_A}.contacts:kraemer", bare=True, material=False),

@@ -75,7 +75,8 @@ class Law:
     section: class of the parameters in a study file, empty for a law without parameters; build: function that
     makes the law of the core (arguments: ``assemble/contacts.py``, ``assemble/free.py``); bare: True if a study
     file may give only the name, with default parameters; element: `roller` or `ball` if the law applies to only
-    one of them, else empty; material: True if the law depends on the elastic constants of the bearing's material.
+    one of them, else empty; material: True if the law depends on the elastic constants of the bearing's material;
+    stiff_at_touch_down: True if the stiffness of a law without parameters does not start from zero.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Law:
     bare: bool = False
     element: str = ""
     material: bool = True
+    stiff_at_touch_down: bool = False
 
 
 @dataclass(frozen=True)

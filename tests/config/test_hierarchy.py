@@ -55,6 +55,11 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
         "rollers",
         "this damping law needs the mass of the rollers",
     ),
+    (
+        {"defect": DEFECT, "contact": {"damping": "kraemer", "stiffness": "johnson"}},
+        "rollers",
+        "this damping law needs the mass of rollers",
+    ),
     ({"defect": DEFECT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` needs a moving ring"),
     (
         {"defect": DEFECT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}},

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Tag, model_validator
 
+from bearingsim.catalogue import LAWS
 from bearingsim.config.fields import (
     Coefficient,
     Delay,
@@ -280,4 +281,6 @@ class Contact(Section):
     def jumps(self) -> bool:
         """True if the damping force jumps at first contact."""
         jumps = getattr(self.damping, "jumps", None)  # laws without this method are continuous
-        return bool(jumps and jumps(getattr(self.stiffness, "stiff_at_touch_down", False)))
+        # a law with parameters states it in its section, one without in the catalogue
+        law = self.stiffness if isinstance(self.stiffness, Section) else LAWS["stiffness"].get(self.elastic_law)
+        return bool(jumps and jumps(getattr(law, "stiff_at_touch_down", False)))
