@@ -300,9 +300,11 @@ def test_pressure_share_has_the_contact_of_the_damaged_race(bearing, race):
     R_race, R_w = (b.pitch_diameter - sign * b.roller_diameter) / 2.0, b.roller_diameter / 2.0
     along = 1.0 / R_w + sign / R_race
     if bearing == "nf308":
+        assert b.roller_length is not None
         half = sqrt(4.0 * load / along / (pi * b.roller_length * E_star))
     else:
         groove = b.inner_groove_radius if race == "inner" else b.outer_groove_radius
+        assert groove is not None
         half = hertz_half_width(load, E_star, along, 1.0 / R_w - 1.0 / groove)
     x = 5e-6 / half
     packed = packed_defects(dented)
