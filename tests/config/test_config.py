@@ -39,7 +39,6 @@ NF308 = {
     "outside_diameter": 0.090,
     "width": 0.023,
 }
-NARROW = NF308 | {"width": 0.010}
 
 
 def test_text_with_units_becomes_si() -> None:
@@ -158,7 +157,6 @@ def test_damping_is_chosen_by_its_law() -> None:
         (PLANAR | {"friction": {"law": "traction", "a": 0.1}}, "a = 0.1 is above zero"),
         (PLANAR | {"friction": {"law": "traction", "b": -5}}, "a plain number that is not negative"),
         (PLANAR | {"friction": {"law": "traction", "c": 0}}, "a plain number above zero"),
-        (PLANAR | {"drag": {}, "bearing": NARROW}, "no land beside the roller (12 mm) in a ring of 10 mm"),
         (PLANAR | {"cage": {"motion": "kinematic"}, "friction": "traction"}, "RMS 11-15 % low"),
         (PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}}, "drag has no effect on a kinematic cage"),
         (PLANAR | {"cage": {"motion": "kinematic", "guide": "rollers"}}, "a kinematic cage stays centred"),
@@ -217,8 +215,8 @@ def test_traction_may_start_from_zero_within_rounding() -> None:
 
 
 def test_cage_without_land_has_no_drag_of_a_land() -> None:
-    for bearing in ("nf308", NARROW):
-        assert drag(case(model="planar", bearing=bearing, drag={"land_width": "0 mm"})).land == 0.0
+    assert drag(case(model="planar", drag={"land_width": "0 mm"})).land == 0.0
+    assert drag(case(model="planar", drag={})).land > 0.0
 
 
 def test_stiffness_suits_the_bearing() -> None:

@@ -58,7 +58,7 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     (
         {"defect": DEFECT, "contact": {"damping": "kraemer", "stiffness": "johnson"}},
         "rollers",
-        "this damping law needs the mass of rollers",
+        "this damping law needs the mass of the rollers",
     ),
     ({"defect": DEFECT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` needs a moving ring"),
     (

@@ -99,11 +99,6 @@ def _free_motion(case: "CaseFields") -> Iterator[Conflict]:
     if case.rig.torsion_damping is not None and case.rig.torsion_stiffness is None:
         paths: tuple[Path, ...] = (("rig", "torsion_damping"), ("rig",))
         yield Conflict("torsion", paths, "the ring does not rotate without `torsion_stiffness`", "give both")
-    if case.drag is not None and case.drag.land_width is None and case.bearing.land_width < 0.0:
-        length, width = (show(value, "mm") for value in (case.bearing.element_length, case.bearing.width))
-        message = f"no land beside the {case.bearing.element} ({length}) in a ring of {width}"
-        drag_paths: tuple[Path, ...] = (("drag",), ("bearing", "width"))
-        yield Conflict("land", drag_paths, message, "give `land_width`, `0 mm` for a cage without land")
     if case.cage is not None and case.cage.motion == "kinematic":
         yield from _kinematic_cage(case)
 

@@ -183,9 +183,8 @@ class Bearing(Section):
         if pitch - roller <= self.bore:
             race = show(pitch - roller, "mm")
             refuse("bore", f"the inner race ({race}) is inside the bore", at="bore")
-        length = roller if self.roller_length is None else self.roller_length
-        if length > self.width:
-            size, width = show(length, "mm"), show(self.width, "mm")
+        if self.element_length > self.width:
+            size, width = show(self.element_length, "mm"), show(self.width, "mm")
             refuse("width", f"a {self.element} of {size} is longer than the rings are wide ({width})", at="width")
         return self
 
