@@ -156,7 +156,7 @@ def friction_cost(plan: Plan) -> Iterator[str]:
 
     if math.isfinite(plan.friction_seconds):
         seconds = duration(plan.scale * plan.friction_seconds)
-        yield f"the jobs need {seconds} of CPU time if all are computed with friction; trials come on top"
+        yield f"with friction, all jobs need {seconds} of CPU time in addition to trials"
 
 
 def series_cost(plan: Plan) -> Iterator[str]:

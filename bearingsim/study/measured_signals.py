@@ -87,7 +87,7 @@ def signal_point(
 def _shared(path: Path, name: str, values: Sequence[Value]) -> Value:
     """Return the value that all cases of a signal share. Raises MeasuredError if they have several."""
     if any(value != values[0] for value in values):
-        raise MeasuredError(path, f"is at cases that differ in `{name}`: name a swept value of it by `at`")
+        raise MeasuredError(path, f"belongs to cases with different values of `{name}`: name one of them in `at`")
     return values[0]
 
 

@@ -89,7 +89,7 @@ def test_check_reports_the_cost_of_friction_until_the_models_are_chosen(write: W
     assert plan.friction_seconds == pytest.approx(expected, rel=0.2)
     assert plan.friction_seconds > 2.0 * plan.cpu_seconds
     (text,) = friction_cost(plan)
-    assert text.startswith(f"the jobs need {duration(plan.friction_seconds)} of CPU time")
+    assert text.startswith(f"with friction, all jobs need {duration(plan.friction_seconds)} of CPU time")
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,7 @@ def test_a_signal_at_cases_of_several_bearings_or_samplings_is_refused(tmp_path,
     section = "measured: [{{signals: [{{file: run.npz, unit: m/s^2{}}}]}}]\n"
     (tmp_path / "rig.yaml").write_text(text + section.format(""))
     with pytest.raises(
-        StudyError, match=f"differ in `{sweep.partition(':')[0]}`: name a swept value of it by `at`"
+        StudyError, match=f"different values of `{sweep.partition(':')[0]}`: name one of them in `at`"
     ):
         load_study(tmp_path / "rig.yaml")
     (tmp_path / "rig.yaml").write_text(text + section.format(f", at: {{{named}}}"))

@@ -93,7 +93,7 @@ class Traction(Section):
     def _check_sign(self) -> "Traction":
         """Refuse a curve that is negative somewhere, for friction would then drive the slip."""
         if self.a > 0.0:
-            refuse("curve", f"a = {self.a:g} is above zero: friction would fall from zero slip on", at="a")
+            refuse("curve", f"a = {self.a:g} is above zero: friction would decrease with slip", at="a")
         if self.a + self.d < -ROUNDING:
             message = f"a + d = {self.a + self.d:g} is below zero: friction would drive the slip"
             refuse("curve", message, "a curve that starts from zero has a = -d", at="a")
