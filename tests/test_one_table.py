@@ -28,7 +28,7 @@ OTHER_MEANINGS = {
     ("config/sections/machine.py", "ring"): "a field of the rig",
     ("config/sections/ring.py", "ring"): "what carries the sensor",
     ("selection/candidates.py", "ring"): "a field of the rig",
-    ("study/plan.py", "rollers"): "a field of the surfaces",
+    ("study/paths.py", "rollers"): "a field of the surfaces",
     ("study/used.py", "ring"): "a field of the rig",
     ("study/uncertainty.py", "ring"): "a field of the rig",
     ("plots/passage.py", "ring"): "the outer ring's channels",

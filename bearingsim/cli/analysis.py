@@ -290,7 +290,7 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
 
 
 def _equivalent(diagnosis: "Diagnosis") -> str:
-    """Return the number of revolutions that the lines of many rollers are equal to."""
+    """Return a remark on the equivalent number of revolutions of a bearing with many rollers; empty for others."""
     turns = diagnosis.equivalent_turns
     return f", equal to {turns:.4g} for the orders of its lines" if turns > diagnosis.turns else ""
 

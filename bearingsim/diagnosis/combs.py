@@ -15,7 +15,7 @@ OTHERS_FROM, OTHERS_TO = 1.2, 1.3
 """Range of other periodicities: from 1.2 shaft orders to 1.3 times the highest line."""
 SHAFT_SHARE = 0.01
 """Relative half width of the shaft orders, which do not count as other periodicities."""
-SCATTER = 2.0
+SCORE_SCATTER = 2.0
 """Largest score of a comb over that of the shaft order that explains it. Of constructed knocks it is up to 0.6,
 because heights of lines scatter, of an outer race or a rolling element at an order of the shaft 7 and more."""
 RELATIVE_SHARE, RELATIVE_BINS = 0.006, 2.0
@@ -166,7 +166,7 @@ def comb_of_shaft(
     both share. A defect of the inner race raises orders of the shaft itself, so there the order must score higher.
     """
     fundamental = refined(spectra, best_comb(spectra, lines.shaft, SHAFT_SHARE)).frequency
-    least = max(threshold, comb.score - (0.0 if race == "inner" else SCATTER))
+    least = max(threshold, comb.score - (0.0 if race == "inner" else SCORE_SCATTER))
     numbers = np.arange(1, HARMONICS + 1)
     for order in range(1, round(comb.frequency / fundamental)):
         candidate = comb_at(spectra, order * fundamental)

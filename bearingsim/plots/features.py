@@ -8,6 +8,7 @@ from bearingsim.plots import design, select, sweep
 from bearingsim.plots.caption import band_of_record, fixed_values, following_parameters, varying
 from bearingsim.plots.error_bounds import error_texts, with_errors
 from bearingsim.plots.labels import PlotError
+from bearingsim.plots.overlay import Drawing
 from bearingsim.plots.sheet import Sheet
 
 if TYPE_CHECKING:
@@ -104,9 +105,8 @@ def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
     units, words = results.plan["units"], [figure.y[0], "vs", figure.x]
     if scattered:
         return Sheet(words, design.draw(figure, part, units, caption))
-    if sweep.are_many(figure, part, units):
-        return Sheet(words, sweep.draw_names(figure, part, units, caption, results.measured))
-    return Sheet(words, sweep.draw(figure, part, units, caption, results.measured))
+    draw = sweep.draw_names if sweep.are_many(figure, part, units) else sweep.draw
+    return Sheet(words, draw(Drawing(figure, part, units), caption, results.measured))
 
 
 def _design_texts(results: "Results") -> list[str]:

@@ -45,18 +45,12 @@ BASELINE_COLOUR = "0.35"
 BAR_POINTS = 4.0  # width of an uncertainty bar
 
 
-def draw(
-    figure: Figure,
-    rows: "pd.DataFrame",
-    units: Mapping[str, str],
-    caption: Sequence[str],
-    measured: Sequence["MeasuredSet"] = (),
-) -> Canvas:
+def draw(drawing: overlay.Drawing, caption: Sequence[str], measured: Sequence["MeasuredSet"] = ()) -> Canvas:
     """Draw a completed figure, a line per combination of `by`, with measured points as open marks.
 
-    Other arguments as of ``axes.draw_panels``.
+    caption: as of ``axes.draw_panels``.
     """
-    drawing = overlay.Drawing(figure, rows, units)
+    figure, rows, units = drawing
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
@@ -159,19 +153,13 @@ def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> 
     return not select.is_numeric(categories) and (len(categories) > MAX_UPRIGHT or characters > MAX_CHARACTERS)
 
 
-def draw_names(
-    figure: Figure,
-    rows: "pd.DataFrame",
-    units: Mapping[str, str],
-    caption: Sequence[str],
-    measured: Sequence["MeasuredSet"] = (),
-) -> Canvas:
+def draw_names(drawing: overlay.Drawing, caption: Sequence[str], measured: Sequence["MeasuredSet"] = ()) -> Canvas:
     """Draw a completed figure with the words of x on the vertical axis: a point per case, the first on top.
 
     A column of axes per y, a row per panel, a colour per combination of `by`; the points of a single curve
     are labelled with their values. Arguments as of ``draw``.
     """
-    drawing = overlay.Drawing(figure, rows, units)
+    figure, rows, units = drawing
     names = select.values(rows, figure.x)
     panels = list(select.splits(rows, figure.panels, units))
     styles = styles_of_curves(figure, rows, units)

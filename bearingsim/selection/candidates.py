@@ -76,10 +76,8 @@ def remeshed(case: Case, is_reference: bool = True) -> tuple[Case, float] | None
         rig = _with_harmonics(case, REFINEMENT * harmonics if may_double else harmonics // REFINEMENT)
         ratio = float(REFINEMENT) if may_double else ratio
     if any(varies_along_roller(defect) for defect in case.defects):
-        contact, ratio = (
-            contact.model_copy(update={"length_nodes": REFINEMENT * contact.length_nodes}),
-            float(REFINEMENT),
-        )
+        contact = contact.model_copy(update={"length_nodes": REFINEMENT * contact.length_nodes})
+        ratio = float(REFINEMENT)
     is_unchanged = contact is case.contact and rig is case.rig
     return None if is_unchanged else (case.model_copy(update={"contact": contact, "rig": rig}), ratio)
 

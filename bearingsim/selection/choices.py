@@ -73,21 +73,20 @@ def _model_choices(study: Study, chosen: Sequence[Choice]) -> list[ModelChoice]:
             if earlier_size is not None and not earlier_size <= size:
                 case_factors[name] = earlier_size / size if size else inf
 
-    def scaled(errors: Mapping[str, float | None], case_factors: Mapping[str, float]) -> dict[str, float | None]:
-        products = {
-            name: None if error is None else error and error * case_factors.get(name, 1.0)
-            for name, error in errors.items()
-        }
-        return {name: None if error is None or not isfinite(error) else error for name, error in products.items()}
-
     return [
         ModelChoice(
             choice.model,
             choice.why,
-            *(scaled(errors, case_factors) for errors in (choice.error, choice.nodes, choice.friction)),
+            *(_scaled(errors, case_factors) for errors in (choice.error, choice.nodes, choice.friction)),
         )
         for choice, case_factors in zip(chosen, factors, strict=True)
     ]
+
+
+def _scaled(errors: Mapping[str, float | None], factors: Mapping[str, float]) -> dict[str, float | None]:
+    """Multiply errors by factors of their features, 1 by default; an infinite or unknown error is None."""
+    products = {name: error * factors.get(name, 1.0) if error else error for name, error in errors.items()}
+    return {name: error if error is not None and isfinite(error) else None for name, error in products.items()}
 
 
 def _audit_case(case: Case, choice: Choice) -> Case:

@@ -155,13 +155,10 @@ class ModelSelector:
         compile_time = max(map(self.compiling, new_models), default=0.0)
         if compile_time == 0.0:
             return True
-        return (
-            sum(
-                estimated_cpu_time(reference(study_cases[n])) - estimated_cpu_time(case)
-                for n, case in cases.items()
-            )
-            > compile_time
+        savings = (
+            estimated_cpu_time(reference(study_cases[n])) - estimated_cpu_time(case) for n, case in cases.items()
         )
+        return sum(savings) > compile_time
 
     def _candidate_trials(
         self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction
@@ -184,9 +181,8 @@ class ModelSelector:
 
     def _cost(self, name: str, group: Sequence[int]) -> float:
         """Return the total cost of a candidate for the cases of a group to which it applies."""
-        return sum(
-            estimated_cpu_time(self.candidate_cases[name][n]) for n in group if n in self.candidate_cases[name]
-        )
+        cases = self.candidate_cases[name]
+        return sum(estimated_cpu_time(cases[n]) for n in group if n in cases)
 
     def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
         """Check if the errors of model and friction are known, and within ``FOR_MODEL`` of the accuracy."""

@@ -101,7 +101,7 @@ def highest_band_limit(case: Case) -> float:
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
-def highest_line(case: Case) -> float:
+def highest_line_frequency(case: Case) -> float:
     """Return the highest frequency (Hz) of the lines of a case, at its highest speed."""
     speed = full_speed_case(case).speed
     return max(case.bearing.line_frequency(line, speed) for line in LINES.values())
@@ -119,7 +119,7 @@ def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> G
     has_named_method, case = case.method != "auto", resolve(case)
     other = ", or use `method: auto`" if has_named_method else ""
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
-    highest = max(highest_band_limit(case), highest_line(case))
+    highest = max(highest_band_limit(case), highest_line_frequency(case))
     fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest / PASSBAND) / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * step_fraction * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:

@@ -145,6 +145,7 @@ def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]
     """
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
     is_unknown = chaotic_jobs(frame) & (not has_scatter)
+    # the error of any mean shows which records ended early
     early_errors = early_end_errors(frame, feature if is_mean(feature) else "velocity.rms")
     if early_errors is None:
         return is_unknown

@@ -25,6 +25,17 @@ ITEM_LISTS = (
     "surfaces.rollers.diameter.deviations",
 )
 """Lists other than `defects` whose items can be swept."""
+LIST_VALUED = (
+    "defects",
+    "record",
+    "features",
+    "rig.load.angles",
+    "rig.load.at",
+    *(f"surfaces.{part}.spectrum.orders" for part in ("outer", "inner", "rollers")),
+    *(f"surfaces.{race}.roundness.orders" for race in ("outer", "inner")),
+    *ITEM_LISTS,
+)
+"""Paths whose value is a list, so that a list of values is one of lists."""
 
 
 class Field(NamedTuple):

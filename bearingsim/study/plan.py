@@ -19,11 +19,12 @@ from bearingsim.study.expand import expand_tree
 from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
-from bearingsim.study.paths import ITEM_LISTS, dimension, normal_form, parse_path, put, value_at
+from bearingsim.study.paths import LIST_VALUED, dimension, normal_form, parse_path, put, value_at
 from bearingsim.study.relations import Relations, Row, UndefinedValue, parse_relations
 from bearingsim.study.sweep import (
     Axis,
     drop_paths,
+    is_list_of_lists,
     is_sweep,
     is_word,
     named_paths,
@@ -33,6 +34,7 @@ from bearingsim.study.sweep import (
     rows_of,
     single_axis,
     unit_of,
+    with_one_seed,
 )
 from bearingsim.study.sweep_settings import (
     COMMAND_LINE_SETTINGS,
@@ -53,17 +55,6 @@ MAX_INVALID_CASES = 500
 """Limit of the invalid cases that are reported: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
 """Limit of the paths that a study sweeps: with more, the search for suggestions takes too long."""
-_LIST_VALUED = (
-    "defects",
-    "record",
-    "features",
-    "rig.load.angles",
-    "rig.load.at",
-    *(f"surfaces.{part}.spectrum.orders" for part in ("outer", "inner", "rollers")),
-    *(f"surfaces.{race}.roundness.orders" for race in ("outer", "inner")),
-    *ITEM_LISTS,
-)
-
 SweptValues = dict[str, float | str]
 
 
@@ -161,7 +152,7 @@ class Plan:
         mark = argument_mark(argument, len("--set ") + 1)
         if path in COMMAND_LINE_SETTINGS:
             self.apply_setting(path, Node(value.value, value.mark, mark))
-        elif is_sweep(value) and (path not in _LIST_VALUED or _is_list_of_lists(value)):
+        elif is_sweep(value) and (path not in LIST_VALUED or is_list_of_lists(value)):
             axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
             self.settings = remove_path(self.settings, path)
             self.axes = replace_axis(self.axes, axis) if axis else self.axes
@@ -326,7 +317,7 @@ class Plan:
             return
         self.relations.excluded.clear()
         reads_seed = self.relations.reads("seed")
-        axes = self.axes if reads_seed else list(map(_with_one_seed, self.axes))
+        axes = self.axes if reads_seed else list(map(with_one_seed, self.axes))
         cases = filter(None, map(self.case, self.rows(rows_of(axes))))
         example = next(cases, None)
         if example is None and self.relations.excluded:
@@ -423,13 +414,3 @@ class Plan:
         return self.problems + [
             p for (_, path, kind), p in problems if not (kind == "missing" and path in invalid)
         ]
-
-
-def _is_list_of_lists(value: Node) -> bool:
-    """Return True for a list of lists, the values of a path that is a list itself."""
-    return bool(value.items) and all(isinstance(item.value, tuple) for item in value.items)
-
-
-def _with_one_seed(axis: Axis) -> Axis:
-    """Return the axis of `seed` with its first value only, any other axis unchanged."""
-    return replace(axis, rows=axis.rows[:1]) if axis.paths == ("seed",) else axis

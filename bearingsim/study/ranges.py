@@ -85,9 +85,8 @@ def healthy_pressure(case: Case) -> float:
 
     length = case.bearing.roller_length
     try:
-        return contact_pressure(
-            case.bearing, largest_load(case) if length is None else length * largest_line_load(case)
-        )
+        load = largest_load(case) if length is None else length * largest_line_load(case)
+        return contact_pressure(case.bearing, load)
     except NoEquilibrium:  # reported elsewhere
         return 0.0
 

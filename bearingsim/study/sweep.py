@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import product
 
@@ -66,6 +66,16 @@ def single_axis(path: str, entry: Node, problems: list[Problem]) -> Axis | None:
 def is_sweep(node: Node) -> bool:
     """Return True for a list of values, or a generator such as `{linspace: ...}`."""
     return isinstance(node.value, tuple) or bool(node.mapping.keys() & GENERATORS.keys())
+
+
+def is_list_of_lists(node: Node) -> bool:
+    """Return True for a list of lists, the values of a path that is a list itself."""
+    return bool(node.items) and all(isinstance(item.value, tuple) for item in node.items)
+
+
+def with_one_seed(axis: Axis) -> Axis:
+    """Return the axis of `seed` with its first value only, any other axis unchanged."""
+    return replace(axis, rows=axis.rows[:1]) if axis.paths == ("seed",) else axis
 
 
 def replace_axis(axes: list[Axis], new: Axis) -> list[Axis]:

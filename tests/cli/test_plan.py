@@ -84,9 +84,9 @@ def test_check_reports_the_cost_of_friction_until_the_models_are_chosen(write: W
     """Friction of unknown effect is computed, and no motion is periodic with it: that costs many times more."""
     accurate = f"{BASE}accuracy: {{within: 2 %, of: [velocity.rms]}}\nduration: 0.5 s\n"
     plan = plan_of(load_study(write(accurate)), workers=1)
-    with_friction = load_study(write(f"{BASE}duration: 0.5 s\nmodel: planar\ncage: {{}}\nfriction: {{}}\n"))
-    expected = plan_of(with_friction, workers=1).cpu_seconds
-    assert plan.friction_seconds == pytest.approx(expected, rel=0.2)
+    settings = "duration: 0.5 s\nrecord: []\nuntil: 0.5 %\nmodel: planar\ncage: {}\nfriction: {}\n"
+    expected = plan_of(load_study(write(BASE + settings)), workers=1).most_cpu_seconds
+    assert plan.friction_seconds == pytest.approx(expected, rel=1e-12)
     assert plan.friction_seconds > 2.0 * plan.cpu_seconds
     (text,) = friction_cost(plan)
     assert text.startswith(f"with friction, all jobs need {duration(plan.friction_seconds)} of CPU time")

@@ -112,7 +112,8 @@ def test_longest_profile_and_highest_flanges_that_fit() -> None:
         {"flanges": {"inner": 2, "outer": 1, "height": 0.0059}},
     ]
     for change in fitting:
-        Bearing.model_validate(bearing | change)
+        valid = Bearing.model_validate(bearing | change).model_dump()
+        assert {key for key in valid if valid[key] != bearing[key]} == set(change)
 
 
 def test_nf308_has_two_inner_flanges_and_one_outer_flange() -> None:

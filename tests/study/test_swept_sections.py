@@ -73,7 +73,7 @@ def test_clearance_by_class_and_by_length(write: Write) -> None:
     [
         ("model: planar", "friction: [static-dynamic, traction, none]", ["static-dynamic", "traction", "none"]),
         ("model: planar", "friction.static: [0.2, 0.3]", [0.2, 0.3]),
-        ("model: planar\nfriction: traction", "friction.d: [0.1, 0.05]", [0.1, 0.05]),
+        ("model: planar\nfriction: traction", "friction.d: [0.1, 0.15]", [0.1, 0.15]),
         ("model: planar", "cage.pocket_clearance: [0.1 mm, 0.2 mm]", [1e-4, 2e-4]),
         ("model: planar", "cage.guide: [centred, inner-ring]", ["centred", "inner-ring"]),
         ("model: planar", "cage.friction.static: [0.002, 0.02]", [0.002, 0.02]),

@@ -49,4 +49,6 @@ def _stability_ratio(method, K, C):
     return h * h * K / (4.0 + 2.0 * h * C)
 
 
+# a force that jumps within a step acts from the next step on, as if it jumped at the end of its own; not 1, where
+# rounding might put the jump into the next step
 KIND = MethodKind(VelocityImplicitEuler, evaluations=1, fraction=0.25, per_period=40, cusp=0.99, order=1, lag=0.0)
