@@ -41,7 +41,7 @@ def study_digest(files: Mapping[str, str | None], overrides: Mapping[str, str], 
     """Return the SHA-256 of everything that determines the expansion of a study.
 
     "" if the files are unknown or the checkout has uncommitted changes. files: digests of the files read, from
-    ``text/files_read.py``.
+    ``text/files_read.py``. The order of overrides counts: a section replaces its parts that were set before it.
     """
     from bearingsim.catalogue import extension_digest
     from bearingsim.core import MODEL_VERSION
@@ -50,7 +50,7 @@ def study_digest(files: Mapping[str, str | None], overrides: Mapping[str, str], 
     if not files or commit.endswith("-dirty"):
         return ""
     program = [_version("bearingsim"), MODEL_VERSION, commit, extension_digest()]
-    sources = [sorted(files.items()), sorted(overrides.items()), quick, str(Path.cwd()), program]
+    sources = [sorted(files.items()), list(overrides.items()), quick, str(Path.cwd()), program]
     return hashlib.sha256(json.dumps(sources).encode()).hexdigest()
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from bearingsim.store import open_results
 from tests.scenes.commands import type_
 
 provenance = import_module("bearingsim.store.provenance")
@@ -92,3 +93,12 @@ def test_modified_source_tree_is_recomputed(folder, monkeypatch):
     monkeypatch.setattr(provenance, "_commit", lambda: "0123-dirty")
     assert run_again()[1]
     assert run_again()[1]
+
+
+def test_order_of_assignments_is_noticed(folder):
+    """A rig named after its stiffness replaces the stiffness, before it keeps the set one."""
+    assignments = ("--set", "rig.bracket_stiffness=2e7 N/m"), ("--set", "rig=bvt5")
+    for options, stiffness in ((assignments[0] + assignments[1], 1e7), (assignments[1] + assignments[0], 2e7)):
+        run_again(*options)
+        parameters = open_results(folder / "results" / "told").parameters()
+        assert set(parameters["rig.bracket_stiffness"]) == {stiffness}
