@@ -12,7 +12,8 @@ from bearingsim.text.units import UnitError, parse
 class Curve:
     """Feature drawn over a swept path.
 
-    cases: numbers of the study's cases on the curve, in the order of x; is_ordered: whether x is a number.
+    cases: numbers of the study's cases on the curve, in the order of x; is_ordered: whether x is a quantity,
+    neither a word nor a seed, so that cases lie between others.
     """
 
     feature: str
@@ -38,7 +39,7 @@ def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[tuple[int, ...], bool]]:
     """Yield the cases of each curve of a figure, one curve for each combination of the paths of
-    ``_dividing_paths``, and whether x is a number. They are in the order of x, or in that of the study if x is a
+    ``_dividing_paths``, and whether x is a quantity. They are in the order of x, or in that of the study if x is a
     word."""
     matching = [
         number
@@ -53,7 +54,7 @@ def _figure_curves(
         x = [swept[number].get(figure.x) for number in numbers]
         is_numeric = all(isinstance(value, float) for value in x)
         ordered = sorted(numbers, key=lambda n: swept[n][figure.x]) if is_numeric else numbers
-        yield tuple(ordered), is_numeric
+        yield tuple(ordered), is_numeric and figure.x.rpartition(".")[2] != "seed"
 
 
 def _dividing_paths(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
@@ -104,8 +105,8 @@ def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve])
 def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
     """Return the first and last case of a curve, and the case with its largest absolute value.
 
-    All cases if x is a word, since no case then lies between others. values: for each case, objects with a
-    ``value`` by feature; empty for a case with a failed trial.
+    All cases if x is a word or a seed, since no case then lies between others. values: for each case, objects with
+    a ``value`` by feature; empty for a case with a failed trial.
     """
     if not curve.is_ordered:
         return curve.cases

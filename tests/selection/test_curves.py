@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bearingsim.selection.curves import Curve, curves, groups, scales
+from bearingsim.selection.curves import Curve, curves, extremes, groups, scales
 from tests.scenes.study_text import Write
 from tests.scenes.trials import HEAD, accuracy_study
 
@@ -70,6 +70,18 @@ def test_cases_of_a_curve_are_in_the_order_of_x(write: Write) -> None:
     )
     assert sorted(cloud) == list(range(8))
     assert cloud != tuple(range(8))
+
+
+def test_no_case_lies_between_other_seeds(write: Write) -> None:
+    study = accuracy_study(
+        write,
+        f"{HEAD}accuracy: {{within: 5 %, of: [velocity@BPFO]}}\nsweep: {{seed: [0, 1, 2], load: [150 N, 300 N]}}\n"
+        "figures: [{y: velocity@BPFO, x: seed}, {y: velocity@BPFO, x: load}]\n",
+    )
+    for curve in curves(study):
+        is_of_seeds = len(curve.cases) == 3
+        assert curve.is_ordered != is_of_seeds
+        assert extremes(curve, [{}] * 6) == (curve.cases if is_of_seeds else (*curve.cases, curve.cases[0]))
 
 
 def test_where_accepts_words_and_plain_numbers(write: Write) -> None:
