@@ -84,11 +84,15 @@ class Plan:
         return tuple(_group_refusals(self.refusals, self.study, self.sample_text))
 
     @property
-    def job_counts(self) -> tuple[int, int, int]:
-        """Numbers of cases, healthy cases and variations of the study, including refused ones."""
+    def job_counts(self) -> tuple[int, int, int, int]:
+        """Numbers of cases, healthy cases, variations and audits of the study, including refused ones."""
         baselines = sum(job.is_baseline for job in self.jobs)
-        variations = sum(job.is_variation for job in self.jobs)
-        return len(self.jobs) - baselines - variations, baselines, variations
+        further = [job for job in self.jobs if job.is_variation]
+        audits = 0
+        if self.study.selection is not None:  # without one there are no audits
+            variations = {variation.job.id for variation in self.study.variations()}
+            audits = sum(job.id not in variations for job in further)
+        return len(self.jobs) - baselines - len(further), baselines, len(further) - audits, audits
 
     @property
     def scale(self) -> float:

@@ -121,10 +121,11 @@ def _table_rows(plan: Plan, verbose: bool) -> tuple[Row, ...]:
 
 def _job_counts(plan: Plan) -> str:
     refusal_count = len(plan.refusals)
-    cases, baselines, variations = plan.job_counts
-    total = cases + baselines + variations
+    cases, baselines, variations, audits = plan.job_counts
+    total = len(plan.jobs)
     kinds = [f"{cases} case{'s' * (cases != 1)}", f"{baselines} healthy baseline{'s' * (baselines != 1)}"]
     kinds += [f"{variations} variation{'s' * (variations != 1)}"] if variations else []
+    kinds += [f"{audits} audit{'s' * (audits != 1)}"] if audits else []
     refusals = f", {refusal_count}{plan.sample_text} refused" if refusal_count else ""
     return f"{total} job{'s' * (total != 1)} ({', '.join(kinds)}){refusals}"
 
@@ -169,12 +170,13 @@ def as_json(plan: Plan) -> str:
     """Return the plan as JSON, in SI; null means no limit. Jobs and refused jobs are those of the sample."""
     from bearingsim.config.scan.notes import notes
 
-    cases, baselines, variations = plan.job_counts
+    cases, baselines, variations, audits = plan.job_counts
     entries = {
         "study": plan.study.name,
         "cases": cases,
         "twins": baselines,
         "variations": variations,
+        "audits": audits,
         "cpu_seconds": plan.cpu_seconds,
         "most_cpu_seconds": plan.most_cpu_seconds,
         "wall_seconds": plan.wall_seconds,

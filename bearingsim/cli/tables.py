@@ -68,7 +68,7 @@ def show_jobs(
     )
     if len(printed_rows) < len(rows):
         _print_wrapped(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
-    _print_wrapped(_status_counts(table) + _variation_text(results))
+    _print_wrapped(_status_counts(table) + _text_of_further_jobs(results))
     for text in (*withdrawals(results.plan, results.frame), *empty_error_notes(results.plan)):
         _print_wrapped(text)
     _print_measured(results)
@@ -190,12 +190,17 @@ def _json_row(row: Mapping[Any, Any]) -> dict[str, Any]:
     }
 
 
-def _variation_text(results: "Results") -> str:
-    """Count the variations, and those without a result."""
-    jobs = {entry["job"] for entry in results.variations} - set(results.table()["job"])
-    missing = len(jobs - set(results.info().index))
-    count = f"{len(jobs)} variation{'s' * (len(jobs) != 1)}"
-    return f", and {count}{f' ({missing} without a result)' * bool(missing)}" if jobs else ""
+def _text_of_further_jobs(results: "Results") -> str:
+    """Count the variations and the audits, which have no rows, and those without a result."""
+    done = set(results.info().index)
+    variations = {entry["job"] for entry in results.variations} - set(results.jobs)
+    kinds = {"variation": variations, "audit": set(results.planned) - set(results.jobs) - variations}
+    text = ""
+    for kind, jobs in kinds.items():
+        missing = len(jobs - done)
+        count = f"{len(jobs)} {kind}{'s' * (len(jobs) != 1)}"
+        text += f", and {count}{f' ({missing} without a result)' * bool(missing)}" * bool(jobs)
+    return text
 
 
 def _status_counts(table: "pd.DataFrame") -> str:

@@ -68,6 +68,17 @@ def test_no_total_error_for_a_ring_assumed_to_be_rigid(write: Write, tmp_path: P
     )
 
 
+def test_commands_count_the_same_jobs(write: Write, tmp_path: Path) -> None:
+    """Three cases with their baselines, and three audits, which have no rows."""
+    study = accuracy_study(write)
+    summary = compute(study, tmp_path / "out")
+    assert (summary.planned, summary.done + summary.resumed) == (9, 9)
+    shown = type_("show", tmp_path / "out")[0]
+    assert "6 jobs: 6 done, and 3 audits" in shown.splitlines()
+    checked = type_("check", study.path, "--out", tmp_path / "out")[0]
+    assert checked.splitlines()[0].startswith("near: 9 jobs (3 cases, 3 healthy baselines, 3 audits)")
+
+
 def test_no_accuracy_is_reported_before_the_first_job(write: Write, tmp_path: Path) -> None:
     from bearingsim.runner.promises import accuracy_notes
 
