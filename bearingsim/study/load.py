@@ -72,7 +72,7 @@ def load_study(
         figures=settings.figures,
         units=plan.units(),
         swept_cases=swept_cases,
-        notes=(*file.notes, *_design_notes(plan), *plan.repetition_notes(), *remarks),
+        notes=(*file.notes, *plan.notes, *_design_notes(plan), *plan.repetition_notes(), *remarks),
         uncertainty=()
         if reduced and settings.uncertain
         else settings.uncertain,  # no variations of a reduced grid

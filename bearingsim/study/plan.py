@@ -65,7 +65,7 @@ class Plan:
     settings: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
     case_problems: problems of single cases; repeated: numbers of combinations, by the paths in which they differ
     from the first one with an equal case; named_paths: paths named by a sweep, valid or not; key_paths: locations
-    of the valid ones in a case; variants: cache of ``otherwise``.
+    of the valid ones in a case; notes: remarks on the sweep; variants: cache of ``otherwise``.
     """
 
     base: Node
@@ -80,6 +80,7 @@ class Plan:
     named_paths: set[str] = field(default_factory=set)
     key_paths: dict[str, Path] = field(default_factory=dict)
     sections: Sections = field(default_factory=Sections)
+    notes: list[str] = field(default_factory=list)
     variants: dict[tuple, list[Case | None]] = field(default_factory=dict)
 
     @classmethod
@@ -114,30 +115,62 @@ class Plan:
             message = f"sweep: {len(paths)} parameters; at most {MAX_PATHS} are possible"
             self.problems.append(problem(sweep.key or sweep.mark, message))
             return []
-        self.named_paths |= paths
+        self.named_paths |= set(map(self.swept_spelling, paths))
         kinds = [node for key, node in sweep.mapping.items() if key in KINDS]
         if len(kinds) > 1:
             message = "sweep: a second design; a study has one"
             self.problems.append(problem(kinds[1].key or kinds[1].mark, message))
         for key in (key for key in sweep.mapping if key in SWEEP_SETTINGS):
             self.settings = update_setting(self.settings, key, sweep.mapping[key])
-        return parse_sweep(sweep, self.problems)
+        axes = parse_sweep(sweep, self.problems)
+        return [replace(axis, paths=tuple(map(self.swept_spelling, axis.paths))) for axis in axes]
 
     def apply_quick(self, quick: Node) -> None:
         """Apply the entries of the section `quick`."""
         if not isinstance(quick.value, dict):
             message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
             self.problems.append(problem(quick.mark, message))
-        for key, node in quick.mapping.items():
-            if key == "sweep":
-                axes = self.read_sweep(node)
-                if any(axis.zipped for axis in axes):
-                    self.axes = [axis for axis in self.axes if not axis.zipped]
-                self.axes = drop_paths(self.axes, assigned_paths(node.mapping))
-                self.settings = reduce(remove_path, (path for axis in axes for path in axis.paths), self.settings)
-                self.axes = reduce(replace_axis, axes, self.axes)
-            else:
-                self.set_value(key, node, node.key or node.mark)
+        sweep = quick.mapping.get("sweep")
+        axes = [] if sweep is None else self.read_sweep(sweep)
+        values = {key: node for key, node in quick.mapping.items() if key != "sweep"}
+        self.check_given_once(values, axes, sweep)
+        if any(axis.zipped for axis in axes):
+            self.axes = [axis for axis in self.axes if not axis.zipped]
+        if sweep is not None:
+            self.axes = drop_paths(self.axes, assigned_paths(sweep.mapping))
+        for axis in axes:
+            self.sweep_over(axis)
+        # Sections before their parts, because the order of the keys in a file must not matter.
+        for key, node in sorted(values.items(), key=lambda item: len(normal_form(item[0]))):
+            self.set_value(key, node, node.key or node.mark)
+
+    def check_given_once(self, values: Mapping[str, Node], axes: Iterable[Axis], sweep: Node | None) -> None:
+        """Add a problem for each path that `quick` sets or sweeps twice, in any spelling."""
+        swept = [(path, node) for axis in axes for path, node in zip(axis.paths, axis.keys, strict=True)]
+        settings = {} if sweep is None else sweep.mapping
+        assigned = [
+            entry
+            for name, node in settings.items()
+            if name in SWEEP_SETTINGS
+            for entry in assigned_entries(name, node).items()
+        ]
+        given: set[Path] = set()
+        for path, node in (*swept, *assigned, *values.items()):
+            place = normal_form(path)
+            if place in given:
+                self.problems.append(problem(node.key or node.mark, f"quick: `{path}` is given twice"))
+            given.add(place)
+
+    def sweep_over(self, axis: Axis) -> None:
+        """Replace all sweeps of an axis' paths by the axis; note a `zip` that this takes apart."""
+        for other in self.axes:
+            remaining = drop_paths([other], axis.paths)
+            if len(axis.rows) > 1 and remaining not in ([], [other]):
+                names = " and ".join(f"`{path}`" for path in remaining[0].paths)
+                paths = " and ".join(f"`{path}`" for path in axis.paths)
+                self.notes.append(f"{paths} no longer varies together with {names}: all combinations are computed")
+        self.settings = reduce(remove_path, axis.paths, self.settings)
+        self.axes = replace_axis(self.axes, axis)
 
     def override(self, path: str, text: str) -> None:
         """Apply a value from the command line."""
@@ -154,8 +187,8 @@ class Plan:
             self.apply_setting(path, Node(value.value, value.mark, mark))
         elif is_sweep(value) and (path not in LIST_VALUED or is_list_of_lists(value)):
             axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
-            self.settings = remove_path(self.settings, path)
-            self.axes = replace_axis(self.axes, axis) if axis else self.axes
+            if axis is not None:
+                self.sweep_over(axis)
         else:
             self.set_value(path, value, mark)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bearingsim.study import case_id, load_study
+from bearingsim.study import StudyError, case_id, load_study
 from tests.scenes.study_text import BASE, Write, swept
 
 
@@ -324,3 +324,71 @@ def test_an_override_replaces_a_value_in_swept_sections(
             for case in study.cases()
         }
         assert values == {value}
+
+
+@pytest.mark.parametrize(
+    "entry",
+    ["{range: [-0.3 mm, 0.3 mm, 0.1 mm]}", "{range: [-0.3 mm, 0 mm, 0.1 mm]}", "{linspace: [-0.3 mm, 0.6 mm, 4]}"],
+)
+def test_zero_within_a_range_is_the_written_zero(write: Write, entry: str) -> None:
+    """-0.3 + 3 * 0.1 is 5.6e-17 in floating point: an offset that tilts the roller, with another id than 0 mm."""
+    (written,) = load_study(write(BASE + "sweep: {defect.offset: [0 mm]}\n")).cases()
+    study = load_study(write(BASE + f"sweep: {{defect.offset: {entry}}}\n"))
+    assert [values["defect.offset"] for _, values in study.swept_cases].count(0.0) == 1
+    assert case_id(written) in {case_id(case) for case in study.cases()}
+
+
+def test_small_values_of_a_logspace_are_kept(write: Write) -> None:
+    study = load_study(write(BASE + "sweep: {contact.damping.chi: {logspace: [1e-20 s/m, 1 s/m, 3]}}\n"))
+    assert [row[0] for row in swept(study)] == pytest.approx([1e-20, 1e-10, 1.0], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "entries", [("defect.width: 0.5 mm", "defect: %s"), ("defect: %s", "defect.width: 0.5 mm")]
+)
+def test_order_of_keys_in_quick_has_no_effect(write: Write, entries: tuple[str, str]) -> None:
+    defect = "{shape: rectangular, length: 1 mm, width: 0.8 mm, depth: 2 um}"
+    text = BASE + f"quick: {{{', '.join(entries) % defect}}}\n"
+    (case,) = load_study(write(text), quick=True).cases()
+    assert (case.defects[0].width, case.defects[0].length) == (0.0005, 0.001)
+
+
+@pytest.mark.parametrize(
+    ("entries", "path"),
+    [
+        ("load: 3 N, sweep: {load: [1 N, 2 N]}", "load"),
+        ("sweep: {load: [1 N, 2 N]}, load: 3 N", "load"),
+        ("defect.width: 1 mm, defects.1.width: 2 mm", "defects.1.width"),
+        ("sweep: {load: [1 N], zip: {load: [2 N], settle: [1 s]}}", "load"),
+        ("seed: 3, sweep: {repeat: 2}", "seed"),
+    ],
+)
+def test_path_given_twice_in_quick_is_refused(write: Write, entries: str, path: str) -> None:
+    with pytest.raises(StudyError, match=f"quick: `{path}` is given twice"):
+        load_study(write(BASE + f"quick: {{{entries}}}\n"), quick=True)
+
+
+def test_quick_sweep_in_another_spelling_keeps_the_path_of_figures(write: Write) -> None:
+    text = "sweep: {defect.width: [1 mm, 2 mm]}\nquick: {sweep: {defects.1.width: [1 mm, 3 mm]}}\n"
+    study = load_study(write(BASE + text), quick=True)
+    assert list(study.units) == ["defect.width"]
+    assert swept(study) == [(0.001,), (0.003,)]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "quick", "count", "noted"),
+    [
+        ({"load": "[1 N, 2 N]"}, "", 4, True),
+        ({}, "quick: {sweep: {load: [1 N, 2 N]}}\n", 4, True),
+        ({"load": "[1 N]"}, "", 2, False),  # a single value leaves nothing to combine
+        ({"load": "1 N"}, "", 2, False),
+        ({"settle": "[1 ms, 2 ms]"}, "", 4, False),
+    ],
+)
+def test_path_taken_out_of_a_zip_is_noted(
+    write: Write, overrides: dict[str, str], quick: str, count: int, noted: bool
+) -> None:
+    text = BASE + "sweep: {zip: {load: [150 N, 300 N], speed: [900 rpm, 1800 rpm]}}\n" + quick
+    study = load_study(write(text), overrides, quick=bool(quick))
+    note = "`load` no longer varies together with `speed`: all combinations are computed"
+    assert (len(study.cases()), note in study.notes) == (count, noted)
