@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import config
-from bearingsim.assemble.contacts import point_contact
+from bearingsim.assemble.contacts import contact_law, point_contact
 from bearingsim.assemble.form import contact_half_width
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
+from bearingsim.assemble.scales import load_exponent
 from bearingsim.catalogue import SHAPES, call
 from bearingsim.config import Case
 from bearingsim.config.scan.file import TRANSFERRED_FILES
@@ -113,8 +114,9 @@ def elastic_edge(case: Case) -> EdgeContact:
     b, edge = case.bearing, case.defects[0].edge if case.defects else None
     E_star = b.material.young_modulus / (2.0 * (1.0 - b.material.poisson_ratio**2))
     rho = float((edge and edge.radius) or EDGE_RADIUS)
-    L_w = contact_length(case, OUTER)
-    return edge_contact(largest_load(case), L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho)
+    L_w, load = contact_length(case, OUTER), largest_load(case)
+    exponent = load_exponent(contact_law(case, on_outer=True), load)
+    return edge_contact(load, L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho, exponent)
 
 
 def reduced_radius(case: Case, side: int) -> float:

@@ -21,6 +21,7 @@ from bearingsim.core.defects.pairs import (
     passing_speed,
 )
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.parts.form import Race, Smooth, UnequalRollers
 
@@ -99,6 +100,12 @@ def approach(law: Any, load: float) -> float:
     while normal_force(law, upper, 0.0) < load and upper < MAX_SEARCH_APPROACH:
         upper *= 10.0
     return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, upper, xtol=1e-18, rtol=1e-12))
+
+
+def load_exponent(law: Any, load: float) -> float:
+    """Compute d ln Q/d ln delta of a static contact under ``load`` (N): m of a power law k delta^m."""
+    delta = approach(law, load)
+    return float(delta * tangent(law.stiffness, delta) / elastic(law.stiffness, delta))
 
 
 def damping_ratio(case: Case, load: float) -> float:

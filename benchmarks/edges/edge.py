@@ -10,6 +10,7 @@ from bearingsim.core.defects.closed_forms import groups_of
 from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.edge_contact import EdgeContact
 from bearingsim.core.defects.excitations import defect_response, response_groups
+from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from benchmarks.edges.contact import Body, Contact, press, press_to
 from benchmarks.edges.race import Grading, Slot, depth_at, envelope
 from benchmarks.edges.steel import Pair
@@ -84,7 +85,7 @@ def contact_stresses(
 
 def edge_contact_response(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float, float]:
     """Return share and h (m) of ``EdgeContact`` for the reference load ``reference`` (N/m)."""
-    excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho)
+    excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho, LINE_CONTACT_EXPONENT)
     width = SINGLE_EDGE_WIDTH if slot.width == inf else slot.width
     defect = Rectangular(1.0, width, slot.depth)
     (row,) = response_groups(excitation, defect, groups_of(defect, 1.0, pair.R, 1), pair.R)

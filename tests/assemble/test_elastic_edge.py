@@ -32,6 +32,30 @@ def test_parameters_come_from_the_case() -> None:
     assert assemble.model(case(defect=SLOT)).defects.excitation.rho == 2e-5
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "exponent"),
+    [
+        ("palmgren", 10.0 / 9.0),
+        ({"law": "constant", "coefficient": 1e5, "exponent": 1.0}, 1.0),
+        ({"law": "constant", "coefficient": 1e6, "exponent": 1.3}, 1.3),
+    ],
+)
+def test_exponent_is_that_of_the_stiffness(stiffness: Any, exponent: float) -> None:
+    given = case(defect=SLOT, contact={"damping": CHI, "stiffness": stiffness})
+    assert assemble.model(given).defects.excitation.exponent == pytest.approx(exponent, rel=1e-12)
+
+
+def test_exponent_of_johnson_is_that_at_the_largest_load() -> None:
+    """d ln Q/d ln delta = Lambda/(Lambda - 1), Lambda = 2 ln(2 D/b) + 1 (docs/edges.md)."""
+    given = case(defect=SLOT, contact={"damping": CHI, "stiffness": "johnson"})
+    excitation = assemble.model(given).defects.excitation
+    R_w, R_o = 0.006, 0.0385
+    b = 2.0 * np.sqrt(excitation.load * R_w * R_o / (R_o - R_w))
+    Lambda = 2.0 * np.log(4.0 * np.sqrt(R_w * R_o) / np.e / b) + 1.0
+    assert excitation.exponent == pytest.approx(Lambda / (Lambda - 1.0), rel=1e-5)
+    assert excitation.exponent == pytest.approx(1.070, abs=1e-3)
+
+
 def test_explicit_and_default_edge_radius_may_be_combined() -> None:
     pair = [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "20 um"}}]
     assert len(case(defects=pair).defects) == 2

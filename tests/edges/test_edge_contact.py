@@ -12,6 +12,7 @@ from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact, narr
 from bearingsim.core.defects.excitations import Envelope, defect_response, response_groups
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from bearingsim.core.jit import jit
+from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from benchmarks.edges.contact import press
 from benchmarks.edges.edge import contact_under_force, corrected_ratio, make_body
 from benchmarks.edges.half_space import two_half_planes
@@ -23,7 +24,7 @@ from tests.scenes.defect_maps import SHAPES
 PAIR, L_W = Pair(), 0.012
 R, FORCE = PAIR.R, 47.0 / L_W
 HALF = PAIR.half_width(FORCE)
-EDGES = edge_contact(47.0, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, 2e-5)
+EDGES = edge_contact(47.0, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, 2e-5, LINE_CONTACT_EXPONENT)
 
 shapes = st.sampled_from(["rectangular", "triangular", "circular"])
 widths = st.floats(5e-5, 4e-3)
@@ -131,10 +132,22 @@ def test_a_defect_shorter_than_the_roller():
     assert defect_response(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
 
 
+def test_the_share_follows_the_exponent_of_the_stiffness():
+    """A force k delta^m under which the approach beyond the roller drop is Lambda + f instead of Lambda."""
+    (row,) = response_rows("rectangular", 0.8e-3, 5e-5)
+    s = 0.3e-3
+    f = one_edge(0.4e-3 - s, HALF, 5e-5, 2e-5, R)
+    Lambda = 2.0 * log(2.0 * EDGES.D / HALF) + 1.0
+    for m in (1.0, LINE_CONTACT_EXPONENT, 1.5):
+        share, _, _ = defect_response(EDGES._replace(exponent=m), row, s, R)
+        assert share == pytest.approx((Lambda / (Lambda + f)) ** m, rel=1e-12)
+        assert share < 0.75
+
+
 def test_invalid_load_and_radius_are_rejected():
     for force, rho in ((0.0, 1e-5), (47.0, 0.0)):
         with pytest.raises(ValueError, match="above 0"):
-            edge_contact(force, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho)
+            edge_contact(force, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho, LINE_CONTACT_EXPONENT)
 
 
 def test_compiled_response_is_identical():

@@ -8,11 +8,12 @@ on the race,
     delta - h = Q'/(pi E*) (Lambda + f)       Lambda = 2 ln(2 D/b) + 1
 
 with f (``one_edge``) a function of the distance x behind the rim. Where the other edge or the floor may carry the
-roller instead, the smallest approach applies. An elastic force k (delta - h)^(10/9) then keeps
+roller instead, the smallest approach applies. An elastic force k (delta - h)^m then keeps
 
-    share = (1 + f/Lambda)^(-10/9)
+    share = (1 + f/Lambda)^-m
 
-of its value. f depends on the load through b; it is evaluated at one reference load. docs/edges.md derives f and
+of its value. f depends on the load through b; it is evaluated at one reference load, as is m of a law that is not
+a power. docs/edges.md derives f and
 compares it with finite elements.
 """
 
@@ -24,7 +25,6 @@ from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, X_E
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness.power_laws import ninth_root
 
 # fitted to finite elements: weight of the wall's height, and of the edge's radius
 HEIGHT_WEIGHT, RADIUS_WEIGHT = 0.42, 0.7
@@ -37,7 +37,8 @@ class EdgeContact(NamedTuple):
 
     load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: depth (m) at which
     displacements are taken as zero, 2 sqrt(R_w R_o)/e for a roller in its race; rho: radius (m) of the defect's
-    edges, > 0 (the pressure at a sharp edge is unbounded).
+    edges, > 0 (the pressure at a sharp edge is unbounded); exponent: d ln Q/d ln delta of the contact on the race
+    at the reference load.
 
     Neglected: yielding, friction, the tilt of the contact normal, the defect's ends along the roller, and the
     dependence of f on load. The share exceeds 1 where two rounded edges far apart carry the roller.
@@ -46,18 +47,21 @@ class EdgeContact(NamedTuple):
     load: float
     D: float
     rho: float
+    exponent: float
 
 
-def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float, rho: float) -> EdgeContact:
+def edge_contact(
+    force: float, L_w: float, R_w: float, R_o: float, E_star: float, rho: float, exponent: float
+) -> EdgeContact:
     """Return the excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
-    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges. D of
-    the inner race is a sixth smaller, which changes Lambda by 2 %. Raises ValueError if the load or rho is not
-    positive.
+    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges;
+    exponent: d ln Q/d ln delta on the race. D of the inner race is a sixth smaller, which changes Lambda by 2 %.
+    Raises ValueError if the load or rho is not positive.
     """
     if force <= 0.0 or rho <= 0.0:
         raise ValueError(f"a reference load of {force} N and edges of {rho} m: both must be above 0")
-    return EdgeContact(force / (L_w * pi * E_star), 2.0 * sqrt(R_w * R_o) / e, rho)
+    return EdgeContact(force / (L_w * pi * E_star), 2.0 * sqrt(R_w * R_o) / e, rho, exponent)
 
 
 @jit
@@ -122,10 +126,9 @@ def two_edges(width, b, wall, rho, R, D):
 
 
 @jit
-def remaining_share(f, b, D):
-    """Return the remaining share of a force k delta^(10/9) if the approach increases by ``f``."""
-    ratio = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
-    return ratio * ninth_root(ratio)
+def remaining_share(f, b, D, exponent):
+    """Return the remaining share of a force k delta^exponent if the approach increases by ``f``."""
+    return max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1) ** -exponent
 
 
 @defect_response.register(EdgeContact)
@@ -144,7 +147,7 @@ def _defect_response_edge_contact(excitation, group, s, R):
     if middle_slope < 0.0:
         f_middle = two_edges(2.0 * min(rim, group[X_E]), b, wall, rho, R, D)
         f = min(f, f_middle - middle_slope * abs(s) / excitation.load)
-    return remaining_share(f, b, D), h, (slope if s > 0.0 else -slope)
+    return remaining_share(f, b, D, excitation.exponent), h, (slope if s > 0.0 else -slope)
 
 
 # Slopes of the functions above, each along its first argument
@@ -198,12 +201,12 @@ def ridge_derivative(x, x_end, b, rho, R):
 
 
 @jit
-def remaining_share_derivative(f, b, D):
+def remaining_share_derivative(f, b, D, exponent):
     """Return the derivative of ``remaining_share``."""
     Lambda = 2.0 * log(2.0 * D / b) + 1.0
     if 1.0 + f / Lambda <= 0.1:
         return 0.0
-    return -10.0 / 9.0 * remaining_share(f, b, D) / (Lambda + f)
+    return -exponent * remaining_share(f, b, D, exponent) / (Lambda + f)
 
 
 @jit
@@ -255,7 +258,7 @@ def _defect_response_gradient_edge_contact(excitation, group, s, R):
         return 0.0, 0.0
     b = half_contact(excitation, R)
     f, f_derivative = edge_softening(excitation, group, abs(s), R)
-    share_derivative = remaining_share_derivative(f, b, excitation.D) * f_derivative
+    share_derivative = remaining_share_derivative(f, b, excitation.D, excitation.exponent) * f_derivative
     curvature = roller_drop_curvature(group, abs(s) + wall_and_reach(group, b)[1], R + excitation.rho)
     return (share_derivative if s > 0.0 else -share_derivative), curvature
 

@@ -24,11 +24,12 @@ from bearingsim.core.defects.edge_contact import (
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
 from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, outer_reduced_radius
 from bearingsim.core.jit import jit
+from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from tests.scenes.defect_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)
-EDGES = edge_contact(47.0, L_W, R_W, R_O, 113.7e9, 2e-5)
+EDGES = edge_contact(47.0, L_W, R_W, R_O, 113.7e9, 2e-5, LINE_CONTACT_EXPONENT)
 HALF = half_contact(EDGES, R)
 
 shapes = st.sampled_from(["rectangular", "triangular", "circular"])
@@ -94,8 +95,9 @@ def test_ridge_derivative(xi, past_end):
 def test_remaining_share_derivative(f):
     Lambda = 2.0 * np.log(2.0 * EDGES.D / HALF) + 1.0
     assume(abs(1.0 + f / Lambda - 0.1) > 1e-2)
-    expected = derivative(lambda x: remaining_share(x, HALF, EDGES.D), f, 1e-4)
-    assert remaining_share_derivative(f, HALF, EDGES.D) == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    expected = derivative(lambda x: remaining_share(x, HALF, EDGES.D, EDGES.exponent), f, 1e-4)
+    slope = remaining_share_derivative(f, HALF, EDGES.D, EDGES.exponent)
+    assert slope == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
 @settings(max_examples=400)
@@ -127,7 +129,7 @@ def test_share_and_gradient_use_the_same_softening(shape, width, depth, position
     for row in response_rows(shape, width, depth):
         f, _ = edge_softening(EDGES, row, abs(position) * row[GROUP_HALF_WIDTH], R)
         assert defect_response(EDGES, row, position * row[GROUP_HALF_WIDTH], R)[0] == pytest.approx(
-            remaining_share(f, HALF, EDGES.D), rel=1e-12
+            remaining_share(f, HALF, EDGES.D, EDGES.exponent), rel=1e-12
         )
 
 
