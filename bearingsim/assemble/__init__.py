@@ -21,6 +21,7 @@ from bearingsim.core.defects.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS
 from bearingsim.core.geometry.motion import is_steady
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.laws.damping.undamped import Undamped
+from bearingsim.core.laws.friction.curves import Frictionless
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_in_cpu_time, solve_initial_equilibrium
@@ -53,6 +54,7 @@ __all__ = [
     "start",
     "static_model",
     "with_friction_lag",
+    "without_friction",
 ]
 
 PARAMETER_BUILDERS: dict[str, Any] = {
@@ -227,6 +229,11 @@ def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
 def with_friction_lag(model: Any, lag: float) -> Any:
     """Return the model with friction lagged by ``lag`` (s), so that friction does not limit the step."""
     return model._replace(lag=lag) if "lag" in model._fields else model
+
+
+def without_friction(model: Any) -> Any:
+    """Return the model without friction between rollers and races."""
+    return model._replace(friction=Frictionless()) if "friction" in model._fields else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:

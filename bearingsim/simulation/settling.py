@@ -1,7 +1,8 @@
 """Settling of a run: slowest mode of the transient, time of `settle: auto`, extrapolation to the steady motion.
 
 A run starts from static equilibrium, which is not the steady motion. The transient decays in the modes of the ring
-(and of the inner ring on its shaft) on contacts and bracket, found by linearising the bearing at equilibrium.
+(and of the inner ring on its shaft) on contacts and bracket, found by linearising the bearing at equilibrium,
+without friction.
 """
 
 from collections import deque
@@ -23,7 +24,7 @@ from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import harmonics
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import length_factors
-from bearingsim.simulation.limits import LONGEST_STEP, loads_at_rest, rest_case, rest_states
+from bearingsim.simulation.limits import loads_at_rest, rest_case, rest_states
 from bearingsim.simulation.repetition import may_be_periodic, rotate_state
 
 MAX_TRANSIENT = 5e-5
@@ -131,7 +132,9 @@ def modes(case: Case) -> tuple[complex, ...]:
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
 def _modes(healthy: Case) -> tuple[complex, ...]:
     load, K, _ = loads_at_rest(healthy)
-    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
+    # with friction the rollers roll along with a moving ring; here they move radially
+    # only, so that friction would brake the ring
+    model = assemble.without_friction(assemble.model(healthy))
     t, y = next(rest_states(model))[:2]
     matrix, cells = _linearised(model, t, y, RELATIVE_DISPLACEMENT * approach(model.outer, load), K)
     values, vectors = np.linalg.eig(matrix)

@@ -42,6 +42,15 @@ def test_decay_rate_is_damping_over_twice_the_mass(model: str) -> None:
     assert added_rate == pytest.approx(2000.0 / (2.0 * 20.0), rel=0.03)
 
 
+@pytest.mark.parametrize("friction", ["static-dynamic", "traction"])
+def test_friction_does_not_brake_the_rings(friction: str) -> None:
+    """6.18 and 6.22 1/s are those of all coordinates, with friction: the rollers roll along with the ring."""
+    loose = {"rig": {"ring_mass": "20 kg"}, "clearance": "20 um", "contact": {"damping": "kraemer"}}
+    decay = settling.slowest_decay(settled_case(model="planar", friction=friction, **loose))
+    assert decay == pytest.approx({"static-dynamic": 6.183, "traction": 6.216}[friction], rel=0.02)
+    assert decay == pytest.approx(settling.slowest_decay(settled_case(model="rollers", **loose)), rel=1e-3)
+
+
 def test_automatic_settling_follows_the_slowest_mode() -> None:
     assert settling.settling(settled_case()) == settling.MIN_SETTLING
     heavy = settled_case(**HEAVY)
