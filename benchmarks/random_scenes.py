@@ -27,7 +27,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from bearingsim.config import Case
-from bearingsim.config.names import LINES
+from bearingsim.config.names import LINES, QUIET_LINE
 from bearingsim.core.geometry.kinematics import (
     ball_pass_frequency_inner,
     ball_pass_frequency_outer,
@@ -35,7 +35,6 @@ from bearingsim.core.geometry.kinematics import (
     fundamental_train_frequency,
 )
 from bearingsim.simulation import time_grid
-from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.run_setup import TooChaotic
 from bearingsim.simulation.simulate import Record, SimulationError, simulate

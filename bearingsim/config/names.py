@@ -264,6 +264,8 @@ def _features() -> dict[str, Feature]:
 _BUILTIN_FEATURES = _features()
 STEP_ACCURACY = 0.01
 """Limit of the relative step error of line, RMS and largest force; for a chaotic motion, of the RMS only."""
+QUIET_LINE = 1e-3
+"""Part of the RMS of velocity (-60 dB) to which errors of a weaker line are relative."""
 NO_VALUE = "no_value."
 """Prefix of the attribute that states why a job has no value of an extension's feature."""
 

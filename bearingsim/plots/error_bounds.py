@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.plots import labels
 from bearingsim.store import feature_bounds, relative_error
-from bearingsim.store.nearness import scales
+from bearingsim.store.nearness import reference_ratio, scales
 from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd
     if step is None or base not in rows or not step.notna().any():
         return None
     scatter = relative_error(rows, base).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
+    step = step * reference_ratio(rows.add_prefix("features/"), base)
     return (step + STANDARD_ERRORS * scatter) * rows[base].abs()
 
 
@@ -101,7 +102,8 @@ def _start_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Se
         return None
     start = results.values(START_ERRORS[kind]).reindex(rows["job"]).set_axis(rows.index)
     is_random = rows.filter(items=["standard_error.line", "cage.slip.mean"]).notna().any(axis=1)
-    return start.where(~is_random, 0.0) * rows[base].abs()
+    start = start.where(~is_random, 0.0) * reference_ratio(rows.add_prefix("features/"), base)
+    return start * rows[base].abs()
 
 
 def _base_and_kind(name: str) -> tuple[str, str]:

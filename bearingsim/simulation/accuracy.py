@@ -7,6 +7,7 @@ import numpy as np
 
 from bearingsim import signals
 from bearingsim.config import Case
+from bearingsim.config.names import QUIET_LINE
 from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.spectral_lines import has_other_lines, sensor_samples
 from bearingsim.simulation.time_grid import Grid
@@ -14,7 +15,6 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 16  # smallest number of ball passes for a standard error
 COSINES = 12  # over the record: fewer increase Student's t, more miss the correlation of successive passes
 THREE_SIGMA = 0.99865  # probability of a deviation below three sigma
-QUIET_LINE = 1e-3  # part of the RMS (-60 dB) to which changes of a weaker line are relative
 
 
 class StandardErrors(NamedTuple):

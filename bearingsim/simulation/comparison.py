@@ -11,10 +11,9 @@ import numpy as np
 
 from bearingsim import signals
 from bearingsim.config import Case
-from bearingsim.config.names import FAULT_LINES, LINES
+from bearingsim.config.names import FAULT_LINES, LINES, QUIET_LINE
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, recording, spectral_lines
-from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.channels import MOTION
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import EXTREMES

@@ -372,7 +372,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
 
 def _is_random(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
     """Check if line and RMS may scatter at random, and the record has enough ball passes to show it."""
-    has_enough_passes = len(recording.windows(setup.case, setup.grid, raw, reach=0).index) > accuracy.MIN_PASSES
+    has_enough_passes = len(recording.windows(setup.case, setup.grid, raw, reach=0).index) >= accuracy.MIN_PASSES
     return has_enough_passes and (chaotic or may_be_periodic(setup.case) or has_free_cage(setup.case))
 
 

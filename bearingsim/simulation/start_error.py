@@ -12,9 +12,9 @@ import numpy as np
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
-from bearingsim.config.names import LINES
+from bearingsim.config.names import LINES, QUIET_LINE
 from bearingsim.core.geometry.motion import is_steady
-from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
+from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN, fault_lines
 from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.run_setup import Setup

@@ -17,9 +17,9 @@ import numpy as np
 
 from bearingsim import signals
 from bearingsim.config import Case
-from bearingsim.config.names import LINES, read_band
+from bearingsim.config.names import LINES, QUIET_LINE, read_band
 from bearingsim.simulation import ending, trial
-from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
+from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.recording import RawRecord, first_sample, whole_passes
 from bearingsim.simulation.run_setup import Setup

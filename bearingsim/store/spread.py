@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 BLOCK_ERRORS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
 """Columns with relative standard errors from blocks of ball passes; results of earlier versions lack them."""
+FORCE_ERROR = "features/error.start.force"
+"""Column whose relative error of the largest outer force includes its scatter in a chaotic motion."""
 NOTABLE_ERROR = 0.005
 """Relative standard error above which a result of a chaotic motion is reported as a random sample."""
 
@@ -59,7 +61,8 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the standard error (SI) of a feature for chaotic motions and for records that ended early.
 
     0 for all other jobs and if no estimate exists; NaN if the record is too short for an estimate. The relative
-    error of an RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few.
+    error of an RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few;
+    that of the largest outer force is estimated from the maxima of the rollers (``simulation/start_error.py``).
     """
     import numpy as np
     import pandas as pd
@@ -72,6 +75,8 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         blocks = frame.get(f"features/{BLOCK_ERRORS['velocity.rms']}")
         relative = relative if blocks is None else blocks.where(blocks.notna(), relative)
         error = relative * frame[f"features/{feature}"].abs()
+    elif feature == "outer_force.max" and FORCE_ERROR in frame:
+        error = frame[FORCE_ERROR] * frame[f"features/{feature}"].abs()
     chaotic_errors = error.replace(np.inf, np.nan).where(chaotic_jobs(frame), 0.0)
     early_errors = early_end_errors(frame, feature)
     return (

@@ -1,6 +1,7 @@
 """Standard error of a mean over ball passes, for sequences with a known scatter of the mean."""
 
 from math import pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,10 +9,12 @@ from scipy.signal import lfilter
 from scipy.special import stdtrit
 
 from bearingsim import signals
-from bearingsim.simulation.accuracy import COSINES, THREE_SIGMA, standard_error, standard_errors
+from bearingsim.simulation import recording
+from bearingsim.simulation.accuracy import COSINES, MIN_PASSES, THREE_SIGMA, standard_error, standard_errors
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import first_sample
 from bearingsim.simulation.run_setup import set_up
+from bearingsim.simulation.simulate import _is_random
 from bearingsim.simulation.spectral_lines import lines_of_passes, sensor_samples
 from tests.scenes.short_cases import SLOT, case
 
@@ -128,3 +131,13 @@ def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     line = np.average(lines, weights=weights)
     in_phase = (lines / line).real[:, np.newaxis]
     assert result == pytest.approx(standard_error(in_phase, weights), rel=1e-9)
+
+
+def test_error_of_the_start_includes_every_standard_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Both need the same number of ball passes."""
+    setup = SimpleNamespace(case=None, grid=None)
+    for passes, expected in ((MIN_PASSES - 1, False), (MIN_PASSES, True)):
+        monkeypatch.setattr(recording, "windows", lambda *_, n=passes, **__: SimpleNamespace(index=np.arange(n)))
+        assert _is_random(setup, None, chaotic=True) == expected

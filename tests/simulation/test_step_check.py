@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.config.names import STEP_ACCURACY
+from bearingsim.config.names import QUIET_LINE, STEP_ACCURACY
 from bearingsim.simulation import choice, comparison, pilot, pricing, refinement, step_check, time_grid
-from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck

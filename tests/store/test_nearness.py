@@ -46,6 +46,22 @@ def test_errors_are_relative_to_the_lowest_maximum_of_the_curves() -> None:
     assert with_gap.tolist()[::2] == [1.0, 5.0]
 
 
+@pytest.mark.parametrize("quantity", ["velocity", "displacement"])
+def test_errors_of_a_quiet_line_are_relative_to_a_thousandth_of_the_rms(quantity: str) -> None:
+    """At 2e-4 of the RMS 1 % of 1e-3 of the RMS is 5 % of the line; a loud line is its own reference."""
+    columns = {
+        LINE: [2e-4, 0.5],
+        "displacement@BPFO": [4e-7, 1e-3],
+        RMS: [1.0, 1.0],
+        "step_error.line": [0.01, 0.01],
+    }
+    curves = [{"feature": f"{quantity}@BPFO", "jobs": [job]} for job in "ab"]
+    results = frame(columns | {"error.start": [0.002, 0.002]}, **{"parameters/x": [1.0, 2.0]})
+    parts = error_bounds(plan([f"{quantity}@BPFO"], curves=curves), results)
+    assert parts["error.step"].loc[["a", "b"]].tolist() == pytest.approx([0.05, 0.01])
+    assert parts["error.start"].loc[["a", "b"]].tolist() == pytest.approx([0.01, 0.002])
+
+
 @pytest.mark.parametrize(
     ("feature", "column"),
     [
@@ -89,7 +105,7 @@ def test_the_error_of_the_start_is_added(feature: str, suffix: str) -> None:
     columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {}
     bounds = error_bounds(plan([feature]), frame(columns))
     assert bounds["error.start"].tolist() == pytest.approx(
-        [0.005, 0.015, 0.0] if feature == LINE else [0.005, 0.02, 0.02]
+        {LINE: [0.005, 0.015, 0.0], RMS: [0.005, 0.02, 0.02], FORCE: [0.005, 0.0, 0.0]}[feature]
     )
     assert bounds["error"].tolist() == pytest.approx(
         [0.005, 0.02, 0.05] if feature == LINE else [0.005, 0.02, 0.02]

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.store import is_uncertain
-from bearingsim.store.spread import has_unknown_scatter, standard_error
+from bearingsim.store.spread import FORCE_ERROR, has_unknown_scatter, standard_error
 
 LINE, RMS = "velocity@BPFO", "velocity.rms"
 
@@ -81,3 +81,11 @@ def test_extreme_value_of_a_record_that_ended_early_has_unknown_scatter() -> Non
     assert not has_unknown_scatter(periodic, "outer_force.max").iloc[0]
     full_record = early_end.assign(**{"info/passes_computed": 200})
     assert not has_unknown_scatter(full_record, "outer_force.max").iloc[0]
+
+
+def test_largest_force_of_a_chaotic_motion_scatters_by_its_own_error() -> None:
+    """It includes the standard error of the maxima; a periodic motion repeats its largest force."""
+    features = table(rms=0.001).assign(**{"error.start.force": 0.03}).add_prefix("features/")
+    assert standard_error(features, "outer_force.max").iloc[0] == pytest.approx(0.03 * 5.0)
+    assert math.isnan(standard_error(features.assign(**{FORCE_ERROR: math.nan}), "outer_force.max").iloc[0])
+    assert standard_error(features.assign(**{"features/chaotic": 0.0}), "outer_force.max").iloc[0] == 0.0

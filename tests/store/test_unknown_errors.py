@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.plots.error_bounds import error_texts
+from bearingsim.plots.error_bounds import error_texts, numerical_errors
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.variations import variation_effects
 from bearingsim.sensitivity import Effects, Estimate, effects_text
@@ -209,3 +209,12 @@ def test_unknown_scatter_of_an_extreme_value_is_not_that_of_a_chaotic_line() -> 
     assert notes(goal, results).splitlines()[1:] == [
         "1 case: accuracy unknown, because `error.scatter` is unknown"
     ]
+
+
+def test_numerical_error_of_a_quiet_line_is_relative_to_a_thousandth_of_the_rms() -> None:
+    """At 2e-4 of an RMS of 1 an error of 1 % of 1e-3."""
+    rows = pd.DataFrame({LINE: [2e-4], "velocity.rms": [1.0], "step_error.line": [0.01], "chaotic": [0.0]})
+    rows[f"{LINE}-scatter"] = 0.0
+    error = numerical_errors(None, rows, LINE)  # type: ignore[arg-type]
+    assert error is not None
+    assert error.tolist() == pytest.approx([1e-5])
