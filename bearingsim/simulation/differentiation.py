@@ -1,10 +1,15 @@
-"""Velocity and acceleration as differences of recorded positions, for methods with steps of their own."""
+"""Velocity and acceleration of the ring as differences of its recorded positions.
+
+For methods with steps of their own, and for models without a method, which are solved for positions.
+"""
 
 from functools import cache
 from math import factorial
 
 import numpy as np
 
+from bearingsim import assemble
+from bearingsim.config import Case
 from bearingsim.simulation.channels import FEATURE_CELLS
 
 MOTIONS = (
@@ -19,16 +24,22 @@ MOTIONS = (
 STENCIL_REACH = 4  # columns on each side of a difference
 
 
+def derives_velocity(case: Case) -> bool:
+    """Check if velocity and acceleration of the ring are differences of its positions."""
+    return case.method is None or assemble.is_adaptive(case)
+
+
 def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column: int, h: float) -> None:
     """Write velocity and acceleration as differences of positions, from ``column`` - STENCIL_REACH on.
 
     window: (C, n) in SI, at intervals of ``h`` s; motion: its rows, as in ``MOTIONS``; ``column``: at least
     2 STENCIL_REACH.
 
-    An adaptive method takes several steps between recorded instants. If the velocity jumps between them, its
-    samples have a wrong mean, whereas differences of positions sum to the displacement. The differences are of
-    eighth order: the velocity is accurate to 1e-3 up to 0.15 of the column rate, above which nothing is kept. The
-    last STENCIL_REACH columns, which lack neighbours, are overwritten in the next pass.
+    An adaptive method takes several steps between recorded instants, and a model without a method has an impulse
+    or a cusp between them. If the velocity jumps, its samples have a wrong mean, whereas differences of positions
+    sum to the displacement. The differences are of eighth order: the velocity is accurate to 1e-3 up to 0.15 of
+    the column rate, above which nothing is kept. The last STENCIL_REACH columns, which lack neighbours, are
+    overwritten in the next pass.
     """
     position, velocity, acceleration = (window[rows] for rows in motion)
     n = window.shape[1]

@@ -22,7 +22,7 @@ from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
 from bearingsim.simulation import channels
-from bearingsim.simulation.differentiation import MOTIONS, differentiate
+from bearingsim.simulation.differentiation import MOTIONS, STENCIL_REACH, derives_velocity, differentiate
 from bearingsim.simulation.recording import RawRecord, Recording, extend_back, pop_peaks
 from bearingsim.simulation.repetition import (
     RECORD_CLOSENESS,
@@ -283,17 +283,19 @@ def _ball_passes(
     steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
     window = np.empty((len(cells), tail + steps))
     window[:] = y[cells][:, np.newaxis]
+    motions = (MOTIONS if case.rig.ring is not None else MOTIONS[:1]) if derives_velocity(case) else ()
     _warm_up(setup, samples, y, cells)
     if MODELS[case.model].memoryless:  # does not start from rest, so the model also gives samples before t = 0
-        lead_in = window[:, steps:]
-        _record_steps(setup, NoSamples(), -tail, y, cells, lead_in, pace)
+        lead_in = window[:, steps - 2 * STENCIL_REACH :]
+        _record_steps(setup, NoSamples(), -lead_in.shape[1], y, cells, lead_in, pace)
+        for motion in motions:
+            differentiate(lead_in, motion, 2 * STENCIL_REACH, grid.step)
         pop_peaks(y)
     for p in range(grid.passes):
         window[:, :tail] = window[:, steps:].copy()
         _record_steps(setup, samples, p * steps, y, cells, window[:, tail:], pace)
-        if assemble.is_adaptive(case):
-            for motion in MOTIONS if case.rig.ring is not None else MOTIONS[:1]:
-                differentiate(window, motion, tail, grid.step)
+        for motion in motions:
+            differentiate(window, motion, tail, grid.step)
         yield window
 
 

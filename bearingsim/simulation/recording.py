@@ -24,6 +24,7 @@ from bearingsim.core.sampling import (
     sampling_kernel,
 )
 from bearingsim.simulation import channels
+from bearingsim.simulation.differentiation import STENCIL_REACH, derives_velocity
 from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, rotated_rows
 from bearingsim.simulation.time_grid import Grid, samples
 
@@ -293,12 +294,14 @@ def extend_back(case: Case, raw: RawRecord) -> None:
 def _sample_pass(case: Case, grid: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
     """Fill in and return the raw values at the instants within ball pass ``p``.
 
-    Its end is included, its start only in pass 0.
+    Its end is included, its start only in pass 0. Differences of positions are accurate up to ``STENCIL_REACH``
+    steps before the end, so the instants after them are read with the next pass.
     """
     steps, tail = grid.steps_per_pass, window.shape[1] - grid.steps_per_pass
+    missing = STENCIL_REACH if derives_velocity(case) else 0
     ratio = 1.0 / (case.sampling * grid.step)  # steps per sample
     start = case.settle_s / grid.step
-    begin, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
+    begin, end = (max(0, floor((q * steps - missing - start) / ratio) + 1) for q in (p, p + 1))
     begin = 0 if p == 0 else min(begin, raw_values.shape[1])
     end = min(end, raw_values.shape[1])
     if end > begin:

@@ -162,7 +162,7 @@ def test_lines_of_small_defects_add_up():
     ]
 
     def displacement_lines(defects):
-        fields = {"duration": "0.4 s", "settle": "0 s", "step": "16 us", "sampling": "4000 Hz"}
+        fields = {"duration": "0.4 s", "settle": "0 s", "step": "8 us", "sampling": "4000 Hz"}
         return lines(names, quantity="displacement", model="static", defects=defects, **fields)
 
     healthy = displacement_lines([])

@@ -1,12 +1,19 @@
-"""Recording of an adaptive method, whose steps do not coincide with the recorded instants."""
+"""Recording of methods with steps of their own, and of positions without velocity."""
 
 import numpy as np
 import pytest
 
+from bearingsim.config import Case
+from bearingsim.core.sampling import DECIMATION_REACH, sampling_kernel
 from bearingsim.simulation import choice, limits
 from bearingsim.simulation.channels import FEATURE_CELLS
 from bearingsim.simulation.differentiation import MOTIONS, STENCIL_REACH, difference_weights, differentiate
+from bearingsim.simulation.features import statistics
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.recording import _sample_pass
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import simulate
+from bearingsim.simulation.time_grid import samples
 from tests.scenes.short_cases import SLOT, case
 
 RING = MOTIONS[0]
@@ -137,3 +144,48 @@ def test_contact_forces_are_recorded_without_low_pass(method: str) -> None:
     assert force.max() > 0.0
     assert force.tolist() == raw.series["roller.1.outer_force"].tolist()
     assert not np.array_equal(filtered.series["ring.velocity.x"], raw.series["ring.velocity.x"])
+
+
+def rms_of_impulses(test_case: Case) -> float:
+    """Return the RMS (m/s) of the motion along the load of a ring under equal impulses once per ball pass.
+
+    Each line is 2 J BPFO |mobility|, times the gain of the record's filter.
+    """
+    setup = set_up(test_case)
+    model, rate = setup.model, setup.grid.rate
+    taps = sampling_kernel(setup.grid.fine_rate / test_case.sampling)
+    f = rate * np.arange(1, round(0.7 * test_case.sampling / rate))
+    omega = 2.0 * np.pi * f
+    offsets = np.arange(len(taps)) - len(taps) // 2
+    gain = np.array([taps @ np.cos(w / setup.grid.fine_rate * offsets) for w in omega])
+    mobility = omega / np.abs(model.K_x - model.m * omega**2 + 1j * omega * model.C_x)
+    lines = 2.0 * abs(model.J_x[0]) * rate * mobility * gain
+    return float(np.sqrt(np.sum(lines**2) / 2.0))
+
+
+def test_rms_of_an_impulse_train_at_a_high_sampling_rate_is_that_of_its_lines() -> None:
+    high = {"sampling": "102.4 kHz", "duration": "50 ms", "settle": "50 ms"}
+    test_case = case(model="impulse", defects=[SLOT], record=[], **high)
+    assert simulate(test_case).features["velocity.rms"] == pytest.approx(rms_of_impulses(test_case), rel=1.5e-3)
+
+
+def test_rms_of_static_motion_at_a_high_sampling_rate_is_that_of_short_steps() -> None:
+    test_case = case(model="static", defects=[SLOT], sampling="102.4 kHz", record=[])
+    setups = [set_up(test_case, fraction) for fraction in (1.0, 1.0 / 16.0)]
+    rms, fine = (statistics(s.case, s.grid, integrate(s))["velocity.rms"] for s in setups)
+    assert rms == pytest.approx(fine, rel=1e-3)
+
+
+def test_raw_values_of_a_model_without_method_are_accurate_at_ends_of_passes_too() -> None:
+    """A sine instead of the motion: accelerations are those of the sine, to 3e-4 and the interpolation."""
+    test_case = case(model="static", sampling="102.4 kHz", antialias=False, duration="20 ms")
+    grid = set_up(test_case).grid
+    omega, tail = 0.1 / grid.step, 2 * DECIMATION_REACH * grid.decimation
+    steps, raw_values = grid.steps_per_pass, np.empty((6, samples(test_case)))
+    for p in range(grid.passes):
+        window = np.empty((6, tail + steps))
+        window[POSITION] = np.sin(omega * grid.step * np.arange(p * steps - tail + 1, (p + 1) * steps + 1))
+        differentiate(window, RING, tail, grid.step)
+        _sample_pass(test_case, grid, p, window, raw_values)
+    expected = -(omega**2) * np.sin(omega * (0.03 + np.arange(raw_values.shape[1]) / 102.4e3))
+    assert np.abs(raw_values[ACCELERATION] - expected).max() < 2e-3 * omega**2

@@ -133,9 +133,7 @@ def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     assert result == pytest.approx(standard_error(in_phase, weights), rel=1e-9)
 
 
-def test_error_of_the_start_includes_every_standard_error(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_error_of_the_start_includes_every_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both need the same number of ball passes."""
     setup = SimpleNamespace(case=None, grid=None)
     for passes, expected in ((MIN_PASSES - 1, False), (MIN_PASSES, True)):

@@ -2,11 +2,11 @@
 
     x(t + h) = free motion over h from (x, v)  +  sum over impulses in (t, t + h] of free motion from (0, J/m)
 
-Recorded velocity and acceleration at t are differences of the positions at t - h, t and t + h, as in
-``Equilibrium``, because the true velocity jumps at an impulse, by about a thousand times the amplitude of a line
-at the fault frequency, and samples of a jump have a wrong mean. Differences of positions sum to the displacement.
-The positions themselves are exact at any step. Aliasing changes the amplitude of a line in their samples by
-(omega_0 h)^2/12 at most (omega_0^2 = K/m).
+The motion at the end of a step is exact at any step. The velocity jumps at an impulse, by about a thousand times
+the amplitude of a line at the fault frequency, and samples of a jump have a wrong mean. The recorded velocity and
+acceleration are therefore differences of the positions (``simulation/differentiation.py``), which sum to the
+displacement. Aliasing changes the amplitude of a line in their samples by (omega_0 h)^2/12 at most (omega_0^2 =
+K/m).
 """
 
 from typing import NamedTuple
@@ -17,8 +17,6 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.impulse import free_motion
-
-(TRUE_VELOCITY,) = lay.states(lay.STAGE, "m/s", "impulses", "step")  # true velocity, beginning with the ring's x
 
 
 class Impulses(NamedTuple):
@@ -47,12 +45,11 @@ def motion_with_impulses(m, K, C, times, J, start, end, x, v):
 def advance_mode(m, K, C, times, J, t, h, y, axis):
     """Advance one mode by a step of ``h`` (s) from ``t`` (s), a whole number of steps."""
     n = np.rint(t / h)  # all intervals begin and end at n h, so that rounding causes no overlap
-    x_0, v_0 = y[lay.POSITION + axis], y[TRUE_VELOCITY + axis]
-    x_1, v_1 = motion_with_impulses(m, K, C, times, J, n * h, (n + 1.0) * h, x_0, v_0)
-    x_2, _ = motion_with_impulses(m, K, C, times, J, (n + 1.0) * h, (n + 2.0) * h, x_1, v_1)
-    y[lay.POSITION + axis], y[TRUE_VELOCITY + axis] = x_1, v_1
-    y[lay.VELOCITY + axis] = (x_2 - x_0) / (2.0 * h)
-    y[lay.ACCELERATION + axis] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
+    x, v = motion_with_impulses(
+        m, K, C, times, J, n * h, (n + 1.0) * h, y[lay.POSITION + axis], y[lay.VELOCITY + axis]
+    )
+    y[lay.POSITION + axis], y[lay.VELOCITY + axis] = x, v
+    y[lay.ACCELERATION + axis] = -(K * x + C * v) / m
 
 
 @step.register(Impulses)

@@ -11,8 +11,15 @@ from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect
 from bearingsim.core.defects.pairs import Defects
 from bearingsim.core.models import flexible_equilibrium  # noqa: F401  (registers its equilibrium)
 from bearingsim.core.models.extremes import update_forces
-from bearingsim.core.models.interface import ModelKind, register_solved_model, state_width, update_extremes
+from bearingsim.core.models.interface import (
+    ModelKind,
+    read_sensor,
+    register_solved_model,
+    state_width,
+    update_extremes,
+)
 from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.parts import bending
 from bearingsim.core.parts.form import Smooth
 
 
@@ -36,6 +43,11 @@ class Static(NamedTuple):
 register_solved_model(Static)
 roller_at_defect.register(Static)(roller_at_defect_without_slip)
 update_extremes.register(Static)(update_forces)
+
+
+@read_sensor.register(Static)
+def _read_sensor(model, y):
+    bending.read_sensor(model.bending, y)
 
 
 @state_width.register(Static)
