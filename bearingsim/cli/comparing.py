@@ -69,12 +69,12 @@ def show(
     pair = _pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
     detection, remark = _line_detection(pair)
-    has_line = detection is not None and detection.objection is None
-    rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
+    line = detection.comb.frequency if detection and detection.objection is None else math.nan
+    rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
     factor = rows[0].measured / rows[0].simulated if scale else None
     if factor is not None:
         pair = pair._replace(simulated=pair.simulated._replace(series=factor * pair.simulated.series))
-        rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, has_line)
+        rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
     if figure is not None:
         names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
         signals = pair.simulated, pair.measured

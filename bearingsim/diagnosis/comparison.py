@@ -1,12 +1,19 @@
 """Comparison of a simulated and a measured signal of one bearing, in a common band."""
 
 import re
-from math import log10, nan
+from math import isfinite, log10, nan
 from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import HARMONICS, best_comb, envelope_spectra, refined
+from bearingsim.diagnosis.combs import (
+    HARMONICS,
+    RELATIVE_BINS,
+    RELATIVE_SHARE,
+    best_comb,
+    envelope_spectra,
+    refined,
+)
 from bearingsim.diagnosis.detection import Detection, detect
 from bearingsim.diagnosis.envelopes import default_band
 from bearingsim.diagnosis.kinematics import Lines
@@ -62,26 +69,28 @@ def common_band(*signals: Signal) -> tuple[float, float]:
 
 
 def compare(
-    simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, has_line: bool = True
+    simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, detected: float
 ) -> list[Row]:
     """Compare two signals in a band (Hz): RMS, peak, crest factor, kurtosis, and a race's line in the envelope.
 
-    unit: SI unit of the series; has_line: whether the measured signal has such a line. Harmonics of the
+    unit: SI unit of the series; detected: line (Hz) of the measured signal, nan if it has none. Harmonics of the
     envelope are in dB relative to the fundamental; orders refer to the frequency of the shaft; the spacing of
     entry and exit is in fractions of a pass, which do not depend on the speed.
     """
-    values = [_features(simulated, race, band), _features(measured, race, band, has_line)]
+    values = [_features(simulated, race, band), _features(measured, race, band, detected)]
     units = {"RMS": unit, "peak": unit, "line": "orders", "line over kinematic": ""}
     units |= {f"envelope, harmonic {number}": "dB" for number in range(2, HARMONICS + 1)}
     return [Row(name, units.get(name, ""), values[0][name], values[1][name]) for name in values[0]]
 
 
-def _features(signal: Signal, race: str, band: tuple[float, float], has_line: bool = True) -> dict[str, float]:
+def _features(
+    signal: Signal, race: str, band: tuple[float, float], detected: float | None = None
+) -> dict[str, float]:
     series = band_pass(signal.series - signal.series.mean(), signal.fs, band)
     moments = statistics(series)
     frequency, amplitude = envelope_spectrum(signal.series, signal.fs, band)
     expected = signal.lines.of_race(race)
-    fundamental = pick_from(frequency, amplitude, expected, TOLERANCE) if has_line else None
+    fundamental = _fundamental(frequency, amplitude, expected, detected)
     line = fundamental.frequency if fundamental else nan
     features = {
         "RMS": moments["rms"],
@@ -96,6 +105,19 @@ def _features(signal: Signal, race: str, band: tuple[float, float], has_line: bo
         features[f"envelope, harmonic {number}"] = _level(harmonic, fundamental)
     features["entry to exit, of a pass"] = _spacing(signal, line) if race == "outer" and fundamental else nan
     return features
+
+
+def _fundamental(
+    frequency: np.ndarray, amplitude: np.ndarray, expected: float, detected: float | None
+) -> PickedLine | None:
+    """Find the line of a race in an envelope spectrum: the detected one (Hz), if any, else the kinematic one."""
+    if detected is None:
+        return pick_from(frequency, amplitude, expected, TOLERANCE)
+    if not isfinite(detected):
+        return None
+    # Around the detected line: one at the limit of the tolerance has its maximum on either side of it.
+    bins = RELATIVE_BINS * (frequency[1] - frequency[0])
+    return pick_from(frequency, amplitude, detected, max(RELATIVE_SHARE, bins / detected))
 
 
 def _level(harmonic: PickedLine | None, fundamental: PickedLine | None) -> float:

@@ -50,6 +50,20 @@ def compared(*words):
     return json.loads(type_("compare", *words, "--json")[0])
 
 
+@pytest.mark.parametrize("stretch", [1.0 / 1.02, 1.015, 1.02001])
+def test_a_line_at_the_limit_of_the_tolerance_is_compared(results, series, tmp_path, stretch):
+    """The score counts a bin as within 2 % that ends beyond; its maximum was searched within 2 % exactly."""
+    signal = series["ring.acceleration.x"].astype(float)
+    noise = 0.2 * signal.std() * np.random.default_rng(1).normal(size=len(signal))
+    np.savez(tmp_path / "a.npz", x=signal + noise, fs=25600.0 * stretch, x_unit="m/s^2")
+    values = compared(results, tmp_path / "a.npz")
+    assert values["score_db"] > values["threshold_db"]
+    features = values["features"]
+    assert features["line_over_kinematic"]["measured"] == pytest.approx(stretch, abs=2e-4)
+    spacing = features["entry_to_exit_of_a_pass"]
+    assert spacing["measured"] == pytest.approx(spacing["simulated"], rel=0.02)
+
+
 def test_a_signal_equals_itself_in_another_unit(results, series, tmp_path):
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float) / G, fs=25600.0, x_unit="g")
     values = compared(results, tmp_path / "a.npz")
