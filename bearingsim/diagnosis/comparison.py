@@ -75,16 +75,17 @@ def compare(
 
     unit: SI unit of the series; detected: line (Hz) of the measured signal, nan if it has none. Harmonics of the
     envelope are in dB relative to the fundamental; orders refer to the frequency of the shaft; the spacing of
-    entry and exit is in fractions of a pass, which do not depend on the speed.
+    entry and exit is in fractions of a pass, which do not depend on the speed, up to half the lower sampling rate.
     """
-    values = [_features(simulated, race, band), _features(measured, race, band, detected)]
+    nyquist = 0.5 * min(simulated.fs, measured.fs)
+    values = [_features(simulated, race, band, nyquist), _features(measured, race, band, nyquist, detected)]
     units = {"RMS": unit, "peak": unit, "line": "orders", "line over kinematic": ""}
     units |= {f"envelope, harmonic {number}": "dB" for number in range(2, HARMONICS + 1)}
     return [Row(name, units.get(name, ""), values[0][name], values[1][name]) for name in values[0]]
 
 
 def _features(
-    signal: Signal, race: str, band: tuple[float, float], detected: float | None = None
+    signal: Signal, race: str, band: tuple[float, float], nyquist: float, detected: float | None = None
 ) -> dict[str, float]:
     series = band_pass(signal.series - signal.series.mean(), signal.fs, band)
     moments = statistics(series)
@@ -103,7 +104,7 @@ def _features(
     for number in range(2, HARMONICS + 1):
         harmonic = pick_from(frequency, amplitude, number * line, TOLERANCE / number) if fundamental else None
         features[f"envelope, harmonic {number}"] = _level(harmonic, fundamental)
-    features["entry to exit, of a pass"] = _spacing(signal, line) if race == "outer" and fundamental else nan
+    features["entry to exit, of a pass"] = _spacing(signal, line, nyquist) if race == "outer" and fundamental else nan
     return features
 
 
@@ -125,9 +126,13 @@ def _level(harmonic: PickedLine | None, fundamental: PickedLine | None) -> float
     return 20.0 * log10(harmonic.amplitude / fundamental.amplitude) if harmonic and fundamental else nan
 
 
-def _spacing(signal: Signal, line: float) -> float:
-    """Return the time from entry to exit of a defect, relative to a pass; nan if it is not read."""
+def _spacing(signal: Signal, line: float, nyquist: float) -> float:
+    """Return the time from entry to exit of a defect, relative to a pass; nan if it is not read.
+
+    The maxima of the whitened envelope depend on the band: without content above ``nyquist`` (Hz) two signals of
+    different rates have the same. The steeper end of the common band would whiten to a tone.
+    """
     try:
-        return spacing(signal.series, signal.fs, 1.0 / line) * line
+        return spacing(band_pass(signal.series, signal.fs, (0.0, nyquist)), signal.fs, 1.0 / line) * line
     except ValueError:
         return nan

@@ -121,8 +121,9 @@ def test_lines_are_compared_in_orders_where_the_speeds_differ(results, series, t
     fs = 25600.0 / 0.9  # the same passes in nine tenths of the time
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=fs)
     features = compared(results, tmp_path / "a.npz", "--unit", "m/s^2", "--speed", "1000 rpm")["features"]
-    for name in ("line", "entry_to_exit_of_a_pass"):
-        assert features[name]["simulated"] == pytest.approx(features[name]["measured"], rel=5e-3), name
+    limits = {"line": 5e-3, "entry_to_exit_of_a_pass": 1e-2}  # the second is read up to half the lower rate
+    for name, limit in limits.items():
+        assert features[name]["simulated"] == pytest.approx(features[name]["measured"], rel=limit), name
 
 
 @pytest.mark.parametrize("kind", ["noise", "wrong speed"])

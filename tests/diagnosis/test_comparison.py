@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import resample_poly
 
 from bearingsim.diagnosis.comparison import Signal, compare
 from tests.scenes.impacts import LINES, RATE, impacts
@@ -35,3 +36,22 @@ def test_entry_and_exit_are_read_on_the_outer_race_only(race, spacing):
     [row] = [row for row in rows if row.key == "entry_to_exit_of_a_pass"]
     assert np.isnan(row.measured)
     assert row.simulated == pytest.approx(spacing, rel=0.05, nan_ok=True)
+
+
+def test_entry_and_exit_do_not_depend_on_the_rate_of_the_other_signal():
+    """Two damped oscillations of a pass, the exit with a second one of 9 kHz that the lower rate cannot hold."""
+    rate, line = 4.0 * RATE, LINES.outer
+    since_exit = np.arange(int(2 * rate)) / rate % (1.0 / line)
+
+    def ringing(delay, frequency, rise):
+        t = (since_exit - delay) % (1.0 / line)
+        return (t / rise) * np.exp(-t / rise) * np.sin(2.0 * np.pi * frequency * t)
+
+    noise = 0.01 * np.random.default_rng(3).normal(size=len(since_exit))
+    late = 0.03 / line
+    series = 0.5 * ringing(0.0, 2000.0, 3e-4) + ringing(0.2 / line, 3000.0, 3e-4) + noise
+    series += 3.0 * ringing(0.2 / line + late, 15000.0, 3e-4)
+    fine, coarse = Signal(series, rate, LINES), Signal(resample_poly(series, 1, 4), RATE, LINES)
+    rows = {row.name: row for row in compare(fine, coarse, "outer", BAND, "m/s^2", line)}
+    spacing = rows["entry to exit, of a pass"]
+    assert spacing.simulated == pytest.approx(spacing.measured, rel=0.02)  # of the filter before decimation
