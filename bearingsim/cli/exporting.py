@@ -9,6 +9,7 @@ import typer
 
 from bearingsim.errors import UserError
 from bearingsim.text.spreadsheets import csv_text
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,6 +53,20 @@ def series(
     write = _csv if suffix == "csv" else _mat
     _write(target, write(series_by_job, results))
     return target
+
+
+def finished(results: "Results") -> list[str]:
+    """Return the finished jobs of the table, and report the number of others on stderr.
+
+    Raises UserError if no job is finished.
+    """
+    status = results.table().set_index("job")["status"]
+    jobs = [job for job in results.jobs if status[job] == "done"]
+    if not jobs:
+        raise UserError("no job is done: `bearingsim show --failed` lists failures")
+    if len(jobs) < len(results.jobs):
+        say(f"{len(results.jobs) - len(jobs)} of {len(results.jobs)} jobs omitted, because not done", err=True)
+    return jobs
 
 
 STDOUT = Path("-")

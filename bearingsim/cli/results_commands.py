@@ -192,7 +192,7 @@ def export(
     series: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="JOB", help="job whose time series are written; repeatable", autocompletion=completion.job
+            metavar="JOB", help="job whose time series are written, or `all`; repeatable", autocompletion=completion.job
         ),
     ] = None,
     out: Annotated[
@@ -207,7 +207,10 @@ def export(
     from bearingsim.cli import exporting
 
     study_results = find_results(results)
-    ids = [find_job(study_results, text) for text in series or []]
+    if series == ["all"]:
+        ids = exporting.finished(study_results)
+    else:
+        ids = [find_job(study_results, text) for text in series or []]
     exporting.check(features, ids, out, file_format)
     files = []
     if features or not ids:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from io import BytesIO, StringIO
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ import pytest
 from scipy.io import loadmat
 
 from bearingsim.cli import exporting, tables
+from bearingsim.errors import UserError
 from bearingsim.store import open_results
 from tests.scenes.commands import type_
 
@@ -166,6 +168,24 @@ def test_series_are_exported_to_csv(done, tmp_path):
     assert len(table) == 307  # 30 ms at 10240 Hz
     assert np.diff(table["time [s]"]) == pytest.approx(1.0 / 10240.0)
     assert table[heads[0]].abs().max() > 1e-6
+
+
+def test_series_of_all_jobs_are_exported(done, tmp_path):
+    type_("export", done, "--series", "all", "--out", tmp_path / "all.csv")
+    written = pd.read_csv(tmp_path / "all.csv")
+    assert {name.split("/")[0] for name in written if "/" in name} == set(ids(done))
+    results = open_results(done)
+    for job in ids(done):
+        expected = results.series(job)["ring.velocity.x"]
+        np.testing.assert_allclose(written[f"{job}/ring.velocity.x [m/s]"], expected, rtol=1e-6)
+
+
+def test_jobs_that_are_not_done_have_no_series(capsys):
+    table = pd.DataFrame({"job": ["a", "b", "c"], "status": ["done", "failed", "missing"]})
+    assert exporting.finished(SimpleNamespace(jobs=("a", "b", "c"), table=lambda: table)) == ["a"]
+    assert "2 of 3 jobs omitted, because not done" in capsys.readouterr().err
+    with pytest.raises(UserError, match="no job is done"):
+        exporting.finished(SimpleNamespace(jobs=("b", "c"), table=lambda: table))
 
 
 def test_series_are_exported_to_matlab(done, tmp_path):
