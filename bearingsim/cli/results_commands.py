@@ -192,7 +192,9 @@ def export(
     series: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="JOB", help="job whose time series are written, or `all`; repeatable", autocompletion=completion.job
+            metavar="JOB",
+            help="job whose time series are written, or `all`; repeatable",
+            autocompletion=completion.job,
         ),
     ] = None,
     out: Annotated[

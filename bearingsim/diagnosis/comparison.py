@@ -104,7 +104,9 @@ def _features(
     for number in range(2, HARMONICS + 1):
         harmonic = pick_from(frequency, amplitude, number * line, TOLERANCE / number) if fundamental else None
         features[f"envelope, harmonic {number}"] = _level(harmonic, fundamental)
-    features["entry to exit, of a pass"] = _spacing(signal, line, nyquist) if race == "outer" and fundamental else nan
+    features["entry to exit, of a pass"] = (
+        _spacing(signal, line, nyquist) if race == "outer" and fundamental else nan
+    )
     return features
 
 
