@@ -9,6 +9,7 @@ WHITENING_HARMONICS = 20  # half width of the average for whitening, in harmonic
 POWER_FLOOR = 1e-3  # relative to the mean power: weaker lines are not whitened
 MIN_ENTRY_HEIGHT = 0.08  # smallest prominence of an entry, relative to the exit
 MIN_VARIATION = 1e-6  # relative to the mean envelope: smaller variations are rounding errors
+MAX_SPACING = 0.4  # of the period: in a smooth oscillation the other half wave is half a period before the highest
 MIN_SIGNIFICANCE = 7.0  # smallest prominence of an event, in standard errors of the mean over passes
 
 
@@ -22,7 +23,8 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
     no effect. The spacing is measured to the most prominent maximum in the half pass before the exit.
 
     Returns nan if its prominence is less than 0.08 of the exit or less than seven standard errors of the mean
-    there, which means at most one event per pass. Limits: spacings from 0.1 to 0.4 of the period, and the exit
+    there, which means at most one event per pass, or if the spacing exceeds 0.4 of the period, as in the periodic
+    motion of a healthy bearing. Limits: spacings from 0.1 to 0.4 of the period, and the exit
     must be the stronger event. The position of an event is that of its energy: an entry that rises over 0.3 ms
     before a sudden exit is measured 0.2 ms late. Raises ValueError if the record has fewer than two passes, or a
     pass fewer than 40 samples.
@@ -43,7 +45,10 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
     entry = most_prominent(
         mean[: centre + 1], np.maximum(MIN_ENTRY_HEIGHT * np.ptp(mean), MIN_SIGNIFICANCE * error)
     )
-    return (interpolate_peak(mean, centre) - interpolate_peak(mean, entry)) / fs if entry else float("nan")
+    if not entry:
+        return float("nan")
+    time = (interpolate_peak(mean, centre) - interpolate_peak(mean, entry)) / fs
+    return time if time <= MAX_SPACING * period else float("nan")
 
 
 def passes_around_exits(envelope: np.ndarray, half: int) -> np.ndarray:

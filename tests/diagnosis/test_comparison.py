@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import resample_poly
 
 from bearingsim.diagnosis.comparison import Signal, compare
+from bearingsim.signals.events import spacing
 from tests.scenes.impacts import LINES, RATE, impacts
 
 BAND = (1000.0, 5120.0)
@@ -27,15 +28,15 @@ def test_harmonics_are_read_at_multiples_of_the_line(race):
     assert rows["envelope, harmonic 2"] == pytest.approx(20.0 * np.log10(0.06 / 0.404), abs=0.05)
 
 
-@pytest.mark.parametrize(("race", "spacing"), [("outer", 0.2), ("inner", np.nan)])
-def test_entry_and_exit_are_read_on_the_outer_race_only(race, spacing):
+@pytest.mark.parametrize(("race", "share"), [("outer", 0.2), ("inner", np.nan)])
+def test_entry_and_exit_are_read_on_the_outer_race_only(race, share):
     line = LINES.of_race(race)
     impact = impacts(line, noise=0.02)
     signal = Signal(impact + 0.5 * np.roll(impact, -round(0.2 / line * RATE)), RATE, LINES)
     rows = compare(signal, signal, race, BAND, "m/s^2", np.nan)
     [row] = [row for row in rows if row.key == "entry_to_exit_of_a_pass"]
     assert np.isnan(row.measured)
-    assert row.simulated == pytest.approx(spacing, rel=0.05, nan_ok=True)
+    assert row.simulated == pytest.approx(share, rel=0.05, nan_ok=True)
 
 
 def test_entry_and_exit_do_not_depend_on_the_rate_of_the_other_signal():
@@ -53,5 +54,13 @@ def test_entry_and_exit_do_not_depend_on_the_rate_of_the_other_signal():
     series += 3.0 * ringing(0.2 / line + late, 15000.0, 3e-4)
     fine, coarse = Signal(series, rate, LINES), Signal(resample_poly(series, 1, 4), RATE, LINES)
     rows = {row.name: row for row in compare(fine, coarse, "outer", BAND, "m/s^2", line)}
-    spacing = rows["entry to exit, of a pass"]
-    assert spacing.simulated == pytest.approx(spacing.measured, rel=0.02)  # of the filter before decimation
+    row = rows["entry to exit, of a pass"]
+    assert row.simulated == pytest.approx(row.measured, rel=0.02)  # of the filter before decimation
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.38, 0.38), (0.47, np.nan)])
+def test_events_half_a_pass_apart_are_no_entry_and_exit(share, expected):
+    """A smooth periodic motion has maxima half a pass apart: a healthy 6205 had a width of 8 mm."""
+    impact = impacts(LINES.outer, noise=0.02)
+    series = impact + 0.5 * np.roll(impact, -round(share / LINES.outer * RATE))
+    assert spacing(series, RATE, 1.0 / LINES.outer) * LINES.outer == pytest.approx(expected, rel=0.05, nan_ok=True)
