@@ -2,6 +2,7 @@
 
 from math import pi
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -135,7 +136,8 @@ def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
 
 def test_error_of_the_start_includes_every_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both need the same number of ball passes."""
-    setup = SimpleNamespace(case=None, grid=None)
+    setup: Any = SimpleNamespace(case=None, grid=None)
+    raw: Any = None
     for passes, expected in ((MIN_PASSES - 1, False), (MIN_PASSES, True)):
         monkeypatch.setattr(recording, "windows", lambda *_, n=passes, **__: SimpleNamespace(index=np.arange(n)))
-        assert _is_random(setup, None, chaotic=True) == expected
+        assert _is_random(setup, raw, chaotic=True) == expected

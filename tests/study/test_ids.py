@@ -76,7 +76,7 @@ def replaced(tree: Any, path: Path, value: str) -> Any:
     """Return a copy of a tree with another value at a path."""
     if not path:
         return value
-    copy = dict(tree) if isinstance(tree, dict) else list(tree)
+    copy: Any = dict(tree) if isinstance(tree, dict) else list(tree)
     copy[path[0]] = replaced(tree[path[0]], path[1:], value)
     return copy
 
