@@ -61,8 +61,8 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
 
     ``error`` is NaN if a rigid ring is among the assumptions of the study, because ring bending may change the
     results more than the choice of the model. A part and ``error`` are NaN if the part is unknown for a requested
-    feature, or if the feature has no value. If an audit failed, ``error`` is at least the difference found for all
-    cases on the curve.
+    feature, or if the feature has no value: the difference that a failed audit has found is no bound of these.
+    Otherwise ``error`` is the largest of ``feature_bounds``.
     """
     import pandas as pd
 
@@ -74,9 +74,8 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
         by_feature = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
         table[name] = by_feature.max(axis=1).replace(inf, nan).reindex(table.index)
     if RIGID_RING not in plan.get("assumptions", ()):
-        table["error"] = total_errors(parts).replace(inf, nan).reindex(table.index)
-    refuted_jobs = pd.Series(withdrawn_errors(plan, frame), dtype=float).reindex(table.index)
-    table["error"] = table["error"].where(~(refuted_jobs > table["error"].fillna(0.0)), refuted_jobs)
+        largest = feature_bounds(plan, frame).max(axis=1)
+        table["error"] = largest.replace(inf, nan).reindex(table.index)
     return table.where(frame["status"] == "done")
 
 
@@ -110,16 +109,16 @@ def total_errors(parts: "Mapping[str, pd.DataFrame]") -> "pd.Series[float]":
 def feature_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """Return the error bound of each requested feature by case, relative to the largest value on its curve.
 
-    It is the sum of the parts, or the difference found by a failed audit if that is larger; infinite if a part is
-    unknown. The bending of a ring that is assumed rigid is left out.
+    It is the sum of the parts, or the difference of this feature found by a failed audit if that is larger;
+    infinite if a part is unknown. The bending of a ring that is assumed rigid is left out.
     """
     import pandas as pd
 
-    refuted_jobs = pd.Series(withdrawn_errors(plan, frame), dtype=float)
+    refuted_features = _refuted_features(plan, frame)
     bounds = {}
     for feature, parts in error_parts(plan, frame).items():
         total = parts.sum(axis=1, skipna=False)
-        refuted = refuted_jobs.reindex(total.index)
+        refuted = pd.Series(refuted_features.get(feature, {}), dtype=float).reindex(total.index)
         bounds[feature] = total.where(~(refuted > total), refuted)
     return pd.DataFrame(bounds)
 
@@ -243,16 +242,27 @@ def incomplete_audits(plan: Mapping[str, Any], frame: "pd.DataFrame") -> list[st
 def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:
     """Return by job the largest difference found by failed audits on the curves of the job.
 
-    The accuracy of these jobs is withdrawn. Jobs without a failed audit on one of their curves are left out. A
-    failed audit of a feature on no curve concerns the audited job only.
+    The accuracy of these jobs is withdrawn. Jobs without a failed audit on one of their curves are left out.
+    """
+    largest: dict[str, float] = {}
+    for differences in _refuted_features(plan, frame).values():
+        largest |= {job: max(largest.get(job, 0.0), difference) for job, difference in differences.items()}
+    return largest
+
+
+def _refuted_features(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, dict[str, float]]:
+    """Return by feature and job the largest difference of the feature found by failed audits on its curves.
+
+    A failed audit of a feature on no curve concerns the audited job only.
     """
     accuracy = plan.get("accuracy") or {"within": inf, "curves": []}
-    largest: dict[str, float] = {}
+    by_feature: dict[str, dict[str, float]] = {}
     for audit in audit_results(plan, frame):
         if not audit.fails(accuracy["within"]):
             continue
+        largest = by_feature.setdefault(audit.feature, {})
         curves = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
         curve_jobs = [job for jobs in curves if audit.job in jobs for job in jobs]
         for job in (audit.job, *curve_jobs):
             largest[job] = max(largest.get(job, 0.0), audit.difference)
-    return largest
+    return by_feature

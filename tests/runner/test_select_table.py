@@ -92,6 +92,7 @@ def test_audits_compare_differences_from_the_healthy_case(
 ) -> None:
     """The records differ far more than the trials, so the audits fail."""
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+    text += "rig: {ring: {bends: false}}\n"
     study = load_study(write(text))
 
     def make_trial(case: Any, features: Any, passes: int, turn: float) -> Any:

@@ -282,8 +282,31 @@ def test_failed_audit_without_a_curve_withdraws_its_case_only() -> None:
     assert withdrawn_errors(goal, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
 
 
-def test_audit_difference_is_reported_for_a_ring_assumed_to_be_rigid() -> None:
+def test_difference_of_a_failed_audit_is_no_bound_of_an_unknown_part() -> None:
+    """Job `a` is 20 % of the largest value off; its error of nodes is unknown, that of `b` is zero."""
+    goal = plan([LINE], {LINE: 0.01}, audits=AUDIT)
+    goal["accuracy"]["jobs"]["a"]["nodes"] = {LINE: None}
+    results = frame({LINE: [1.0, 2.0, 2.0, 1.4]})
+    assert error_bounds(goal, results)["error"].iloc[:3].tolist() == pytest.approx(
+        [math.nan, 0.2, 0.01], nan_ok=True
+    )
+    assert feature_bounds(goal, results)[LINE].tolist() == pytest.approx([math.inf, 0.2, 0.01])
+    assert withdrawn_errors(goal, results) == pytest.approx({"a": 0.2, "b": 0.2})
+
+
+def test_failed_audit_of_a_feature_leaves_the_bounds_of_others() -> None:
+    """The RMS of `a` is 30 % off, its line 0.5 %."""
+    goal = plan([LINE, RMS], {LINE: 0.01, RMS: 0.01}, audits=AUDIT)
+    results = frame({LINE: [1.0, 2.0, 2.0, 1.01], RMS: [1.0, 1.0, 1.0, 1.3]})
+    bounds = feature_bounds(goal, results)
+    assert bounds[RMS].tolist() == pytest.approx([0.3, 0.3, 0.01])
+    assert bounds[LINE].tolist() == pytest.approx([0.01] * 3)
+    assert error_bounds(goal, results)["error"].iloc[:3].tolist() == pytest.approx([0.3, 0.3, 0.01])
+
+
+def test_no_total_error_after_a_failed_audit_of_a_ring_assumed_to_be_rigid() -> None:
+    """Bending may change the results by more than the difference found, which is reported all the same."""
     goal = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID_RING]}
-    bounds = error_bounds(goal, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
-    assert bounds["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])
-    assert math.isnan(bounds["error"].iloc[2])
+    results = frame({LINE: [1.0, 2.0, 2.0, 1.4]})
+    assert error_bounds(goal, results)["error"].isna().all()
+    assert any("velocity@BPFO is 20 % different" in text for text in withdrawals(goal, results))
