@@ -187,12 +187,7 @@ class ModelSelector:
     def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
         """Check if the errors of model and friction are known, and within ``FOR_MODEL`` of the accuracy."""
         assert self.study.goal is not None
-        changes = [friction.get(name, 0.0) for name in errors]
-        sums = [
-            inf if change is None else error + change
-            for error, change in zip(errors.values(), changes, strict=True)
-        ]
-        return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
+        return bool(errors) and _largest_sum(errors, friction) <= FOR_MODEL * self.study.goal.within
 
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Choose one model for the cases of a group, or several if these cost less than a third
@@ -219,40 +214,46 @@ class ModelSelector:
             if mixed_cost < MIXED_COST_RATIO * group_costs[single_choice]
             else dict.fromkeys(group, single_choice)
         )
-        return {n: self._make_choice(n, name, evidence) for n, name in names.items()}
+        return {n: self._make_choice(n, name, evidence, friction) for n, name in names.items()}
 
-    def _make_choice(self, n: int, name: str, evidence: Evidence) -> Choice:
+    def _make_choice(self, n: int, name: str, evidence: Evidence, friction: Friction) -> Choice:
         """Return a choice with its reason."""
         study_case = self.study.cases()[n]
         if name == REFERENCE:  # friction adds no cost, as neither is periodic
             candidate = REFERENCE if with_friction(study_case) is None else WITH_FRICTION
-            return Choice(candidate, study_case.model, self._reference_reason(n, evidence), {})
+            return Choice(candidate, study_case.model, self._reference_reason(n, evidence, friction), {})
         case = self.candidate_cases[name][n]
         errors = evidence.errors(n, case)
         reason = f"{percent(max(errors.values()))} from {study_case.model}, at the cost of {case.model}"
         return Choice(name, case.model, reason, errors)
 
-    def _reference_reason(self, n: int, evidence: Evidence) -> str:
+    def _reference_reason(self, n: int, evidence: Evidence, friction: Friction) -> str:
         """Explain why the reference of a case is not replaced by a cheaper model."""
         assert self.study.goal is not None
-        errors = [evidence.errors(n, cases[n]) for cases in self.candidate_cases.values() if n in cases]
-        largest_errors, limit = (
-            [max(errors.values()) for errors in errors if errors],
-            FOR_MODEL * self.study.goal.within,
-        )
-        if not largest_errors:
-            cases = [cases[n] for cases in self.candidate_cases.values() if n in cases]
+        cases = [cases[n] for cases in self.candidate_cases.values() if n in cases]
+        errors = [known for case in cases if (known := evidence.errors(n, case))]
+        if not errors:
             untried = [case for case in cases if trials_of(self.study, n, case)[0].id not in evidence.trials]
             return SAVING_TOO_SMALL if untried else NOTHING_CHEAPER
-        if min(largest_errors) == inf:
+        model_error = min(max(known.values()) for known in errors)
+        total = min(_largest_sum(known, friction.errors(n)) for known in errors)
+        limit = FOR_MODEL * self.study.goal.within
+        if model_error == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"
-        reason = f"the nearest cheaper model is {percent(min(largest_errors))} off"
-        limit_text = f"over {percent(limit)}"
-        return (
-            f"{reason}: {limit_text}"
-            if min(largest_errors) > limit
-            else f"{reason} here, but {limit_text} elsewhere on a curve"
-        )
+        reason = f"the nearest cheaper model is {percent(model_error)} off"
+        if model_error > limit:
+            return f"{reason}: over {percent(limit)}"
+        if total == inf:
+            return f"{reason}, and the effect of friction is unknown"
+        if total > limit:
+            return f"{reason}, {percent(total)} with the effect of friction: over {percent(limit)}"
+        return f"{reason} here, but not shown to be within {percent(limit)} elsewhere on a curve"
+
+
+def _largest_sum(errors: Mapping[str, float], friction: Mapping[str, float | None]) -> float:
+    """Return the largest sum of both errors of a feature; infinite if friction is unknown."""
+    changes = {name: friction.get(name, 0.0) for name in errors}
+    return max(inf if (change := changes[name]) is None else error + change for name, error in errors.items())
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:

@@ -50,6 +50,19 @@ class Evidence:
             name: _relative(error(values[name], reference_values[name]), self.scales[name][n]) for name in values
         }
 
+    def differences(self, n: int, case: Case) -> dict[str, float]:
+        """Return the relative differences of a case used for case number ``n``, by feature, without their scatter.
+
+        Infinite if unknown; empty if a trial failed.
+        """
+        values, reference_values = self._values(n, case), self.reference_values[n]
+        if not values or not reference_values:
+            return {}
+        return {
+            name: _relative(abs(values[name].value - reference_values[name].value), self.scales[name][n])
+            for name in values
+        }
+
     def sizes(self, n: int) -> tuple[dict[str, float | None], dict[str, float | None]]:
         """Return by feature the absolute value (SI) of the reference of case ``n``, and the scale of its errors.
 

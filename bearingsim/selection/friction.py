@@ -141,11 +141,9 @@ class Friction:
         """Cases computed with friction, with the reason: too large a change on the curve, or an unknown one."""
         reasons = dict(self.undetermined)
         for curve in self.curves:
-            largest = max(
-                (self._largest_at(n) for n in curve.cases if n in self._changes_at_extremes), default=(0.0, "")
-            )
-            if largest[0] > self.limit:
-                reasons |= dict.fromkeys(curve.cases, self._reason(*largest))
+            tried_cases = [n for n in curve.cases if n in self._changes_at_extremes]
+            if max(self._largest_at(n)[0] for n in tried_cases) > self.limit:
+                reasons |= dict.fromkeys(curve.cases, self._reason(tried_cases))
         return reasons
 
     def _largest_at(self, n: int) -> tuple[float, str]:
@@ -155,7 +153,23 @@ class Friction:
             default=(0.0, ""),
         )
 
-    def _reason(self, change: float, name: str) -> str:
-        if change == inf:
-            return f"friction changes {name} too much, or the record has too few cage revolutions to determine it"
-        return f"friction changes {name} by up to {percent(change)} on its curve, over {percent(self.limit)}"
+    def _reason(self, tried_cases: Sequence[int]) -> str:
+        """Explain why a curve is computed with friction, from its cases tried with it.
+
+        The scatter of a trial that ended early is unknown, and so is the bound of every feature; it ended because
+        of the feature with the largest difference.
+        """
+        change, name = max(map(self._largest_at, tried_cases))
+        if change < inf:
+            return f"friction changes {name} by up to {percent(change)} on its curve, over {percent(self.limit)}"
+        all_differences = [self.evidence.differences(n, self._trial_case(n)) for n in tried_cases]
+        known = [
+            (value, feature)
+            for differences in all_differences
+            for feature, value in differences.items()
+            if value < inf
+        ]
+        difference, changed = max(known, default=(0.0, ""))
+        if difference > self.limit:
+            return f"friction changes {changed} by about {percent(difference)}, over {percent(self.limit)}"
+        return f"the effect of friction on {name} is unknown, because its trial does not determine it"

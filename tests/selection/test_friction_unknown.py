@@ -65,7 +65,9 @@ def test_unknown_friction_makes_a_model_inaccurate(write: Write, costs: dict[str
         return trial(size * (1.2 if request.case.load == 450.0 else 1.0), names=request.features)
 
     study = accuracy_study(write, OPEN.replace("150 N, 300 N", "150 N, 200 N, 300 N"))
-    assert "rollers" not in [choice.candidate for choice in choose(study, evaluate)]
+    result = choose(study, evaluate)
+    assert "rollers" not in [choice.candidate for choice in result]
+    assert result[0].why == "the nearest cheaper model is 2.5 % off, and the effect of friction is unknown"
 
 
 def test_friction_is_tried_at_the_largest_value_of_a_feature_without_figure(write: Write) -> None:
