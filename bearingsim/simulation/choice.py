@@ -14,7 +14,7 @@ from bearingsim.assemble.registered import check_features, missing_functions
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
-from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
+from bearingsim.simulation.limits import LONGEST_STEP, Limits, longest_step, step_limits
 from bearingsim.simulation.pricing import Cost, cost, price
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.settling import has_free_cage, refuse_unsettled, resolve_settling
@@ -156,12 +156,14 @@ def choice(case: Case) -> Choice:
                 "no automatic method with a `tolerance` can integrate this case",
                 "omit `tolerance`, or name a `method`",
             )
+    suitable = [name for name in suitable if _accepts_step(case, name)] or suitable  # else the step is refused
     periodic = resolve_settling(case).model_copy(update={"periodic": True})
     costs = {name: _cost(with_method(periodic, name)) for name in suitable}
     ranked = sorted(suitable, key=lambda name: margin(name) * costs[name].total)
     prices = {name: costs[name].total for name in ranked}
     if EXPLICIT not in prices:
-        return Choice(ranked[0], "the cheapest method with a tolerance", prices)
+        reason = "with a tolerance" if case.tolerance != "auto" else "whose limit the step does not exceed"
+        return Choice(ranked[0], f"the cheapest method {reason}", prices)
     if ranked[0] != EXPLICIT:
         return Choice(
             ranked[0], _speedup_text(ranked[0], prices, step_limits(with_method(case, EXPLICIT))), prices
@@ -187,6 +189,11 @@ def can_step(case: Case, name: str) -> bool:
             return False
         return case.rig.ring is None and not any(missing_functions(case, implicit=True))
     return not METHODS[name].adaptive or not has_free_cage(case)
+
+
+def _accepts_step(case: Case, name: str) -> bool:
+    """Check if a method accepts the step of a case; each accepts an automatic one."""
+    return case.step == "auto" or case.step <= longest_step(step_limits(with_method(case, name)))
 
 
 def _refuse_missing_functions(case: Case) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.assemble.rest import CACHED_EQUILIBRIA, static_model
 from bearingsim.assemble.scales import (
+    MIN_STEPS_PER_CROSSING,
     approach,
     closing_speed,
     crossing_time,
@@ -40,6 +41,7 @@ from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import SEARCH_ITERATIONS, Rates, fastest_rate, rates_at_rest
 
+SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
 LONGEST_STEP = 20e-6  # s, longest step of models without a limit
 FASTER_RATIO = 2.0  # ratio to the rate of the monitored bodies above which another body limits the step
 PASS_SAMPLES = 16  # cage angles in a ball pass at which static equilibrium is computed
@@ -70,6 +72,11 @@ class Limits:
     wave: float
     approach_bound: float
     energy_bound: float
+
+
+def longest_step(limits: Limits) -> float:
+    """Return the longest step (s) that a case may give."""
+    return min(SAFETY * limits.at_impact, min(limits.crossing, limits.wave) / MIN_STEPS_PER_CROSSING)
 
 
 class SpringRates(NamedTuple):

@@ -16,6 +16,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import channels, choice
 from bearingsim.simulation.comparison import periodic_start
 from bearingsim.simulation.integration import Run
+from bearingsim.simulation.limits import SAFETY
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import begins_with_pilot, price
 from bearingsim.simulation.recording import RawRecord
@@ -36,7 +37,7 @@ from bearingsim.simulation.step_check import (
     refusal,
 )
 from bearingsim.simulation.sufficiency import Inspections
-from bearingsim.simulation.time_grid import MAX_CPU, SAFETY, requested_step
+from bearingsim.simulation.time_grid import MAX_CPU, requested_step
 
 INITIAL_FACTOR = 2.0
 """First step of a refinement, in automatic steps; the second is 0.89 automatic steps."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import ceil, floor
 
 from bearingsim import assemble, memory
-from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, full_speed_case
+from bearingsim.assemble.scales import full_speed_case
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, read_band
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
@@ -12,12 +12,11 @@ from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.simulation import pricing
 from bearingsim.simulation.choice import automatic_step, resolve
-from bearingsim.simulation.limits import Limits, step_limits
+from bearingsim.simulation.limits import SAFETY, Limits, longest_step, step_limits
 from bearingsim.simulation.pricing import Cost, Size, cost, cpu_per_second, price, solved_once
 from bearingsim.simulation.repetition import searches_for_period
 from bearingsim.simulation.settling import refuse_unsettled
 
-SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64  # smallest numbers of fine samples per sample, and per ball pass
 PASSBAND = 0.15  # part of the fine rate up to which fine samples are not attenuated (core/sampling.py)
 MAX_STEPS = 10_000_000  # largest number in a ball pass, whose recording is stored in memory (640 MB)
@@ -72,8 +71,7 @@ def requested_step(case: Case) -> float:
     limits = step_limits(case)
     if case.step == "auto":
         return automatic_step(case, limits)
-    max_step = min(SAFETY * limits.at_impact, min(limits.crossing, limits.wave) / MIN_STEPS_PER_CROSSING)
-    if case.step > max_step:
+    if case.step > longest_step(limits):
         advice = f"use `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
         raise Refused(_refusal(case.step, limits), advice)
     return case.step

@@ -63,7 +63,7 @@ def test_sampled_estimate_is_reported(study_file):
 
 
 def test_refused_jobs_are_counted_as_those_of_the_sample(study_file, monkeypatch):
-    words = ["check", study_file, "--set", "step=1 ms"]
+    words = ["check", study_file, "--set", "step=1 ms", "--set", "model=rollers", "--set", "method=verlet"]
     stdout, stderr = type_(*words, code=2)
     assert "55 jobs (50 cases, 5 healthy baselines), 20 of 20 sampled refused; " in stdout
     assert f"{study_file}: 20 of 20 sampled jobs refused, the first at " in stderr

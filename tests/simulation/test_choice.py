@@ -22,7 +22,7 @@ from tests.scenes.slots import HEAVY, NARROW, SLOTS, case
 @pytest.mark.parametrize("defect", [SLOT, NARROW])
 def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
     with pytest.raises(Refused, match=r"a step of 2 us is over [\d.]+ us, 90% of the method's limit") as caught:
-        requested_step(case(defect=defect, step="2 us", **HEAVY))
+        requested_step(case(defect=defect, method="verlet", step="2 us", **HEAVY))
     assert "step: auto" in caught.value.advice
     assert f"{1e6 * requested_step(case(defect=defect, **HEAVY)):.2g} us" in caught.value.advice
 
@@ -109,7 +109,7 @@ def test_static_computes_one_pass_for_outer_race_defects() -> None:
 
 def test_a_step_error_survives_pickling() -> None:
     with pytest.raises(Refused) as caught:
-        requested_step(case(defect=SLOT, step="2 us", **HEAVY))
+        requested_step(case(defect=SLOT, method="verlet", step="2 us", **HEAVY))
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
 
@@ -126,6 +126,24 @@ def test_adaptive_methods_receive_all_tolerance_parameters() -> None:
     for name, method in METHODS.items():
         parameters: Any = assemble.kind_of_method(name).parameters
         assert parameters._fields == (Tolerances._fields if method.adaptive else ("h",))
+
+
+@pytest.mark.parametrize(("share", "is_verlet"), [(0.899, True), (0.901, False)])
+def test_automatic_method_accepts_a_given_step(share: float, is_verlet: bool) -> None:
+    """Verlet accepts steps up to 90 % of its limit at an impact; adaptive methods have no limit of stability."""
+    step = share * limits(case(method="verlet", defect=SLOT)).at_impact
+    given = case(method="auto", defect=SLOT, step=step)
+    chosen = choice.choice(given).method
+    assert (chosen == "verlet") == is_verlet
+    assert is_verlet or METHODS[str(chosen)].adaptive
+    assert requested_step(given) == step
+
+
+def test_step_that_no_method_accepts_is_refused() -> None:
+    """An eighth of the crossing time is the longest step of any method."""
+    crossing = limits(case(method="verlet", defect=SLOT)).crossing
+    with pytest.raises(Refused):
+        requested_step(case(method="auto", defect=SLOT, step=crossing / 7.0))
 
 
 def test_tolerance_leads_to_an_adaptive_method() -> None:
