@@ -253,16 +253,20 @@ def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str
 def _refuted_features(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, dict[str, float]]:
     """Return by feature and job the largest difference of the feature found by failed audits on its curves.
 
-    A failed audit of a feature on no curve concerns the audited job only.
+    A failed audit of a feature on no curve concerns the audited job only. The difference (SI) of the audited job
+    is assumed for the other jobs, and is relative to their own ``scales``, which differ if a job lies on several
+    curves.
     """
     accuracy = plan.get("accuracy") or {"within": inf, "curves": []}
     by_feature: dict[str, dict[str, float]] = {}
     for audit in audit_results(plan, frame):
         if not audit.fails(accuracy["within"]):
             continue
-        largest = by_feature.setdefault(audit.feature, {})
+        largest, sizes = by_feature.setdefault(audit.feature, {}), scales(plan, frame, audit.feature)
         curves = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
         curve_jobs = [job for jobs in curves if audit.job in jobs for job in jobs]
         for job in (audit.job, *curve_jobs):
-            largest[job] = max(largest.get(job, 0.0), audit.difference)
+            size, audited_size = sizes.get(job, 0.0), sizes[audit.job]
+            ratio = float(audited_size / size) if size > 0.0 and audited_size > 0.0 else 1.0
+            largest[job] = max(largest.get(job, 0.0), ratio * audit.difference)
     return by_feature

@@ -304,6 +304,14 @@ def test_failed_audit_of_a_feature_leaves_the_bounds_of_others() -> None:
     assert error_bounds(goal, results)["error"].iloc[:3].tolist() == pytest.approx([0.3, 0.3, 0.01])
 
 
+def test_difference_of_a_failed_audit_is_relative_to_the_scale_of_each_job() -> None:
+    """Job `a` is 2 um/s off, 20 % of the largest value of its curve; `c` also lies on a curve up to 1 um/s."""
+    curves = [{"feature": LINE, "jobs": ["a", "b", "c"]}, {"feature": LINE, "jobs": ["c"]}]
+    goal = plan([LINE], audits=AUDIT, curves=curves)
+    results = frame({LINE: [8.0, 10.0, 1.0, 10.0]})
+    assert feature_bounds(goal, results)[LINE].tolist() == pytest.approx([0.2, 0.2, 2.0])
+
+
 def test_no_total_error_after_a_failed_audit_of_a_ring_assumed_to_be_rigid() -> None:
     """Bending may change the results by more than the difference found, which is reported all the same."""
     goal = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID_RING]}
