@@ -200,12 +200,20 @@ def test_step_is_shortened_to_an_eighth_at_its_price() -> None:
     half = attempt.shorter()
     assert half is not None
     assert (half.step_fraction, half.price) == (0.5, pytest.approx(2.0 * attempt.price))
+    quarter = half.shorter()
+    assert quarter is not None
+    assert (quarter.step_fraction, quarter.price) == (0.25, pytest.approx(4.0 * attempt.price))
     assert half._replace(step_fraction=0.125).shorter() is None
 
 
 @pytest.mark.parametrize("model", ["static", "impulse"])
 def test_models_without_a_method_have_no_alternatives(model: str) -> None:
     assert choice.alternatives(case(model=model, defect=SLOT)) == []
+    assert choice.choice(case(model=model, defect=SLOT)) == (None, f"{model} has no method", {})
+
+
+def test_a_method_of_the_case_is_not_compared_with_others() -> None:
+    assert choice.choice(case(model="rollers", method="verlet")) == ("verlet", "given by the case", {})
 
 
 @pytest.mark.parametrize(("coefficient", "step_s"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from bearingsim.config import Case
+from bearingsim.core import outcomes
+from bearingsim.core.advance import NoSamples
 from bearingsim.core.sampling import DECIMATION_REACH, sampling_kernel
-from bearingsim.simulation import choice, limits
+from bearingsim.simulation import channels, choice, integration, limits
 from bearingsim.simulation.channels import FEATURE_CELLS
 from bearingsim.simulation.differentiation import MOTIONS, STENCIL_REACH, difference_weights, differentiate
 from bearingsim.simulation.features import statistics
@@ -56,6 +58,29 @@ def test_motion_at_the_sensor_is_differentiated_like_that_of_the_ring():
     ring, sensor = (np.array([window[rows][0] for rows in motion]) for motion in MOTIONS)
     np.testing.assert_array_equal(sensor, ring)
     assert np.all(np.ptp(sensor, axis=1) > 0.0)
+
+
+@pytest.mark.parametrize(("ring", "sensor_rows"), [({}, set()), ({"ring": {"harmonics": 5}}, {1, 2})])
+def test_only_velocities_and_accelerations_are_differentiated(ring, sensor_rows, monkeypatch):
+    """In a run with a rigid ring the rows after those of the features are other channels.
+
+    All rows sample the square of the step number, which no difference of it equals.
+    """
+
+    def sample_squares(method, model, monitor, start, y, cells, columns, samples):
+        columns[:] = np.arange(start, start + columns.shape[1]) ** 2.0
+        return columns.shape[1], outcomes.SUCCESS, 0
+
+    monkeypatch.setattr(integration, "advance_and_sample", sample_squares)
+    monkeypatch.setattr(integration, "_COMPILED", set())
+    forces = [f"roller.{number}.outer_force" for number in (1, 2, 3)]
+    setup = set_up(case(model="rollers", method="dop853", rig=ring, record=forces))
+    cells, y = channels.recorded_cells(setup.case), integration._start(setup, 0.0)
+    window = next(integration._ball_passes(setup, NoSamples(), y, cells, integration.Pace(1.0)))
+    squares = np.arange(100) ** 2.0
+    tail = window.shape[1] - setup.grid.steps_per_pass
+    changed = {row for row, values in enumerate(window) if not np.array_equal(values[tail : tail + 100], squares)}
+    assert changed == {2, 3, 4, 5} | {len(FEATURE_CELLS) + row for row in sensor_rows}
 
 
 @pytest.mark.parametrize("reach", [1, 2, 3, 4])

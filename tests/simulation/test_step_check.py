@@ -296,6 +296,14 @@ def test_shorter_step_is_about_root_five_times_shorter(fields: dict, fraction: f
     )
 
 
+def test_tolerance_is_shortened_like_the_step_whatever_the_grid() -> None:
+    """The fraction of an adaptive method scales its tolerance; the grid remains that of the automatic step."""
+    coarse = set_up(case(model="rollers", method="dop853"), 0.5)
+    decimation = coarse.grid.decimation
+    ratio = decimation / max(2 * decimation + 1, round(math.sqrt(5.0) * decimation))
+    assert step_check.finer_fraction(coarse) == pytest.approx(0.5 * ratio)
+
+
 def test_given_step_is_checked_even_if_a_fine_sample_is_shorter() -> None:
     """A step of 1.2 us (5 us are given) changes the RMS by 0.06 %, compared with one of 0.1 us."""
     scene = {"model": "ring", "method": "verlet", "sampling": "204800 Hz", "defect": SLOT}

@@ -1,5 +1,6 @@
 """Records that end as soon as their features are accurate enough."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -99,6 +100,23 @@ def test_unit_of_passes_has_nearly_whole_turns() -> None:
     assert [ending.unit(turning_defect_case(race)) for race in ("outer", "inner", "roller")] == [2, 16, 13]
 
 
+@pytest.mark.parametrize(("passes", "inspections"), [(82.5, [65]), (83.5, [65, 82])])
+def test_last_inspection_is_a_pass_before_the_end(passes: float, inspections: list[int]) -> None:
+    """The first is after five turns of 13 rollers, the next after 1.25 times as many."""
+    test_case = turning_defect_case("outer")
+    rate = float(test_case.bearing.ball_pass_frequency(test_case.speed))
+    test_case = test_case.model_copy(update={"duration": passes / rate})
+    assert [*ending.inspection_passes(test_case)] == inspections
+
+
+@pytest.mark.parametrize("later", [0, 1])
+def test_a_run_that_is_periodic_until_the_first_inspection_is_complete(later: int) -> None:
+    """A run that is periodic later would have ended at the inspection, or gone on."""
+    inspections = Inspections(set_up(resolve(turning_defect_case("outer")), 1.0))
+    raw: Any = SimpleNamespace(repetition=SimpleNamespace(period=1, computed=min(inspections.passes) + later))
+    assert inspections.complete_record(raw, may_end=False) == (later == 0)
+
+
 def test_a_record_without_until_is_not_inspected() -> None:
     assert [*ending.inspection_passes(case(**FREE_CAGE))] == []
 
@@ -160,7 +178,7 @@ def test_variance_of_features_under_a_window_over_the_record() -> None:
 
 
 def test_standard_error_of_a_band_includes_the_window() -> None:
-    names = ["velocity.rms", "velocity.rms@10-5000Hz"]
+    names = ["velocity.rms", "velocity.rms@10-5000Hz", "envelope@BPFO@1000-5000Hz"]
     fields = CHATTERING | {"features": names[1:], "method": "verlet", "until": "0.001 %", "duration": "0.6 s"}
     setup = set_up(resolve(case(**fields)), 1.0)
     raw = integrate(setup)
@@ -173,6 +191,13 @@ def test_standard_error_of_a_band_includes_the_window() -> None:
     total = signals.band_rms(velocity[: passes // 2 * 2 * M], setup.grid.fine_rate, (10.0, 5000.0)) ** 2
     expected = (35.0 / 18.0) ** 0.5 * 0.5 * batch_error(parts) / total
     assert errors[names[1]] == pytest.approx(expected, rel=1e-6)
+    acceleration = sensor_samples(setup.case, raw, "acceleration", start, passes * M + 1)
+    envelope = signals.squared_envelope(acceleration, setup.grid.fine_rate, (1000.0, 5000.0))
+    turned = envelope * np.exp(-2j * np.pi * np.arange(len(envelope)) / M)
+    spans = [(0, passes // 2 * 2), *((n, n + 4) for n in range(0, passes - 3, 2))]
+    whole, *lines = (mean_under_hann(turned[first * M : end * M]) for first, end in spans)
+    in_phase = (np.array(lines) * np.exp(-1j * np.angle(whole))).real
+    assert errors[names[2]] == pytest.approx(1.5**0.5 * batch_error(in_phase) / abs(whole), rel=0.01)
 
 
 def test_price_of_a_record_that_may_end_early() -> None:
