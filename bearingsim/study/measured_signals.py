@@ -93,11 +93,11 @@ def _shared(path: Path, name: str, values: Sequence[Value]) -> Value:
 
 def _remarks_on_passes(path: Path, signal: MeasuredSignal, speeds: Sequence[float]) -> Iterator[str]:
     """Yield remarks on a record of few ball passes, and on other speeds (rad/s) of the signal's cases."""
-    slowest, seconds = min(signal.lines.outer, signal.lines.inner), len(signal.series) / signal.fs
-    if seconds * slowest < MIN_PASSES:
+    seconds, ball_pass_rate = len(signal.series) / signal.fs, signal.lines.outer  # the inner race has more passes
+    if seconds * ball_pass_rate < MIN_PASSES:
         yield (
             f"{path.name} lasts {seconds:.3g} s, under {MIN_PASSES} ball passes: its values depend on where it "
-            f"begins; {MIN_PASSES / slowest:.3g} s are enough"
+            f"begins; {MIN_PASSES / ball_pass_rate:.3g} s are enough"
         )
     shafts = [speed / (2.0 * np.pi) for speed in speeds]
     others = [shaft for shaft in shafts if abs(signal.lines.shaft - shaft) > TOLERANCE * shaft]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from bearingsim.diagnosis import Lines, diagnose
-from bearingsim.diagnosis.combs import best_comb, comb_at, envelope_spectra, other_periodicities
-from bearingsim.diagnosis.envelopes import band_spectrum, fast_length, local_median
+from bearingsim.diagnosis.combs import best_comb, comb_at, comb_of_shaft, envelope_spectra, other_periodicities
+from bearingsim.diagnosis.detection import detect
+from bearingsim.diagnosis.envelopes import EnvelopeSpectrum, band_spectrum, fast_length, local_median
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.diagnosis.size import DEPTH, ENTRY_DROP, outer_race_size
 from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
@@ -79,6 +80,26 @@ def test_a_sideband_of_the_line_of_another_bearing_names_no_race(true, side, ass
     assert not result._replace(verdict="none").is_sideband
 
 
+@pytest.mark.parametrize("number", [-3, -2, -1, 1, 2, 3])
+def test_the_first_two_sidebands_of_the_inner_race_are_stated(number):
+    result = diagnosis(impacts(LINES.inner, SHAFT, slip=0.005))
+    assert result.best == "inner"
+    frequency = result.findings["inner"].comb.frequency + number * SHAFT
+    other = result.strongest_other._replace(frequency=frequency)
+    detection = result.detection._replace(strongest_other=other)
+    changed = result._replace(verdict="other rhythm", detection=detection)
+    assert changed.is_sideband == (abs(number) < 3)
+
+
+@pytest.mark.parametrize("score", [0.0, 100.0])
+def test_a_peak_beyond_the_tolerance_is_the_strongest_periodicity_only_by_its_score(score):
+    spectra = envelope_spectra(impacts(LINES.inner, slip=0.005), RATE, LINES)
+    comb = comb_at(spectra, 0.975 * LINES.outer)._replace(score=score)
+    other = detect(spectra, LINES, "outer", comb, 0.02, 5.0).strongest_other
+    frequency = LINES.inner if score == 0.0 else comb.frequency
+    assert other.frequency == pytest.approx(frequency, rel=2e-3)
+
+
 def test_a_record_full_of_lines_has_no_other_rhythm():
     result = diagnosis(impacts(LINES.outer, slip=0.005))
     other = result.detection._replace(strongest_other=result.detection.comb)
@@ -127,6 +148,32 @@ def test_the_lesser_front_counts_and_both_have_one_fundamental():
     assert comb.score == min(comb.scores)
     for spectrum, score in zip(comb.heights, comb.scores, strict=True):
         assert np.log1p(spectrum).sum() == pytest.approx(score)
+
+
+def spectrum_of(scores):
+    """Spectrum in steps of 1 Hz with lines of log(1 + height), by frequency (Hz)."""
+    height = np.zeros(2000)
+    height[list(scores)] = np.expm1(list(scores.values()))
+    return EnvelopeSpectrum(np.arange(2000.0), height)
+
+
+def test_the_best_comb_is_in_the_middle_of_equal_ones():
+    """A line at bin 300 is the third harmonic of all fundamentals within a third of a bin of 100."""
+    spectrum = spectrum_of({100: 2.0, 200: 2.0, 300: 2.0})
+    assert best_comb((spectrum, spectrum), 100.2, 0.02).frequency == pytest.approx(100.0, abs=1.0 / 12.0)
+
+
+@pytest.mark.parametrize(("lesser", "is_of_shaft"), [(0.0, True), (2.0, False)])
+def test_an_order_of_the_shaft_explains_a_line_whose_lesser_spectrum_lacks_other_harmonics(lesser, is_of_shaft):
+    """The line at order 3 shares its second harmonic with order 2; the others score 4 and twice ``lesser``."""
+    shared = {100: 1.0, 200: 1.0, 300: 5.0}
+    spectra = [spectrum_of(shared | {150: own, 450: own}) for own in (2.0, lesser)]
+    lines = LINES._replace(shaft=50.0)
+    comb = comb_at(spectra, 150.0)
+    assert comb.score == pytest.approx(5.0 + 2.0 * lesser)
+    result = comb_of_shaft(spectra, lines, "outer", comb, 3.0)
+    assert (result is not None) == is_of_shaft
+    assert result is None or (result.frequency, result.score) == pytest.approx((100.0, 7.0))
 
 
 @pytest.mark.parametrize("is_stronger", [False, True])

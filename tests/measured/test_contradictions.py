@@ -12,6 +12,7 @@ from scipy.io import savemat, wavfile
 from bearingsim import open_results
 from bearingsim.measured import MeasuredError, Request, read
 from bearingsim.measured.checks import refuse_unusable
+from bearingsim.measured.content import Content, Stated
 from bearingsim.study import load_study
 from bearingsim.text.yamlfile import StudyError
 from tests.scenes.commands import type_
@@ -120,6 +121,15 @@ def test_two_speeds_of_a_signal_give_a_remark(tmp_path):
     assert any("measured at 900 rpm, its point is at 1500 rpm" in remark for remark in remarks)
 
 
+@pytest.mark.parametrize(("count", "is_short"), [(4736, True), (4787, False)])
+def test_a_signal_of_few_passes_gives_a_remark(tmp_path, count, is_short):
+    """At 900 rpm 20 passes of the outer race last 20/(15 Hz BPFO) = 0.372 s, 4761 samples."""
+    np.savez(tmp_path / "run.npz", x=np.resize(NOISE, count), fs=float(RATE), rpm=900.0)
+    section = "measured: [{signals: [{file: run.npz, unit: m/s^2, at: {speed: 900 rpm}}]}]\n"
+    _, remarks = point(tmp_path, section)
+    assert any("under 20 ball passes" in remark for remark in remarks) == is_short
+
+
 @pytest.mark.parametrize("rpm", [0.0, -1796.0, np.nan, np.inf])
 def test_a_speed_that_is_not_positive_is_refused(tmp_path, rpm):
     path = saved(tmp_path, x=NOISE, fs=float(RATE), rpm=rpm)
@@ -144,6 +154,23 @@ def test_two_speeds_of_a_mat_file_are_refused(tmp_path):
 def test_two_speeds_above_a_table_are_refused(tmp_path):
     with pytest.raises(MeasuredError, match="states two speeds"):
         read(table(tmp_path, "Speed: 1796 rpm\nrpm: 900\ntime,acc", TIME, NOISE))
+
+
+@pytest.mark.parametrize("stated", [900.0, 1796.0])
+def test_a_column_of_another_speed_than_that_above_it_is_refused(tmp_path, stated):
+    path = table(tmp_path, "Speed: 1796 rpm\ntime,acc,rpm", TIME, NOISE, np.full(N, stated))
+    if stated == 1796.0:
+        assert read(path).speed.value == pytest.approx(1796.0 * np.pi / 30.0)
+    else:
+        with pytest.raises(MeasuredError, match=r"states two speeds, 900 rpm .* and 1796 rpm"):
+            read(path)
+
+
+def test_a_channel_has_the_speed_of_its_innermost_group():
+    speeds = {owner: Stated(value, owner) for owner, value in (("", 1.0), ("rig", 2.0), ("rig.test", 3.0))}
+    content = Content({}, speeds=speeds)
+    channels = {"x": 1.0, "rigid.x": 1.0, "rig.x": 2.0, "rig.test.x": 3.0}
+    assert {name: content.speed_of(name).value for name in channels} == channels
 
 
 # Rate

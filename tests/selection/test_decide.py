@@ -310,6 +310,33 @@ def test_discretisation_error_includes_scatter(write: Write, costs: dict[str, fl
     assert noisy > plain + 0.005
 
 
+def test_scatter_counts_if_only_the_trial_with_other_nodes_is_not_periodic(
+    write: Write, costs: dict[str, float]
+) -> None:
+    """Twice a change of 0.004, and the scatter of its parts."""
+
+    def evaluate(request: TrialRequest) -> Trial:
+        is_finer = request.case.contact.length_nodes > NODES
+        size = request.case.load * (1.0 + 0.004 * is_finer)
+        return trial(size, names=request.features, scatter=0.01 * is_finer, repeats=not is_finer)
+
+    error = choose(accuracy_study(write, BOWL), evaluate)[2].nodes["velocity@BPFO"]
+    assert error is not None
+    assert error > 2.0 * 0.004 + 0.005
+
+
+def test_nodes_along_defects_are_not_doubled_in_the_healthy_bearing(write: Write, costs: dict[str, float]) -> None:
+    tried: list[bool] = []
+
+    def evaluate(request: TrialRequest) -> Trial:
+        tried.extend([bool(request.case.defects)] * (request.case.contact.length_nodes > NODES))
+        return trial(1.0 + bool(request.case.defects), names=request.features, repeats=True)
+
+    text = BOWL.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+    choose(accuracy_study(write, text), evaluate)
+    assert tried == [True] * len(tried) != []
+
+
 def test_discretisation_error_is_unknown_if_trial_fails(write: Write, costs: dict[str, float]) -> None:
     evaluate = by_nodes(0.0)
     result = choose(

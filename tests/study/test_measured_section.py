@@ -88,6 +88,23 @@ def test_points_beyond_the_sweep_stay_with_a_remark(tmp_path):
     assert "outside the sweep of load (150 N to 300 N)" in study.notes[-1]
 
 
+@pytest.mark.parametrize(
+    ("load_text", "is_outside"), [("300.0002 N", False), ("300.0004 N", True), ("149.9996 N", True)]
+)
+def test_a_rounded_end_of_the_sweep_is_in_it(tmp_path, load_text, is_outside):
+    """A table may be rounded by 1e-6 of the largest value, 0.0003 N."""
+    row = f"{{load: {load_text}, velocity@BPFO: 1 um/s}}"
+    (entry,) = load(tmp_path, f"measured: [{{points: [{row}]}}]\n").measured
+    assert any("outside the sweep of load" in remark for remark in entry.remarks) == is_outside
+
+
+def test_phases_differences_and_slip_may_be_negative(tmp_path):
+    row = "{velocity@BPFO.phase: -1 rad, velocity@BPFO-healthy: -1 um/s, cage.slip.mean: -0.01}"
+    (entry,) = load(tmp_path, f"measured: [{{points: [{row}]}}]\n").measured
+    expected = {"velocity@BPFO.phase": -1.0, "velocity@BPFO-healthy": -1e-6, "cage.slip.mean": -0.01}
+    assert entry.points[0].features == pytest.approx(expected)
+
+
 MISTAKES = {
     "measured: 3": ("expected a list", 9),
     "measured: []": ("expected a list", 9),
