@@ -253,7 +253,7 @@ def periodicity_notes(info: "pd.DataFrame") -> Iterator[str]:
     ended_early = checked[(checked["period_passes"] == 0) & (checked["passes_computed"] < checked["passes"])]
     if len(ended_early):
         passes = _range_text(ended_early["passes_computed"], "{:.0f}")
-        yield f"{len(ended_early)} of {len(checked)} jobs were accurate enough after {passes} ball passes"
+        yield f"{len(ended_early)} of {len(checked)} jobs ended early, accurate enough after {passes} ball passes"
     non_periodic = checked[(checked["passes_computed"] == checked["passes"]) & (checked["last_difference"] > 0.0)]
     if len(non_periodic):
         yield (

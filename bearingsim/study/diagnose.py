@@ -147,10 +147,10 @@ def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iter
             yield conflict.paths[0], conflict.kind, _conflict_problem(conflict, tree, swept)
         return
     path = _path_of(details)
-    yield path, str(context.get("kind", details["type"])), _problem(details, path, tree)
+    yield path, str(context.get("kind", details["type"])), _problem(details, path, tree, swept)
 
 
-def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
+def _problem(details: ErrorDetails, path: Path, tree: Node, swept: frozenset[Path]) -> Problem:
     name, defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
     if details["type"] == "missing":
         dimension, size = all_paths().get(label(path, 0)), SIZES.get(label(path, 0))
@@ -159,6 +159,8 @@ def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
     if details["type"] == "extra_forbidden":
         return _located_problem(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
     message, hint = _message(details)
+    if message.endswith("got a list") and label(path, 0) in all_paths() and path not in swept:
+        hint = hint or f"for several values use `sweep: {{{written(path, defects)}: [...]}}`"
     return _located_problem(_nearest_node(tree, path).mark, path, defects, message, hint)
 
 

@@ -55,6 +55,8 @@ def text_at_caret(problem: Problem) -> str:
         ("sweep: {load: [1 N, 2 mm]}", "2 mm]", "load: expected a force such as `150 N`, got `2 mm` (`mm` is a unit of length)"),
         ("sweep: {load: [1 N, 0,2 N]}", "0,2 N]", "load: expected a force such as `150 N`, got `0,2 N` (write a decimal point)"),
         ("sweep: {load: [[1 N]]}", "[1 N]]", "load: expected a force such as `150 N`, got a list"),
+        ("clearance: [0 um, 5 um]", "[0 um", "clearance: expected a length such as `0.8 mm`, got a list (for several values use `sweep: {clearance: [...]}`)"),
+        ("contact: {damping: {law: general, coefficient: [1, 2], indentation_exponent: 1}}", "[1, 2]", "contact.damping.coefficient: expected a plain number, in N, mm and s, such as `1e4`, got a list (for several values use `sweep: {contact.damping.coefficient: [...]}`)"),
         ("sweep: {load: []}", "[]", "sweep.load: the list is empty"),
         ("sweep: {load: 1 N}", "1 N", "sweep.load: expected a list, or `linspace`, `logspace` or `range` with three numbers (write `[1 N]`)"),
         ("sweep: {load: {linspce: [1 N, 2 N, 3]}}", "{linspce", "sweep.load: expected a list, or `linspace`, `logspace` or `range` with three numbers (did you mean `linspace`?)"),
