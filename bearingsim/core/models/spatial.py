@@ -15,6 +15,7 @@ Neglected: bending of rollers, rings and cage; the elliptic section of a tilted 
 1 mrad); moments of the cage's guide; stiffness of oil films.
 """
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
@@ -238,9 +239,20 @@ def _roller_at_defect(model, d, t, y):
 
 
 @jit
-def sum_over_slices(model, y, j):
-    """Return stiffness and damping of a roller's contacts: radial (N/m, N s/m), tilting (N m/rad, N m s/rad)."""
-    k, c, k_tilt, c_tilt = 0.0, 0.0, 0.0, 0.0
+def largest_eigenvalue(a, b, d):
+    """Return the largest eigenvalue of the symmetric matrix [[a, b], [b, d]]."""
+    half = 0.5 * (a - d)
+    return 0.5 * (a + d) + sqrt(half * half + b * b)
+
+
+@jit
+def rates_on_contacts(model, y, j):
+    """Return the largest stiffness (1/s^2) and damping (1/s) over inertia of a roller on its contacts.
+
+    The roller moves radially and tilts. Slices at zeta couple the two motions unless their sum of k zeta is zero,
+    so that a roller loaded at one end is stiffer than in either motion alone.
+    """
+    k, k_1, k_2, c, c_1, c_2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(len(model.slices.table)):
         zeta, weight = model.slices.table[i, ZETA], model.slices.table[i, WEIGHT]
         delta_o = max(y[lay.slice_row(i, lay.APPROACH_O) + j], 0.0)
@@ -253,33 +265,36 @@ def sum_over_slices(model, y, j):
             damping_bound(model.outer, delta_o, y[lay.V_O + j])
             + damping_bound(model.inner, delta_i, y[lay.V_I + j])
         )
-        k, c = k + stiff, c + damp
-        k_tilt, c_tilt = k_tilt + zeta * zeta * stiff, c_tilt + zeta * zeta * damp
-    return k, c, k_tilt, c_tilt
+        k, k_1, k_2 = k + stiff, k_1 + zeta * stiff, k_2 + zeta * zeta * stiff
+        c, c_1, c_2 = c + damp, c_1 + zeta * damp, c_2 + zeta * zeta * damp
+    per_mass, per_inertia = y[lay.INVERSE_MASS + j], 1.0 / model.I_t
+    coupling = sqrt(per_mass * per_inertia)
+    K = largest_eigenvalue(per_mass * k, coupling * k_1, per_inertia * k_2)
+    return K, largest_eigenvalue(per_mass * c, coupling * c_1, per_inertia * c_2)
 
 
 @interface.stiffness_per_mass.register(Spatial)
 def _stiffness_per_mass(model, y, j):
-    """Return the largest stiffness over inertia of the roller between its races (radial or tilting), its pocket,
-    the flanges, and the rings' supports."""
+    """Return the largest stiffness over inertia of the roller between its races, its pocket, the flanges, and the
+    rings' supports."""
     per_mass = y[lay.INVERSE_MASS + j]
-    k, _, k_tilt, _ = sum_over_slices(model, y, j)
+    K, _ = rates_on_contacts(model, y, j)
     supports = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
     mounts = max(mount_stiffness(model.mount_o), mount_stiffness(model.mount_i))
     pocket = max(pocket_stiffness(model.cage, per_mass), axial_stiffness(model.cage_z, model.cage, per_mass))
     flange = flange_stiffness(model.flanges, per_mass, 1.0 / model.I_t, model.bearing.R_w)
-    return max(per_mass * k, k_tilt / model.I_t, supports, mounts, pocket, flange)
+    return max(K, supports, mounts, pocket, flange)
 
 
 @interface.damping_per_mass.register(Spatial)
 def _damping_per_mass(model, y, j):
-    """Return the largest damping over inertia of contacts (radial, tilting), friction and the rings' supports.
+    """Return the largest damping over inertia of contacts, friction and the rings' supports.
 
     Friction at flanges and pockets has no lag and acts in all these directions, so it is added to the roller's
     damping, with its present value because these contacts always slip.
     """
     b, half, per_mass = model.bearing, 0.5 * model.L_w, y[lay.INVERSE_MASS + j]
-    _, c, _, c_tilt = sum_over_slices(model, y, j)
+    _, C = rates_on_contacts(model, y, j)
     load_per_mass = max(y[lay.Q_O + j], y[lay.Q_I + j]) * max(
         2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t
     )
@@ -288,7 +303,7 @@ def _damping_per_mass(model, y, j):
     mounts = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     # 1/kg: change of an end's slip per impulse
     end_mobility = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t
-    roller_damping = max(per_mass * c, c_tilt / model.I_t, lagged(friction_rate, model.lag))
+    roller_damping = max(C, lagged(friction_rate, model.lag))
     return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_mobility, supports, mounts)
 
 

@@ -11,11 +11,12 @@ from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.friction.curves import StaticDynamic
 from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
-from bearingsim.core.models.interface import damping_per_mass
+from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass
 from bearingsim.core.models.spatial_equilibrium import (
     balance,
     eliminate,
@@ -312,6 +313,32 @@ def test_the_damping_bound_includes_flanges_and_pockets(contact):
     fastest = -np.linalg.eigvals(gradient).real.min()
     assert fastest > 1e3
     assert 0.1 * bound < fastest <= 1.001 * bound
+
+
+def test_the_stiffness_bound_of_a_roller_loaded_at_one_end():
+    """The largest eigenvalue of its radial motion and tilt, not the larger of the two stiffnesses over inertia."""
+    planar = assemble.model(case(model="planar"))
+    law = Undamped(TenNinths(K))
+    model = spatial_model(planar, even_slices(12), mount_i=RigidMount(3e-3, 0.0))
+    model = model._replace(outer=law, inner=law, friction=NO_FRICTION)
+    y, _ = static_state(model)
+    start_at_rest(model, 0.0, y)
+    j = int(np.argmax(y[lay.Q_O : lay.Q_O + 13]))
+    c, s = np.cos(ANGLES[j]), np.sin(ANGLES[j])
+    matrix = np.empty((2, 2))
+    for k, (q, tilt) in enumerate(((1e-9, 0.0), (0.0, 1e-7))):
+        accelerations = []
+        for sign in (1.0, -1.0):
+            x = y.copy()
+            x[lay.RADIAL + j] += sign * q
+            x[lay.AXIS_X + j] += sign * tilt * c
+            x[lay.AXIS_Y + j] += sign * tilt * s
+            start_at_rest(model, 0.0, x)
+            accelerations.append((x[lay.RADIAL_A + j], c * x[lay.AXIS_X_A + j] + s * x[lay.AXIS_Y_A + j]))
+        matrix[:, k] = (np.array(accelerations[1]) - accelerations[0]) / (2 * (q + tilt))
+    largest = np.linalg.eigvals(matrix).real.max()
+    assert stiffness_per_mass(model, y, j) == pytest.approx(largest, rel=1e-3)
+    assert largest > 1.4 * matrix.diagonal().max()
 
 
 def test_elimination_with_pivoting():
