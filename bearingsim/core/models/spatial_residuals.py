@@ -117,7 +117,8 @@ def contacts_at_rest(model, t, y, n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         tilt = y[lay.TILT + j]
         y[lay.AXIS_X + j], y[lay.AXIS_Y + j] = tilt * c, tilt * s
-        y[lay.AXIAL + j] = axial_position(model.flanges, outer, inner, c, s, R_mean + y[lay.RADIAL + j])
+        r = R_mean + y[lay.RADIAL + j]
+        y[lay.AXIAL + j] = axial_position(model.flanges, b, outer, inner, c, s, r, tilt)
         y[lay.FORCE_R + j], y[lay.MOMENT_T + j] = 0.0, 0.0
     roller_axes(0.0, 0.0, b.R_w, y, n)
     race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)

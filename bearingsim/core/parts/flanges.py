@@ -14,7 +14,7 @@ gradient, so energy and momentum are conserved at all angles. Friction acts at X
 axis.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
@@ -227,20 +227,48 @@ def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
 
 
 @generic(absent=0.0)
-def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
+def axial_position(
+    flanges: Any, bearing: Any, outer: Body, inner: Body, c: float, s: float, r: float, tilt: float
+) -> float:
     """Return the axial position (m) of a centred roller at radius ``r`` (m) and the angle of cosine c, sine s.
 
-    It is the mean of the rings' axial positions there, weighted by their numbers of flanges. With aligned rings
-    the roller has its play to every flange; none is loaded unless the rings are further apart than the play.
+    It is the mean of the middles between the rings' flanges there, weighted by their numbers of flanges, but
+    within the play of every flange; one of the two contact points is nearer where the flange is skewed to the
+    roller. If tilted rings leave no such position, it is the middle between the two flanges that hold the roller,
+    whose forces are then about equal. tilt: of the roller (1).
     """
 
 
 @axial_position.register(Flanges)
-def _axial_position(flanges, outer, inner, c, s, r):
+def _axial_position(flanges, bearing, outer, inner, c, s, r, tilt):
     n_outer, n_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
-    z_outer = outer.z - r * (outer.a_x * c + outer.a_y * s)
-    z_inner = inner.z - r * (inner.a_x * c + inner.a_y * s)
-    return (n_outer * z_outer + n_inner * z_inner) / max(n_outer + n_inner, 1.0)
+    z_outer = flange_middle(outer, bearing.R_o - 0.5 * flanges.height, c, s, r, tilt)
+    z_inner = flange_middle(inner, bearing.R_i + 0.5 * flanges.height, c, s, r, tilt)
+    middle = (n_outer * z_outer + n_inner * z_inner) / max(n_outer + n_inner, 1.0)
+    chord = half_chord(bearing.R_w, flanges.height)
+    play_outer = flanges.play - chord * abs(outer.a_y * c - outer.a_x * s)
+    play_inner = flanges.play - chord * abs(inner.a_y * c - inner.a_x * s)
+    low, high = -inf, inf
+    if flanges.outer_minus > 0.0:
+        low = z_outer - play_outer
+    if flanges.inner_minus > 0.0:
+        low = max(low, z_inner - play_inner)
+    if flanges.outer_plus > 0.0:
+        high = z_outer + play_outer
+    if flanges.inner_plus > 0.0:
+        high = min(high, z_inner + play_inner)
+    return 0.5 * (low + high) if low > high else min(max(middle, low), high)
+
+
+@jit
+def flange_middle(ring, face, c, s, r, tilt):
+    """Return the axial position (m) of a roller whose ends have the same approach to both flanges of a ring.
+
+    From the approach to first order in the tilts; face: radius (m) at half of the flanges' height; r: of the
+    roller's centre (m); tilt: of the roller (1).
+    """
+    ring_tilt = ring.a_x * c + ring.a_y * s
+    return ring.z - r * ring_tilt + (face - r) * (tilt - ring_tilt)
 
 
 @generic(absent=0.0)

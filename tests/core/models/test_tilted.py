@@ -196,15 +196,36 @@ def test_the_mean_equilibrium_of_a_misaligned_bearing():
 
 
 def test_rollers_are_centred_between_flanges():
-    """Outer ring with two flanges, inner with one: mean of their middles, weighted by the number of flanges."""
-    r, flanges = 0.03, FLANGES._replace(inner_plus=1.0)
-    assert axial_position(FLANGES, fixed_ring(2e-5, 1e-4), fixed_ring(7e-5, 3e-4), 1.0, 0.0, r) == (
-        pytest.approx(2e-5 - r * 1e-4)
-    )
-    middles = 2e-5 - r * 1e-4, 7e-5 - r * 3e-4
-    position = axial_position(flanges, fixed_ring(2e-5, 1e-4), fixed_ring(7e-5, 3e-4), 1.0, 0.0, r)
+    """Outer ring with two flanges, inner with one: mean of their middles, weighted by the number of flanges.
+
+    The ends of a roller tilted relative to a ring are nearer to its flange, at half of its height.
+    """
+    b, r, flanges = assemble.model(case(model="planar")).bearing, 0.03, FLANGES._replace(inner_plus=1.0, play=1e-4)
+    rings = fixed_ring(2e-5, 1e-4), fixed_ring(7e-5, 3e-4)
+    middles = [
+        ring.z - r * ring.a_x + (face - r) * (1.5e-4 - ring.a_x)
+        for ring, face in zip(rings, (b.R_o - 5e-4, b.R_i + 5e-4), strict=True)
+    ]
+    assert axial_position(FLANGES, b, *rings, 1.0, 0.0, r, 1.5e-4) == pytest.approx(middles[0])
+    position = axial_position(flanges, b, *rings, 1.0, 0.0, r, 1.5e-4)
     assert position == pytest.approx((2 * middles[0] + middles[1]) / 3)
-    assert axial_position(NoFlanges(), fixed_ring(2e-5, 0.0), fixed_ring(0.0, 0.0), 1.0, 0.0, r) == 0.0
+    aligned = fixed_ring(2e-5, 0.0), fixed_ring(0.0, 0.0)
+    assert axial_position(NoFlanges(), b, *aligned, 1.0, 0.0, r, 0.0) == 0.0
+    distant = fixed_ring(0.0, 0.0), fixed_ring(-1.1e-5, 0.0)  # one play of 5 um apart: 1 um overlap is shared
+    assert axial_position(FLANGES._replace(inner_plus=1.0), b, *distant, 1.0, 0.0, r, 0.0) == (
+        pytest.approx(-5.5e-6)
+    )
+
+
+@pytest.mark.parametrize("mounts", [{"mount_i": RigidMount(1.5e-3, 0.0)}, {"mount_o": RigidMount(-9e-4, 1.2e-3)}])
+def test_rollers_between_tilted_rings_start_within_the_play_of_all_flanges(mounts):
+    """Tilted by 1.5 mrad the flanges of an NF308 leave a position without force, 49 of 50 um apart."""
+    flanges = FLANGES._replace(inner_minus=1.0, inner_plus=1.0, outer_minus=0.0, play=2.5e-5, height=2.4e-3)
+    model = spatial_model(assemble.model(case(model="planar")), even_slices(6), flanges=flanges, **mounts)
+    y, residual = static_state(model)
+    start_at_rest(model, 0.0, y)
+    assert residual <= 1e-8
+    assert np.abs(y[lay.Q_F : lay.Q_F + 13]).max() < 0.05 * 150.0
 
 
 def fixed_ring(z, tilt):
