@@ -182,14 +182,16 @@ def ring_anchor(case: Case) -> tuple[float, float]:
     return anchor.x + moved[0] - unmoved[0], anchor.y + moved[1] - unmoved[1]
 
 
-def largest_line_load(case: Case) -> float:
-    """Compute the largest static line load (N/m) of the healthy, smooth bearing without bracket, over a ball pass.
+def largest_line_load(case: Case, on_outer: bool) -> float:
+    """Compute the largest static line load (N/m) at a race of the healthy, smooth bearing without bracket.
 
-    It is that of a slice with profile or misalignment, and the mean over the roller's length without.
+    The largest is over a ball pass; of a slice with profile or misalignment, and of the mean over the roller's
+    length without.
     """
     if not space.unevenly_loaded(case):
-        return largest_load(case) / contacts.roller_length(case)
-    return equilibrium_in_space(static_case(waveless_case(case))).line_load
+        return largest_load(case, on_outer) / contacts.roller_length(case)
+    equilibrium = equilibrium_in_space(static_case(waveless_case(case)))
+    return equilibrium.outer_line_load if on_outer else equilibrium.inner_line_load
 
 
 @lru_cache(maxsize=256)

@@ -131,7 +131,7 @@ def contact_length(case: Case, side: int) -> float:
     """Return the axial contact length (m): that of the roller, or that of a ball under the largest load."""
     if case.bearing.roller_length is not None:
         return case.bearing.roller_length
-    return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case))[0]
+    return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case, side == OUTER))[0]
 
 
 # Depth maps

@@ -59,18 +59,22 @@ def _form(
 
 
 def contact_half_width(case: Case, on_outer: bool) -> float:
-    """Compute the half width (m) along rolling of a contact under the largest load of the smooth bearing."""
-    load = rest.largest_load(case)
+    """Compute the half width (m) along rolling of a contact under the largest load of the smooth bearing.
+
+    It is that of the most loaded slice of rollers with profile or misalignment.
+    """
+    from bearingsim.assemble import largest_line_load  # needs all parts of a model, which are built with this one
+
     if case.bearing.element == "ball":
-        return contacts.point_contact(case, on_outer).semi_axes(load)[1]
+        return contacts.point_contact(case, on_outer).semi_axes(rest.largest_load(case, on_outer))[1]
     material, R_w = case.bearing.material, case.bearing.roller_diameter / 2.0
     R = (
         outer_reduced_radius(R_w, outer_radius(case))
         if on_outer
         else inner_reduced_radius(R_w, inner_radius(case))
     )
-    length = contacts.roller_length(case)
-    return float(hertz.half_width(load, length, R, material.young_modulus, material.poisson_ratio))
+    line_load = largest_line_load(case, on_outer)
+    return float(hertz.half_width(line_load, 1.0, R, material.young_modulus, material.poisson_ratio))
 
 
 def contact_average(count: int, ratio: float, point: bool) -> np.ndarray:

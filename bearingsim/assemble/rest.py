@@ -53,10 +53,11 @@ def static_bearing(
     return Static(bearing, support, *laws, defects, ring_bending, form)
 
 
-def largest_load(case: Case) -> float:
-    """Compute the largest static roller force (N) of the healthy, smooth bearing without bracket, over a ball
-    pass."""
-    return healthy_equilibrium(case).load
+def largest_load(case: Case, on_outer: bool = True) -> float:
+    """Compute the largest static force (N) of a race on a roller of the healthy, smooth bearing without bracket,
+    over a ball pass."""
+    equilibrium = healthy_equilibrium(case)
+    return equilibrium.load if on_outer else equilibrium.inner_load
 
 
 def healthy_equilibrium(case: Case) -> MeanEquilibrium:

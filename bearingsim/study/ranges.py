@@ -85,20 +85,24 @@ def healthy_pressure(case: Case) -> float:
 
     length = case.bearing.roller_length
     try:
-        load = largest_load(case) if length is None else length * largest_line_load(case)
-        return contact_pressure(case.bearing, load)
+        forces = [
+            largest_load(case, on_outer) if length is None else length * largest_line_load(case, on_outer)
+            for on_outer in (True, False)
+        ]
     except NoEquilibrium:  # reported elsewhere
         return 0.0
+    # the inner race curves more, but does not carry the rollers' centrifugal force
+    return max(contact_pressure(case.bearing, forces[0], True), contact_pressure(case.bearing, forces[1]))
 
 
-def contact_pressure(bearing: Bearing, force: float) -> float:
-    """Compute the Hertz pressure (Pa) at the inner race, where it is larger, for a force (N) on an element."""
-    E, nu = bearing.material.young_modulus, bearing.material.poisson_ratio
-    D_w, R_i = bearing.roller_diameter, (bearing.pitch_diameter - bearing.roller_diameter) / 2.0
+def contact_pressure(bearing: Bearing, force: float, on_outer: bool = False) -> float:
+    """Compute the Hertz pressure (Pa) at a race for a force (N) on an element."""
+    E, nu, D_w = bearing.material.young_modulus, bearing.material.poisson_ratio, bearing.roller_diameter
+    R = -(bearing.pitch_diameter + D_w) / 2.0 if on_outer else (bearing.pitch_diameter - D_w) / 2.0
     if bearing.roller_length is None:
-        groove = float(bearing.inner_groove_radius or 0.0)
-        return hertz.ball_on_race(E, nu, D_w, groove, R_i).pressure(force)
-    radius = 1.0 / (2.0 / D_w + 1.0 / R_i)
+        groove = float((bearing.outer_groove_radius if on_outer else bearing.inner_groove_radius) or 0.0)
+        return hertz.ball_on_race(E, nu, D_w, groove, R).pressure(force)
+    radius = 1.0 / (2.0 / D_w + 1.0 / R)
     return hertz.line_pressure(force / bearing.roller_length, radius, hertz.effective_modulus(E, nu))
 
 

@@ -57,11 +57,11 @@ def averaged(k, half_width):
 
 
 def with_contact_average(scene, load):
-    """The scene with its waves averaged over the contacts under the largest roller ``load`` (N)."""
-    waves = scene.waves.copy()
+    """The scene with its waves averaged over the contacts under the largest force (N) of the outer race."""
+    waves, inner_load = scene.waves.copy(), load - M_R * OMEGA_C**2 * D_M / 2
     outer, inner = (
-        np.sqrt(4 * load / L_W * R_W * R / (R - sign * R_W) / (np.pi * E_STAR))
-        for R, sign in ((R_O, 1), (R_I, -1))
+        np.sqrt(4 * force / L_W * R_W * R / (R - sign * R_W) / (np.pi * E_STAR))
+        for force, R, sign in ((load, R_O, 1), (inner_load, R_I, -1))
     )
     for wave in waves:
         radius, b = ((R_O, outer), (R_I, inner), (R_W, (outer + inner) / 2))[int(wave[0])]

@@ -10,6 +10,8 @@ import pytest
 from scipy.optimize import root
 
 from bearingsim import store
+from bearingsim.assemble.form import contact_half_width
+from bearingsim.assemble.rest import largest_load
 from bearingsim.config import Case
 from bearingsim.study import StudyError, load_study
 from bearingsim.study.ranges import (
@@ -70,6 +72,28 @@ def test_contact_pressure_at_the_static_rating_is_4_gpa(name: str) -> None:
     assert contact_pressure(bearing, force) == pytest.approx(4e9, rel=0.01)
 
 
+def test_the_inner_race_does_not_carry_the_centrifugal_force() -> None:
+    """NF308 at 12000 rpm and 150 N: 90.7 N per roller; the outer race then has the larger pressure."""
+    fast = case("nf308", model="rollers", speed="12000 rpm", load="150 N")
+    mass, omega_c = 7850.0 * math.pi * 6e-3**2 * 12e-3, 400.0 * math.pi * (1.0 - 12.0 / 65.0) / 2.0
+    outer, inner = largest_load(fast), largest_load(fast, False)
+    assert outer - inner == pytest.approx(mass * omega_c**2 * 0.0325, rel=1e-3)
+    modulus = 207e9 / (2.0 * (1.0 - 0.3**2))
+    at_outer, at_inner = (
+        math.sqrt(force / 12e-3 * modulus * curvature / math.pi)
+        for force, curvature in ((outer, 1.0 / 6e-3 - 1.0 / 38.5e-3), (inner, 1.0 / 6e-3 + 1.0 / 26.5e-3))
+    )
+    assert at_outer > at_inner
+    assert pressure(fast) == pytest.approx(at_outer, rel=1e-9)
+    radius = 1.0 / (1.0 / 6e-3 + 1.0 / 26.5e-3)
+    assert contact_half_width(fast, False) == pytest.approx(
+        math.sqrt(4.0 * inner / 12e-3 * radius / (math.pi * modulus))
+    )
+
+
+WAVE = {"order": 100, "amplitude": "0.1 um"}
+
+
 def line_load_between_tilted_rings(tilt: float, load: float, count: int = 24) -> float:
     """Compute the largest line load (N/m) of an NF308 whose inner ring is tilted (rad) towards the load (N).
 
@@ -104,6 +128,12 @@ def test_pressure_of_misaligned_rollers_is_that_of_the_most_loaded_slice() -> No
     expected = math.sqrt(line_load_between_tilted_rings(1e-3, 150.0) * modulus / (math.pi * radius))
     assert pressure(tilted) == pytest.approx(expected, rel=0.01)
     assert pressure(tilted) > 2.0 * pressure(case("nf308", model="spatial"))
+    wavy = case(
+        "nf308", model="spatial", misalignment={"inner": "1 mrad"}, surfaces={"outer": {"harmonics": [WAVE]}}
+    )
+    reduced = 1.0 / (1.0 / 6e-3 - 1.0 / 38.5e-3)
+    width = math.sqrt(4.0 * line_load_between_tilted_rings(1e-3, 150.0) * reduced / (math.pi * modulus))
+    assert contact_half_width(wavy, True) == pytest.approx(width, rel=0.02)  # rollers without mass
     overloaded = case("nf308", model="spatial", load="30 kN", misalignment={"inner": "15 mrad"})
     (warning,) = range_warnings([overloaded], [])
     assert "would dent the races" in warning

@@ -28,14 +28,16 @@ MAX_RESIDUAL = 1e-8  # of an equilibrium, relative to the load
 class MeanEquilibrium(NamedTuple):
     """Static equilibrium of a bearing, averaged over a ball pass.
 
-    x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load: largest force
-    on a roller (N); approach: sum of the approaches of its two contacts under this force (m); K_x, K_y: mean
-    stiffness (N/m) of the rollers for the ring.
+    x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load, inner_load:
+    largest force of the outer race on a roller, and that of the inner race on it (N); approach: sum of the
+    approaches of its two contacts under these forces (m); K_x, K_y: mean stiffness (N/m) of the rollers for the
+    ring.
     """
 
     x: float
     y: float
     load: float
+    inner_load: float
     approach: float
     K_x: float
     K_y: float
@@ -58,9 +60,10 @@ def ring_damping(Z, outer, inner, y):
 def fill_equilibria(model, springs, times, tolerance, y, rows):
     """Find the static equilibrium at each of ``times`` (n,) s, the first from scratch, each from the one before.
 
-    Fills a row of ``rows`` (n, 6) for each: the position of the body held by the bracket (m, m), the stiffness of
-    the rollers for the ring along x and y (N/m), the largest force on a roller (N), and the sum of the approaches
-    of its contacts (m). Ends at the first residual above ``tolerance`` (N). Returns the last residual (N).
+    Fills a row of ``rows`` (n, 7) for each: the position of the body held by the bracket (m, m), the stiffness of
+    the rollers for the ring along x and y (N/m), the forces of outer and inner race on the most loaded roller (N),
+    and the sum of the approaches of its contacts (m). Ends at the first residual above ``tolerance`` (N). Returns
+    the last residual (N).
     """
     residual = 0.0
     for n in range(len(times)):
@@ -77,16 +80,17 @@ def fill_equilibria(model, springs, times, tolerance, y, rows):
         rows[n, 0], rows[n, 1] = supported_position(springs, y)
         rows[n, 2], _, rows[n, 3] = ring_stiffness(model, y)
         rows[n, 4] = y[lay.Q_O + heaviest]
-        rows[n, 5] = y[lay.DELTA_O + heaviest] + y[lay.DELTA_I + heaviest]
+        rows[n, 5] = y[lay.Q_I + heaviest]
+        rows[n, 6] = y[lay.DELTA_O + heaviest] + y[lay.DELTA_I + heaviest]
     return residual
 
 
 def equilibria(model, times, y):
-    """Return the rows (n, 6) of ``fill_equilibria`` at ``times`` (n,) s.
+    """Return the rows (n, 7) of ``fill_equilibria`` at ``times`` (n,) s.
 
     Raises ``NoEquilibrium`` like ``refuse_unbalanced``.
     """
-    load, rows = load_magnitude(model), np.empty((len(times), 6))
+    load, rows = load_magnitude(model), np.empty((len(times), 7))
     springs = model.bending.springs if isinstance(model.bending, Bending) else NoSprings()
 
     def fill_until(end):
@@ -127,8 +131,8 @@ def mean_equilibrium(model, y, samples=32):
     ``NoEquilibrium``."""
     rows = equilibria(model, times_of_pass(model, samples), y)
     x_mean, y_mean, k_x, k_y = np.mean(rows[:, :4], axis=0).tolist()
-    load, approach = max(rows[:, 4:].tolist())
-    return MeanEquilibrium(x_mean, y_mean, load, approach, k_x, k_y)
+    load, inner_load, approach = max(rows[:, 4:].tolist())
+    return MeanEquilibrium(x_mean, y_mean, load, inner_load, approach, k_x, k_y)
 
 
 def mean_ring_damping(model, outer, inner, y, samples=32):

@@ -244,13 +244,14 @@ def solve_spatial_equilibrium(model: Any, t: float, y: np.ndarray, tilted: bool 
 
 
 class MeanSpatialEquilibrium(NamedTuple):
-    """Static equilibrium over a ball pass: mean position of the ring (m), largest force on a roller (N), largest
-    line load of a slice (N/m)."""
+    """Static equilibrium over a ball pass: mean position of the ring (m), largest force of the outer race on a
+    roller (N), largest line loads of a slice at the outer and inner race (N/m)."""
 
     x: float
     y: float
     load: float
-    line_load: float
+    outer_line_load: float
+    inner_line_load: float
 
 
 def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> MeanSpatialEquilibrium:
@@ -261,15 +262,15 @@ def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> Me
     Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
     b, widths = model.bearing, model.L_w * model.slices.table[:, WEIGHT]
-    load_rows = [[lay.slice_row(k, race) for race in (lay.LOAD_O, lay.LOAD_I)] for k in range(len(widths))]
+    load_rows = [[lay.slice_row(k, race) for k in range(len(widths))] for race in (lay.LOAD_O, lay.LOAD_I)]
     pass_time = 2.0 * np.pi / (b.Z * b.omega_c)
     load, rows = hypot(model.support.F, model.support.F_across), []
     for n in range(samples):
         residual = solve_spatial_equilibrium(model, (n + 0.5) / samples * pass_time, y, tilted=n > 0)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium in space: residual {residual:g} N at a load of {load:g} N")
-        slice_loads = [max(y[row : row + b.Z].max() for row in pair) for pair in load_rows]
+        slice_loads = np.array([[y[row : row + b.Z].max() for row in of_race] for of_race in load_rows])
         position = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
-        rows.append((*position, y[lay.Q_O : lay.Q_O + b.Z].max(), (slice_loads / widths).max()))
+        rows.append((*position, y[lay.Q_O : lay.Q_O + b.Z].max(), *(slice_loads / widths).max(axis=1)))
     x_mean, y_mean = np.mean(rows, axis=0)[:2].tolist()
     return MeanSpatialEquilibrium(x_mean, y_mean, *np.max(rows, axis=0)[2:].tolist())

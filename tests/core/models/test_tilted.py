@@ -190,9 +190,11 @@ def test_the_mean_equilibrium_of_a_misaligned_bearing():
     assert aligned_mean.load == pytest.approx(assemble.rest.largest_load(case(model="planar")), rel=1e-2)
     assert misaligned_mean.x != pytest.approx(aligned_mean.x, rel=1e-2)
     assert misaligned_mean.load > aligned_mean.load
-    assert misaligned_mean._fields == ("x", "y", "load", "line_load")
-    assert aligned_mean.line_load * L_W == pytest.approx(aligned_mean.load, rel=1e-2)
-    assert misaligned_mean.line_load * L_W > misaligned_mean.load
+    assert misaligned_mean._fields == ("x", "y", "load", "outer_line_load", "inner_line_load")
+    assert aligned_mean.outer_line_load * L_W == pytest.approx(aligned_mean.load, rel=1e-2)
+    centrifugal = planar.bearing.m_r * planar.bearing.omega_c**2 * 0.0325
+    assert aligned_mean.inner_line_load * L_W == pytest.approx(aligned_mean.load - centrifugal, rel=1e-2)
+    assert misaligned_mean.outer_line_load * L_W > misaligned_mean.load
 
 
 def test_rollers_are_centred_between_flanges():
