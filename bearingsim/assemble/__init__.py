@@ -11,8 +11,9 @@ import numpy as np
 
 from bearingsim.assemble import bending, contacts, defects, form, free, geometry, scales, space
 from bearingsim.assemble.anchor import bracket_anchor
-from bearingsim.assemble.reduced import bearing_of, healthy_case, static_case, waveless_case
-from bearingsim.assemble.rest import largest_load, static_model
+from bearingsim.assemble.reduced import bearing_of, healthy_case, static_case
+from bearingsim.assemble.rest import static_model
+from bearingsim.assemble.rest_in_space import equilibrium_in_space
 from bearingsim.catalogue import METHODS, MODELS, call, code
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
@@ -23,14 +24,10 @@ from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.friction.curves import Frictionless
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_in_cpu_time, solve_initial_equilibrium
 from bearingsim.core.models.interface import ModelKind
-from bearingsim.core.models.spatial_equilibrium import (
-    MeanSpatialEquilibrium,
-    mean_spatial_equilibrium,
-    solve_spatial_equilibrium,
-)
+from bearingsim.core.models.spatial import Spatial
+from bearingsim.core.models.spatial_equilibrium import solve_spatial_equilibrium
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Support
 from bearingsim.core.parts.bending import RigidRing
@@ -46,7 +43,6 @@ __all__ = [
     "kind",
     "kind_of_method",
     "kind_of_model",
-    "largest_line_load",
     "method",
     "method_kind",
     "model",
@@ -182,31 +178,6 @@ def ring_anchor(case: Case) -> tuple[float, float]:
     return anchor.x + moved[0] - unmoved[0], anchor.y + moved[1] - unmoved[1]
 
 
-def largest_line_load(case: Case, on_outer: bool) -> float:
-    """Compute the largest static line load (N/m) at a race of the healthy, smooth bearing without bracket.
-
-    The largest is over a ball pass; of a slice with profile or misalignment, and of the mean over the roller's
-    length without.
-    """
-    if not space.unevenly_loaded(case):
-        return largest_load(case, on_outer) / contacts.roller_length(case)
-    equilibrium = equilibrium_in_space(static_case(waveless_case(case)))
-    return equilibrium.outer_line_load if on_outer else equilibrium.inner_line_load
-
-
-@lru_cache(maxsize=256)
-def equilibrium_in_space(case: Case) -> MeanSpatialEquilibrium:
-    """Compute the static equilibrium over a ball pass of a bearing with unevenly loaded rollers."""
-    ring_load = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
-    fields = {
-        name: PARAMETER_BUILDERS[name](case) for name in _builder_fields(spatial.Spatial) if name != "support"
-    }
-    bearing = undamped(spatial.Spatial(support=ring_load, **fields))
-    y = empty_buffer(bearing)
-    solve_in_cpu_time(solve_initial_equilibrium, static_model(bearing), 0.0, y)
-    return mean_spatial_equilibrium(bearing, y)
-
-
 def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
     """Shift the model's rollers so that they meet the cusp of the first defect a ``fraction`` of a step after the
     start of a step.
@@ -259,9 +230,7 @@ def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = F
     residual = solve_in_cpu_time(
         solve_initial_equilibrium if from_scratch else solve_equilibrium, static_model(model), t, y
     )
-    return (
-        solve_spatial_equilibrium(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(residual)
-    )
+    return solve_spatial_equilibrium(undamped(model), t, y) if isinstance(model, Spatial) else float(residual)
 
 
 def undamped(model: Any) -> Any:

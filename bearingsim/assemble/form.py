@@ -8,6 +8,7 @@ import numpy as np
 
 from bearingsim.assemble import contacts, rest
 from bearingsim.assemble.geometry import inner_radius, outer_radius
+from bearingsim.assemble.rest_in_space import largest_line_load
 from bearingsim.config import Case
 from bearingsim.config.scan.file import TRANSFERRED_FILES
 from bearingsim.config.scan.roundness import form_harmonics, read_roundness
@@ -63,8 +64,6 @@ def contact_half_width(case: Case, on_outer: bool) -> float:
 
     It is that of the most loaded slice of rollers with profile or misalignment.
     """
-    from bearingsim.assemble import largest_line_load  # needs all parts of a model, which are built with this one
-
     if case.bearing.element == "ball":
         return contacts.point_contact(case, on_outer).semi_axes(rest.largest_load(case, on_outer))[1]
     material, R_w = case.bearing.material, case.bearing.roller_diameter / 2.0

@@ -31,7 +31,9 @@ def open_results(path: str | Path) -> "Results":
     results = Results(Path(path))
     plan = results.path / "plan.json"
     if not plan.is_file():
-        raise ResultsError(f"{results.path} contains no results of a study (no plan.json): write them with `bearingsim run STUDY`")
+        raise ResultsError(
+            f"{results.path} contains no results of a study (no plan.json): write them with `bearingsim run STUDY`"
+        )
     refuse_links(results.path)
     try:
         results.plan  # noqa: B018

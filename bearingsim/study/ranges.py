@@ -79,8 +79,8 @@ def pressure(case: Case) -> float:
 @lru_cache(maxsize=1 << 12)
 def healthy_pressure(case: Case) -> float:
     """Compute ``pressure`` of a case without defects; cached because many cases differ only in their defects."""
-    from bearingsim.assemble import largest_line_load
     from bearingsim.assemble.rest import largest_load
+    from bearingsim.assemble.rest_in_space import largest_line_load
     from bearingsim.core.models.equilibrium import NoEquilibrium
 
     length = case.bearing.roller_length
