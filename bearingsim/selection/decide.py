@@ -231,12 +231,13 @@ class ModelSelector:
         """Explain why the reference of a case is not replaced by a cheaper model."""
         assert self.study.goal is not None
         cases = [cases[n] for cases in self.candidate_cases.values() if n in cases]
-        errors = [known for case in cases if (known := evidence.errors(n, case))]
+        all_errors = [evidence.errors(n, case) for case in cases]
+        errors = [case_errors for case_errors in all_errors if case_errors]
         if not errors:
             untried = [case for case in cases if trials_of(self.study, n, case)[0].id not in evidence.trials]
             return SAVING_TOO_SMALL if untried else NOTHING_CHEAPER
-        model_error = min(max(known.values()) for known in errors)
-        total = min(_largest_sum(known, friction.errors(n)) for known in errors)
+        model_error = min(max(case_errors.values()) for case_errors in errors)
+        total = min(_largest_sum(case_errors, friction.errors(n)) for case_errors in errors)
         limit = FOR_MODEL * self.study.goal.within
         if model_error == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"

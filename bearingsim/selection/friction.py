@@ -163,13 +163,13 @@ class Friction:
         if change < inf:
             return f"friction changes {name} by up to {percent(change)} on its curve, over {percent(self.limit)}"
         all_differences = [self.evidence.differences(n, self._trial_case(n)) for n in tried_cases]
-        known = [
+        changes = [
             (value, feature)
             for differences in all_differences
             for feature, value in differences.items()
             if value < inf
         ]
-        difference, changed = max(known, default=(0.0, ""))
+        difference, changed = max(changes, default=(0.0, ""))
         if difference > self.limit:
             return f"friction changes {changed} by about {percent(difference)}, over {percent(self.limit)}"
         return f"the effect of friction on {name} is unknown, because its trial does not determine it"

@@ -154,12 +154,12 @@ class Plan:
             if name in SWEEP_SETTINGS
             for entry in assigned_entries(name, node).items()
         ]
-        given: set[Path] = set()
+        places: set[Path] = set()
         for path, node in (*swept, *assigned, *values.items()):
             place = normal_form(path)
-            if place in given:
+            if place in places:
                 self.problems.append(problem(node.key or node.mark, f"quick: `{path}` is given twice"))
-            given.add(place)
+            places.add(place)
 
     def sweep_over(self, axis: Axis) -> None:
         """Replace all sweeps of an axis' paths by the axis; note a `zip` that this takes apart."""

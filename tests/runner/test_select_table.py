@@ -115,7 +115,8 @@ def test_audits_compare_differences_from_the_healthy_case(
     assert "withdrawn for 3 of 3 cases: velocity@BPFO-healthy is 34 % different" in output.splitlines()[1]
     assert "of the reference model" not in output
     table = store.open_results(tmp_path / "out").table()
-    assert table["error"].dropna().tolist() == pytest.approx([0.34] * 3, abs=0.005)
+    assert table["error.step"].isna().all()  # of so short a record, so that 34 % is no bound
+    assert table["error"].isna().all()
     printed = type_("show", tmp_path / "out")[0]
     assert output.splitlines()[1] in printed.splitlines()
 

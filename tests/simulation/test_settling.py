@@ -229,7 +229,7 @@ def test_period_search_does_not_change_the_automatic_step(rig: dict[str, Any]) -
 @pytest.mark.parametrize(
     ("settle", "rig", "advice"),
     [
-        ("50 ms", {"ring_mass": "60 kg"}, "use a `settle` of 0.48 s"),
+        ("50 ms", {"ring_mass": "60 kg"}, "use a `settle` of 0.67 s"),
         ("auto", {"ring_mass": "20000 kg", "bracket_damping": 0.0}, "use more damping"),
     ],
 )
