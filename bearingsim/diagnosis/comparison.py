@@ -132,7 +132,7 @@ def _spacing(signal: Signal, line: float, nyquist: float) -> float:
     """Return the time from entry to exit of a defect, relative to a pass; nan if it is not read.
 
     The maxima of the whitened envelope depend on the band: without content above ``nyquist`` (Hz) two signals of
-    different rates have the same. The steeper end of the common band would whiten to a tone.
+    different rates have the same. The common band is not used: whitening turns its steep end into a tone.
     """
     try:
         return spacing(band_pass(signal.series, signal.fs, (0.0, nyquist)), signal.fs, 1.0 / line) * line

@@ -12,7 +12,7 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.contact import WORD_TAG
-from bearingsim.study.paths import all_paths, label, path_hint, written
+from bearingsim.study.paths import LIST_VALUED, all_paths, label, path_hint, written
 from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Mark, Node, Problem, plain, problem
 
@@ -158,10 +158,11 @@ def _problem(details: ErrorDetails, path: Path, tree: Node, swept: frozenset[Pat
         return _located_problem(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
     if details["type"] == "extra_forbidden":
         return _located_problem(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
-    message, hint = _message(details)
-    if message.endswith("got a list") and label(path, 0) in all_paths() and path not in swept:
+    node, (message, hint) = _nearest_node(tree, path), _message(details)
+    is_single = label(path, 0) in all_paths().keys() - LIST_VALUED
+    if node.items and is_single and path not in swept:
         hint = hint or f"for several values use `sweep: {{{written(path, defects)}: [...]}}`"
-    return _located_problem(_nearest_node(tree, path).mark, path, defects, message, hint)
+    return _located_problem(node.mark, path, defects, message, hint)
 
 
 def _located_problem(mark: Mark, path: Path, defects: int, message: str, hint: str | None) -> Problem:

@@ -13,8 +13,7 @@ roller instead, the smallest approach applies. An elastic force k (delta - h)^m 
     share = (1 + f/Lambda)^-m
 
 of its value. f depends on the load through b; it is evaluated at one reference load, as is m of a law that is not
-a power. docs/edges.md derives f and
-compares it with finite elements.
+a power. docs/edges.md derives f and compares it with finite elements.
 """
 
 from math import e, exp, inf, log, pi, sqrt
