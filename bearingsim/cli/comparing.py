@@ -71,7 +71,7 @@ def show(
     detection, remark = _line_detection(pair)
     line = detection.comb.frequency if detection and detection.objection is None else math.nan
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
-    factor = rows[0].measured / rows[0].simulated if scale else None
+    factor = _ratio_of_levels(rows[0], job, pair) if scale else None
     if factor is not None:
         pair = pair._replace(simulated=pair.simulated._replace(series=factor * pair.simulated.series))
         rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
@@ -120,6 +120,20 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     )
 
 
+def _ratio_of_levels(row: "Row", job: str, pair: Pair) -> float:
+    """Return the factor from the simulated to the measured RMS. Raises UserError for a simulated one of zero."""
+    from bearingsim.plots.recorded import unit_of
+    from bearingsim.plots.units import ROUNDING
+
+    channel = pair.channels[0]
+    if row.simulated <= ROUNDING.get(unit_of(channel), 0.0):
+        raise UserError(
+            f"{channel} of job {job} is zero within numerical errors, which no factor scales: "
+            "name another channel by `--y`"
+        )
+    return row.measured / row.simulated
+
+
 def _line_detection(pair: Pair) -> "tuple[Detection | None, list[str]]":
     """Compare the race's line with the rest of the measured signal; None if that is not possible. Also return a
     remark."""
@@ -141,10 +155,25 @@ def _line_detection(pair: Pair) -> "tuple[Detection | None, list[str]]":
     elif result.is_crowded:
         reason = f"not significant, {100.0 * result.crowded:.0f} % of all periodicities are as strong ({values})"
     else:
-        other = result.strongest_other
-        reason = f"a periodicity of {other.frequency:.2f} Hz is stronger ({decibels(other.score):.1f} dB"
-        reason += f", {line} {score})"
+        reason = _stronger(result, pair)
     return result, [f"{line} of the measured signal: {reason}; check speed and bearing by `bearingsim analyze`"]
+
+
+def _stronger(detection: "Detection", pair: Pair) -> str:
+    """Describe the periodicity that the measured signal has instead of the line of the race."""
+    from bearingsim.diagnosis.comparison import TOLERANCE
+    from bearingsim.diagnosis.thresholds import decibels
+
+    other, comb = detection.strongest_other, detection.comb
+    line, lines = LINE_NAMES[pair.race], pair.measured.lines
+    scores = f"({decibels(other.score):.1f} dB, {line} {decibels(comb.score):.1f} dB)"
+    if detection.is_of_shaft:
+        order = round(other.frequency / lines.shaft)
+        return f"order {order} of the shaft, {other.frequency:.2f} Hz, explains it {scores}"
+    if other is comb:
+        deviation = 100.0 * (comb.frequency / lines.of_race(pair.race) - 1.0)
+        return f"the line found, {comb.frequency:.2f} Hz, deviates by {deviation:+.2f} %, over {100 * TOLERANCE:g} %"
+    return f"a periodicity of {other.frequency:.2f} Hz is stronger {scores}"
 
 
 def _source_of_speed(recording: "Recording") -> str:

@@ -20,8 +20,8 @@ Damaged signals of the operating table have at most 0.06, a healthy record full 
 class Detection(NamedTuple):
     """Comb at the line of a race, the threshold of its score, and the other periodicities.
 
-    strongest_other: strongest other periodicity, the order of the shaft that explains the comb, or the comb itself
-    if its peak lies beyond the tolerance;
+    strongest_other: strongest other periodicity; unless it scores higher, the order of the shaft that explains the
+    comb, or the comb itself if its peak lies beyond the tolerance;
     crowded: share of other periodicities with a score as high as the line's; is_of_shaft: whether strongest_other
     is an order of the shaft, one of whose harmonics is the line.
     """
@@ -63,4 +63,6 @@ def detect(
     if detection.objection == NONE:
         return detection
     of_shaft = comb_of_shaft(spectra, lines, race, comb, threshold)
-    return detection if of_shaft is None else detection._replace(strongest_other=of_shaft, is_of_shaft=True)
+    if of_shaft is None or other.score > max(comb.score, of_shaft.score):  # the other is objection enough
+        return detection
+    return detection._replace(strongest_other=of_shaft, is_of_shaft=True)

@@ -93,6 +93,10 @@ def _title(diagnosis: Diagnosis) -> str:
     """Return the verdict with its frequency."""
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
         return f"{TITLES[NONE]}; strongest other periodicity {diagnosis.strongest_other.frequency:.2f} Hz"
+    if diagnosis.is_of_shaft:
+        other = diagnosis.strongest_other.frequency
+        line = f"order {round(other / diagnosis.lines.shaft)} of the shaft, {other:.2f} Hz"
+        return f"{line}, whose harmonics explain {SHOWN_LINES[diagnosis.best]}"
     frequency = {"none": None, "other rhythm": diagnosis.strongest_other.frequency}.get(
         diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
     )

@@ -1,6 +1,7 @@
 """`bearingsim compare`: a job and a measured signal side by side."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from bearingsim.diagnosis.comparison import Row, Signal
 from bearingsim.errors import UserError
 from bearingsim.plots import measured
 from bearingsim.plots.lines import speeds
+from bearingsim.study import load_rolling_parts
 from tests.conftest import ROOT
 from tests.scenes.commands import type_
-from tests.scenes.impacts import LINES, PARTS, RATE, impacts
+from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 
 STUDY = """\
 study: arc
@@ -167,6 +169,32 @@ def test_a_line_is_not_compared_where_other_rhythms_are_stronger(
         assert values["rival"]["score_db"] > values["score_db"]
     assert (values["rival"]["crowded"] > 0.2) is (objection == "none")
     assert f"BPFO of the measured signal: {reason}" in type_("compare", results, tmp_path / "a.npz")[0]
+
+
+def test_a_line_beyond_the_tolerance_is_not_called_weaker_than_itself(results, tmp_path):
+    np.savez(tmp_path / "a.npz", x=impacts(0.977 * LINES_900.outer, slip=0.005, noise=1.0), fs=RATE, x_unit="m/s^2")
+    text = type_("compare", results, tmp_path / "a.npz")[0]
+    found = re.search(r"BPFO of the measured signal: the line found, ([\d.]+) Hz, deviates by (\S+) %, over 2 %", text)
+    assert float(found[1]) == pytest.approx(0.977 * LINES_900.outer, rel=2e-3)
+    assert float(found[2]) == pytest.approx(-2.3, abs=0.2)
+    assert "stronger" not in text
+
+
+def test_an_order_of_the_shaft_that_explains_a_line_is_named():
+    """A knock once per revolution, with a bearing whose BPFO is at 3.04 orders."""
+    lines = Lines.of(load_rolling_parts("6309"), SHAFT)
+    signal = Signal(impacts(SHAFT, seed=1, noise=0.5), RATE, lines)
+    pair = comparing.Pair(signal, signal, None, ("ring.acceleration.x", "x"), "outer", "m/s^2")
+    _, (remark,) = comparing._line_detection(pair)
+    assert remark.startswith("BPFO of the measured signal: order 1 of the shaft, 25.00 Hz, explains it (")
+
+
+@pytest.mark.parametrize("level", [0.0, 1e-9])
+def test_no_factor_scales_a_channel_of_zeros(level):
+    pair = comparing.Pair(None, None, None, ("ring.acceleration.y", "x"), "outer", "m/s^2")
+    with pytest.raises(UserError, match=r"ring\.acceleration\.y of job 1a is zero within numerical errors"):
+        comparing._ratio_of_levels(Row("RMS", "m/s^2", level, 3.0), "1a", pair)
+    assert comparing._ratio_of_levels(Row("RMS", "m/s^2", 2.0, 3.0), "1a", pair) == 1.5
 
 
 def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp_path):

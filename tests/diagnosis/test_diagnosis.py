@@ -255,6 +255,16 @@ def test_a_knock_of_the_shaft_names_no_race_with_a_line_at_one_of_its_orders(bea
     assert orders == pytest.approx(np.round(orders), rel=0.01)
 
 
+@pytest.mark.parametrize("order", [2.31, 3.23])
+def test_an_order_of_the_shaft_hides_no_stronger_periodicity(order):
+    """A knock explains the line of the 6309 at 3.04 orders; another part of the machine is 11 dB stronger."""
+    other = impacts(order * SHAFT, slip=0.003, seed=2, noise=0.5)
+    result = diagnosis(impacts(SHAFT, seed=1, noise=0.5) + 1.5 * other, parts=load_rolling_parts("6309"))
+    assert (result.verdict, result.is_of_shaft) == ("other rhythm", False)
+    assert result.strongest_other.frequency == pytest.approx(order * SHAFT, rel=2e-3)
+    assert result.strongest_other.score > 2.0 * result.findings[result.best].comb.score
+
+
 def test_orders_of_the_shaft_are_no_other_periodicity_without_a_line():
     results = [diagnosis(knocks(seed), parts=NF308) for seed in range(5)]
     unnamed = [result for result in results if result.verdict == "none"]
