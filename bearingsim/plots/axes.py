@@ -31,6 +31,8 @@ CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width (inches) of a character of the legend
 HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.2, 0.1  # width of a line, height of an entry, space below the legend
 TITLE_IN = 0.28  # height of the title
+NO_VALUE = "no value above zero"
+"""Remark in a logarithmic axes without values."""
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 """Ring around a point of a chaotic motion, whose value has statistical scatter."""
@@ -74,6 +76,7 @@ def draw_panels(
         for column, name in enumerate(figure.y):
             panel(axes[row][column], name, part)
             letter(axes[row][column], row * len(figure.y) + column, len(parts) * len(figure.y), text)
+    refuse_without_values(figure, [ax.dataLim.minposy for line in axes for ax in line])
     share_scales(axes)
     for ax in axes[-1]:
         ax.set_xlabel(x_label(figure.x, rows, units))
@@ -251,10 +254,17 @@ def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str,
 
 
 def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
-    """Set limits and ticks of a feature's y axis, from zero if no value is negative."""
-    if "y" in figure.log and not name.endswith(".phase"):
+    """Set limits and ticks of a feature's y axis, from zero if no value is negative.
+
+    A logarithmic axis has no place for other values than those above zero; one without any states this.
+    """
+    if is_logarithmic(figure, name):
         if not math.isfinite(ax.dataLim.minposy):
-            raise labels.PlotError(f"no value of `{name}` is above zero, as a logarithmic axis needs")
+            ax.set_ylim(0.1, 1.0)  # else matplotlib warns
+            ax.set_yscale("log")
+            ax.yaxis.set_tick_params(which="both", left=False, labelleft=False)
+            note(ax, NO_VALUE, 0.5)
+            return
         ax.set_yscale("log", nonpositive="mask")
         log_ticks(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
     elif name.endswith(".phase"):
@@ -265,6 +275,26 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         if low >= 0.0:
             ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
         linear_ticks(ax.yaxis)
+
+
+def is_logarithmic(figure: Figure, name: str) -> bool:
+    """Check if the values of a feature are drawn on a logarithmic axis; phases never are."""
+    return "y" in figure.log and not name.endswith(".phase")
+
+
+def refuse_without_values(figure: Figure, smallest: Sequence[float]) -> None:
+    """Raise PlotError if all axes of features are logarithmic, and none has a value above zero.
+
+    smallest: smallest value above zero by axes, infinite without one.
+    """
+    if all(is_logarithmic(figure, name) for name in figure.y) and not any(map(math.isfinite, smallest)):
+        names = ", ".join(f"`{name}`" for name in figure.y)
+        raise labels.PlotError(f"no value of {names} is above zero, as a logarithmic axis needs")
+
+
+def note(ax: "Axes", text: str, height: float = 0.95) -> None:
+    """Write a remark in the axes; height: of its upper edge, relative to the axes."""
+    ax.text(0.5, height, text, transform=ax.transAxes, ha="center", va="top", fontsize=7.0, color="0.35")
 
 
 def letter(ax: "Axes", number: int, count: int, text: str) -> None:
@@ -284,8 +314,14 @@ COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
 
 
 def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABLE) -> None:
-    """Share one y axis among the panels of a feature, unless the ratio of their ranges exceeds ``comparable``."""
-    for stack in zip(*axes, strict=True):
+    """Share one y axis among the panels of a feature, unless the ratio of their ranges exceeds ``comparable``.
+
+    Logarithmic axes without a value above zero keep their own.
+    """
+    for column in zip(*axes, strict=True):
+        stack = [ax for ax in column if ax.get_yscale() == "linear" or math.isfinite(ax.dataLim.minposy)]
+        if not stack:
+            continue
         limits = [ax.get_ylim() for ax in stack]
         spans = [high - low for low, high in limits]
         if max(spans) <= comparable * min(spans):

@@ -25,6 +25,7 @@ from bearingsim.plots.axes import (
     letter,
     mark_chaotic,
     mark_jobs_without_result,
+    refuse_without_values,
     styles_of_curves,
     x_axis,
     x_label,
@@ -113,6 +114,7 @@ def draw_paths(
         letter(ax, number, len(paths), "")
         if number % columns:
             ax.set_ylabel("")
+    refuse_without_values(figure, [ax.dataLim.minposy for ax in axes[: len(paths)]])
     for ax in axes[len(paths) :]:
         ax.remove()
     finish(canvas, figure.title, caption, entries)

@@ -13,17 +13,21 @@ from bearingsim.plots.axes import (
     BAND_ALPHA,
     BASELINE,
     MODEL_MARK,
+    NO_VALUE,
     STATUS_MARKS,
     Curve,
     axis_label,
     curves_of,
     draw_panels,
     finish,
+    is_logarithmic,
     legend_entries,
     letter,
     mark_chaotic,
     mark_jobs_without_result,
     models_of,
+    note,
+    refuse_without_values,
     styles_of_curves,
     x_axis,
     y_axis,
@@ -70,7 +74,7 @@ def draw(drawing: overlay.Drawing, caption: Sequence[str], measured: Sequence["M
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
         if scale.is_rounding:
-            note_rounding(ax)
+            note(ax, ROUNDING_NOTE)
 
     return draw_panels(figure, rows, units, caption, panel, overlay.entries(drawing, measured))
 
@@ -81,12 +85,6 @@ def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:
     for curve in curves[:1] if shared else curves:
         colour = BASELINE_COLOUR if shared else curve.style.colour
         ax.plot(curve.points.x, curve.points.healthy, **BASELINE, color=colour)
-
-
-def note_rounding(ax: "Axes") -> None:
-    """Write in the axes that all values are rounding errors."""
-    ax.text(0.5, 0.95, ROUNDING_NOTE, transform=ax.transAxes, ha="center", va="top", fontsize=7.0,
-            color="0.35")  # fmt: skip
 
 
 def mark_spread(ax: "Axes", curve: Curve) -> None:
@@ -177,6 +175,9 @@ def draw_names(drawing: overlay.Drawing, caption: Sequence[str], measured: Seque
             _values(ax, feature, drawing, part, measured)
             ax.set_xlabel(textwrap.fill(ax.get_xlabel(), int(values_in / VALUE_CHARACTER_IN)))
             letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
+    refuse_without_values(figure, [ax.dataLim.minposx for ax in axes.flat])
+    for feature, stack in zip(figure.y, axes.T, strict=True):
+        _value_axis(stack, feature, is_logarithmic(figure, feature))
     corner = axes[0][0]
     corner.set_yticks(range(len(names)), texts)
     corner.set_ylim(len(names) - 0.5, -0.5)
@@ -192,8 +193,8 @@ def _values(
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
     ax.set_xlabel(axis_label(labels.feature_text(name), scale.unit), fontsize=8.0)
     if scale.is_rounding:
-        note_rounding(ax)
-    is_log = "y" in figure.log and not name.endswith(".phase")
+        note(ax, ROUNDING_NOTE)
+    is_log = is_logarithmic(figure, name)
     curves = curves_of(figure, name, part, rows, units, scale.factor)
     for number, curve in enumerate(curves):
         shift = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
@@ -206,7 +207,6 @@ def _values(
             _numbers(ax, values, heights, is_log)
         _mark_jobs_without_result_left(ax, heights, curve.points.status)
     overlay.mark_measured(ax, drawing, name, part, curves, measured, scale.factor, upright=True)
-    _value_axis(ax, name, is_log)
     ax.grid(visible=False, axis="x")
 
 
@@ -236,11 +236,20 @@ def _mark_jobs_without_result_left(ax: "Axes", heights: Sequence[float], status:
                     markersize=6, markeredgewidth=1.5)  # fmt: skip
 
 
-def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
-    """Set scale, limits and ticks of the value axis, with room for the number of the largest value."""
+def _value_axis(stack: Sequence["Axes"], name: str, is_log: bool) -> None:
+    """Set scale, limits and ticks of the value axis that panels share, with room for the number of the largest
+    value."""
+    ax = stack[0]
     if is_log:
+        smallest = min(panel.dataLim.minposx for panel in stack)
+        if not math.isfinite(smallest):
+            ax.set_xlim(0.1, 1.0)  # else matplotlib warns
+            ax.set_xscale("log")
+            ax.xaxis.set_tick_params(which="both", bottom=False, labelbottom=False)
+            note(ax, NO_VALUE, 0.5)
+            return
         ax.set_xscale("log", nonpositive="mask")
-        log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
+        log_ticks(ax.xaxis, smallest, max(panel.dataLim.x1 for panel in stack))
         low, high = ax.get_xlim()
         ax.set_xlim(low * (high / low) ** -MARGIN, high * (high / low) ** ROOM)
     elif name.endswith(".phase"):
@@ -248,6 +257,6 @@ def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
         ax.set_xticks(range(-180, 181, 90))
     else:
         low, high = ax.get_xlim()
-        low = low if ax.dataLim.x0 < 0.0 else 0.0
+        low = low if min(panel.dataLim.x0 for panel in stack) < 0.0 else 0.0
         ax.set_xlim(low, high + ROOM * (high - low))
         linear_ticks(ax.xaxis)

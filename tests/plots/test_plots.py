@@ -295,6 +295,46 @@ def test_logarithmic_axis_without_room_for_a_point_is_refused(results, log):
         drawn(stored, x="load_across", y=["velocity.rms"], log=[log], where={"model": "ring"})
 
 
+def test_feature_without_a_value_above_zero_leaves_the_others_of_a_logarithmic_figure(results):
+    """The force is zero in all cases, the RMS in those of one panel."""
+    stored = results()
+    table = stored.table().assign(**{"outer_force.max": 0.0})
+    table.loc[table["model"] == "static", "velocity.rms"] = 0.0
+    options = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": ["y"]}
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored, y=["velocity@BPFO", "velocity.rms", "outer_force.max"], **options))
+    canvas.draw_without_rendering()
+    has_note = ["no value above zero" in [text.get_text() for text in ax.texts] for ax in canvas.axes]
+    assert has_note == [False, True, True, False, False, True]
+    boxes = [text.get_window_extent() for text in canvas.axes[2].texts]
+    assert len(boxes) == 2
+    assert not boxes[0].overlaps(boxes[1])
+    low, high = canvas.axes[4].get_ylim()
+    assert low < min(lines(canvas.axes[4])[0].get_ydata()) == pytest.approx(7.0)
+    assert 20.0 < high < 100.0
+    assert {ax.get_yscale() for ax in canvas.axes} == {"log"}
+
+
+@pytest.mark.parametrize("log", [[], ["y"]])
+def test_panels_of_named_cases_share_an_axis_with_room_for_all(results, log):
+    """Values of 1 um/s in the first panel, of 10 um/s and, linearly, -5 um/s in the second."""
+    pulses = "[envelope, rectangular-pulse, half-sine-pulse, piecewise-pulse, pressure-share, soft-edge, elastic-edge]"
+    sweep = STUDY[: STUDY.index("sweep:")] + f"sweep: {{excitation: {pulses}, load: [150 N, 300 N]}}\n"
+    stored = results(sweep)
+    table = stored.table()
+    values = np.where(table["load"] == 150.0, 1e-6, 1e-5)
+    values[-1] = 1e-5 if log else -5e-6
+    table = table.assign(**{"velocity@BPFO": values})
+    with mock.patch.object(type(stored), "table", return_value=table):
+        _, canvas = only(drawn(stored, x="excitation", panels=["load"], y=["velocity@BPFO"], log=log))
+    canvas.draw_without_rendering()
+    for ax in canvas.axes:
+        low, high = ax.get_xlim()
+        assert all(low < value < high for line in lines(ax) for value in line.get_xdata())
+        assert ax.get_xlim() == canvas.axes[0].get_xlim()
+        assert high < (100.0 if log else 20.0)
+
+
 def test_panels_after_the_26th_have_two_letters(results):
     lengths = ", ".join(f"{3.0 + 0.1 * n:.1f} mm" for n in range(28))
     stored = results(STUDY.replace("3 mm, 6 mm, 9 mm", lengths).replace("[static, ring]", "[ring]"))
