@@ -1,6 +1,7 @@
 """Grid of axes for signals: a row per job, or per group of jobs, a column per channel; rollers share axes."""
 
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,6 +14,7 @@ from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish, share_scales
 from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.labels import PlotError, PlotWarning
 from bearingsim.plots.overlay import overlaid_signals
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shaded
@@ -250,15 +252,24 @@ def _curves_of_row(row: Row, records: Mapping[str, Job], channels: Sequence[str]
 def _measured_curves(
     results: "Results", row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display
 ) -> Iterator[Drawn]:
-    """Yield the curves of measured signals at the parameters of the jobs in a row."""
+    """Yield the curves of measured signals at the parameters of the jobs in a row.
+
+    Warns of signals without the part, or the band, that the figure shows.
+    """
     names = set[str]()
     for name in row.jobs.values():
         for legend, signal in overlaid_signals(results, name, channels[0]):
-            if legend not in names:
-                colour = MEASURED_COLOURS[len(names) % len(MEASURED_COLOURS)]
-                names.add(legend)
+            if legend in names:
+                continue
+            cycle, number = divmod(len(names), len(MEASURED_COLOURS))
+            names.add(legend)
+            try:
                 points = display.curve(name, records[name], channels[0], signal)
-                yield Drawn(legend, colour, "-", False, points, is_measured=True)
+            except PlotError as error:
+                warnings.warn(f"measured signal skipped: {error}", PlotWarning, stacklevel=2)
+                continue
+            colour, line = MEASURED_COLOURS[number], LINES[cycle % len(LINES)]
+            yield Drawn(legend, colour, line, False, points, is_measured=True)
 
 
 def _colours(count: int) -> list[object]:

@@ -145,7 +145,7 @@ def overlaid_signals(results: "Results", job: str, channel: str) -> Iterator[tup
     for entry, point in signal_points(results, job):
         signal = _read(point["signal"], entry.factor) if point["signal"]["unit"] == unit else None
         if signal is not None:
-            yield f"{entry.legend}, {point['place']}", signal
+            yield f"{entry.legend}, {point['place']}", signal._replace(source=point["place"])
 
 
 def _read(file: Mapping[str, Any], factor: float) -> Signal | None:

@@ -22,11 +22,15 @@ if TYPE_CHECKING:
 
 
 class Signal(NamedTuple):
-    """Component of a channel: its name, time (n,) in s and values (n,) in SI."""
+    """Component of a channel: its name, time (n,) in s and values (n,) in SI.
+
+    source: name of the file of a measured signal; empty for that of a job.
+    """
 
     time: np.ndarray
     values: np.ndarray
     component: str = ""
+    source: str = ""
 
     @property
     def rate(self) -> float:
@@ -159,6 +163,15 @@ def check_passband(option: str, limits: tuple[float, float], *jobs: Job) -> None
         )
 
 
+def check_rate(signal: Signal, highest: float) -> None:
+    """Raise PlotError for a measured signal that is sampled too slowly for frequencies up to ``highest`` (Hz)."""
+    from bearingsim.study.measured_signals import SAME
+
+    if signal.source and highest > PASSBAND * signal.rate * (1.0 + SAME):
+        end = f"{PASSBAND * signal.rate:g} Hz, {PASSBAND:g} of the rate of {signal.source}"
+        raise PlotError(f"the band ends at {highest:g} Hz, above {end}: show a `band` within it")
+
+
 def filtered(job: Job, signal: Signal, view: "View") -> Signal:
     """Apply the band-pass filter of a view and subtract the mean, if requested.
 
@@ -169,6 +182,7 @@ def filtered(job: Job, signal: Signal, view: "View") -> Signal:
         from bearingsim import signals
 
         check_passband("band", view.band, job)
+        check_rate(signal, view.band[1])
         values = signals.band_pass(values, signal.rate, view.band)
     return signal._replace(values=values - values.mean() if view.zero_mean else values)
 

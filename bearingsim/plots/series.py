@@ -20,6 +20,7 @@ SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}
 """Ball passes shown by default, by channel; other channels are shown in full."""
 CROSSING = "0.93"
 LOW_PASS = "drawn through a low-pass that does not ring before an impact: peaks differ from those of the table"
+MEASURED_AROUND = "measured signals at any phase, because the times of their impacts are not known"
 SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
 
@@ -57,7 +58,7 @@ def series_of(
     since = origin_text(records.values()) if view.around else ""
     texts = _texts(figure, records, channels)
     if any(True for job in jobs for _ in signal_points(results, job)):
-        texts.append("measured signals from their own start")
+        texts.append(MEASURED_AROUND if view.around else "measured signals from their own start")
     display = Display(curve, f"Time{since} ({unit})", texts)
     return content(results, records, channels, figure, display), records, channels
 

@@ -40,14 +40,20 @@ DECADES = 5  # largest range of a logarithmic axis below the largest value
 Spectrum = Callable[[np.ndarray, float], Curve]
 
 
-def _spectrum_of(figure: "Figure") -> Spectrum:
-    """Return the function that computes the spectrum of a kind of figure."""
+def _spectrum_of(figure: "Figure", band: tuple[float, float]) -> Spectrum:
+    """Return the function that computes the spectrum of a kind of figure; band: of envelopes (Hz)."""
     from bearingsim import signals
 
     def spectrum(values: np.ndarray, rate: float) -> Curve:
-        return signals.envelope_spectrum(values, rate, figure.view.band)
+        return signals.envelope_spectrum(values, rate, band)
 
     return spectrum if figure.kind == "envelope" else signals.spectrum
+
+
+def _band_of(figure: "Figure", records: Mapping[str, Job]) -> tuple[float, float]:
+    """Return the band (Hz) of envelopes, that of all curves: that of the view, else the passband of all records."""
+    passband = PASSBAND * min(float(job.parameters["sampling"]) for job in records.values())
+    return figure.view.band or (0.0, passband)
 
 
 def _envelope_label(channel: str) -> str:
@@ -61,12 +67,15 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
     """
     records = recorded.load_jobs(results, jobs)
     limits = frequency_range(figure, records.values())
-    spectrum, is_envelope = _spectrum_of(figure), figure.kind == "envelope"
+    band, is_envelope = _band_of(figure, records), figure.kind == "envelope"
+    spectrum = _spectrum_of(figure, band)
     if figure.view.band:
         recorded.check_passband("band", figure.view.band, *records.values())
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
         leading = records[name]
+        if is_envelope:
+            recorded.check_rate(signal, band[1])
         window = window_of(
             results, name, leading, channel, figure.view, float(signal.time[-1]), passes=AROUND_PASSES
         )
@@ -76,7 +85,7 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
             notes.append(resolution)
         return frequency, amplitude
 
-    notes = [_quantity(figure, records)]
+    notes = [_quantity(figure, band)]
     y_label, power = (_envelope_label, 2) if is_envelope else (str, 1)
     display = Display(curve, "Frequency (Hz)", notes, y_label, power, amplitude=True)
     return content(results, records, recorded.channels_for(records, figure.y), figure, display)
@@ -126,8 +135,11 @@ def part_of_spectrum(
     """
     frequency, amplitude = spectrum(*whole_periods(signal, fundamental_frequency(job.parameters)))
     in_range = (frequency >= limits[0]) & (frequency <= limits[1])
+    owner = signal.source or f"job {name}"
+    if frequency[-1] <= limits[0]:
+        raise PlotError(f"{owner} is sampled at {signal.rate:g} Hz, too slowly for {limits[0]:g} to {limits[1]:g} Hz")
     if np.count_nonzero(in_range) < MIN_BINS:
-        part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of job {name} resolve {frequency[1]:.3g} Hz"
+        part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of {owner} resolve {frequency[1]:.3g} Hz"
         raise PlotError(
             f"{part}, too coarse for {limits[0]:g} to {limits[1]:g} Hz; show a longer part of the record"
         )
@@ -141,12 +153,11 @@ def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:
     return signals.whole_periods(signal.values, signal.rate, frequency), signal.rate
 
 
-def _quantity(figure: "Figure", records: Mapping[str, Job]) -> str:
-    """Name the plotted quantity, with the band of an envelope."""
+def _quantity(figure: "Figure", band: tuple[float, float]) -> str:
+    """Name the plotted quantity, with the band (Hz) of an envelope."""
     if figure.kind != "envelope":
         return "amplitude spectrum"
-    passband = PASSBAND * min(float(job.parameters["sampling"]) for job in records.values())
-    low, high = figure.view.band or (0.0, passband)
+    low, high = band
     return f"amplitude spectrum of the squared envelope of {low / 1e3:.4g} to {high / 1e3:.4g} kHz"
 
 

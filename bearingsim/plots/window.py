@@ -64,8 +64,14 @@ def window_of(
 
 
 def cut(signal: Signal, window: Window) -> Signal:
-    """Return the part of a signal in a window."""
+    """Return the part of a signal in a window. Raises PlotError if a measured one has too few samples in it."""
     in_window = window.shown(signal.time)
+    count = np.count_nonzero(in_window)
+    if signal.source and count < MIN_SAMPLES:
+        raise PlotError(
+            f"{signal.source} has {count} samples from {window.start:.6g} to {window.stop:.6g} s; it lasts "
+            f"{signal.time[-1]:.6g} s"
+        )
     return signal._replace(time=signal.time[in_window], values=signal.values[in_window])
 
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 DIFFERENCE, RATIO = "simulated\n- measured", "simulated\n/ measured"
 """Headings of the difference and of the ratio of two values, also in `compare`."""
-HEADERS = ("feature", "parameters", "unit", "measured", "simulated", DIFFERENCE, RATIO, "job")
-TEXT_COLUMNS = 3
+HEADERS = ("feature", "source", "parameters", "unit", "measured", "simulated", DIFFERENCE, RATIO, "job")
+TEXT_COLUMNS = 4
 MAX_ROWS = 1000
 """Largest number of rows of a table on a page."""
 BETWEEN = "between"
@@ -29,7 +29,7 @@ class MeasuredTable(NamedTuple):
     rows: list[list[str]]
     remarks: list[str]
     headers: tuple[str, ...] = HEADERS
-    numeric: tuple[int, ...] = (3, 4, 5, 6)
+    numeric: tuple[int, ...] = (4, 5, 6, 7)
 
 
 def measured_tables(results: "Results", max_rows: int = MAX_ROWS) -> list[MeasuredTable]:
@@ -49,7 +49,7 @@ def _table(results: "Results", entry: "MeasuredSet", max_rows: int) -> MeasuredT
         ratio = item.simulated / measured if has_ratio else math.nan
         parameters = labels.swept_text({**item.parameters, **item.others}, units)
         numbers = [significant(value, 4) if math.isfinite(value) else "-" for value in (*values, ratio)]
-        rows.append([item.feature, parameters, unit, *numbers, item.job[:8] or BETWEEN])
+        rows.append([item.feature, item.place, parameters, unit, *numbers, item.job[:8] or BETWEEN])
     return MeasuredTable(_title(entry), rows, _remarks(entry, max_rows))
 
 

@@ -275,6 +275,82 @@ def test_zero_of_the_time_axis_is_named(make_results):
     assert canvas.axes[-1].get_xlabel() == "Time from the largest deviation (ms)"
 
 
+# Measured signals beside those of a job
+
+
+AT = {"where": {"load": "150 N", "defect.length": "3 mm"}}
+
+
+def with_measured(*names):
+    """Return the study with signals of files at one of its cases."""
+    at = "at: {load: 150 N, defect.length: 3 mm}, unit: m/s^2"
+    files = "".join(f"      - {{file: {name}, {at}}}\n" for name in names)
+    return f"{STUDY}measured:\n  - label: rig\n    signals:\n{files}"
+
+
+def save(folder, name, rate, seconds, signal=np.sin):
+    time = np.arange(round(rate * seconds)) / rate
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(len(time))
+    np.savez(folder / name, a=signal(2.0 * math.pi * BPFO * time) + noise, fs=float(rate))
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "reason"),
+    [
+        ("series", {"band": "2 kHz..5 kHz"}, "band ends at 5000 Hz, above 2048 Hz, 0.4 of the rate of a.npz"),
+        ("envelope", {"band": "2 kHz..5 kHz"}, "band ends at 5000 Hz, above 2048 Hz, 0.4 of the rate of a.npz"),
+        ("envelope", {}, "band ends at 20480 Hz, above 2048 Hz"),
+        ("spectrum", {"range": "5 kHz..9 kHz"}, "a.npz is sampled at 5120 Hz, too slowly for 5000 to 9000 Hz"),
+        ("series", {"from": "50 ms", "to": "70 ms"}, "a.npz has 0 samples from 0.05 to 0.07 s; it lasts 0.029"),
+        ("spectrum", {"from": "50 ms", "to": "90 ms"}, "a.npz has 0 samples from 0.05 to 0.09 s"),
+        ("spectrum", {"from": "26 ms", "to": "90 ms"}, "of a.npz resolve"),
+    ],
+)
+def test_measured_signal_without_the_shown_part_or_band_is_skipped(make_results, tmp_path, kind, options, reason):
+    save(tmp_path, "a.npz", 5120, 0.03)
+    stored = make_results(with_measured("a.npz"))
+    with pytest.warns(UserWarning, match=f"measured signal skipped: .*{reason}"):
+        _, canvas = only(drawn(stored, kind=kind, **AT, **options))
+    assert text_of(canvas) == ["with defect", "healthy"]
+
+
+def test_envelope_of_a_faster_measured_signal_is_of_the_same_band(make_results, tmp_path):
+    """Modulated tones: 0.2 m/s2 at 8 kHz within the record's passband of 20.48 kHz, 1 m/s2 at 30 kHz beyond it.
+
+    The squared envelope of A (1 + cos) sin has a line of 2 A^2.
+    """
+    carrier = {hertz: lambda passes, hertz=hertz: np.sin(hertz / BPFO * passes) for hertz in (8000.0, 30000.0)}
+
+    def signal(passes):
+        return (1.0 + np.cos(passes)) * (0.2 * carrier[8000.0](passes) + carrier[30000.0](passes))
+
+    save(tmp_path, "a.npz", 102400, 1.0, signal)
+    _, canvas = only(drawn(make_results(with_measured("a.npz")), kind="envelope", unit="m/s^2", **AT))
+    [curve] = [line for line in canvas.axes[0].lines if line.get_label() == "rig, a.npz"]
+    x, y = (np.asarray(values) for values in curve.get_data())
+    assert y[np.abs(x - BPFO) < 3.0].max() == pytest.approx(2.0 * 0.2**2, rel=0.02)
+    assert "squared envelope of 0 to 20.48 kHz" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+
+
+def test_measured_signals_differ_in_colour_or_line(make_results, tmp_path):
+    names = [f"{letter}.npz" for letter in "abcdefg"]
+    for name in names:
+        save(tmp_path, name, 51200, 0.1)
+    _, canvas = only(drawn(make_results(with_measured(*names)), kind="series", **AT))
+    measured = [line for line in canvas.axes[0].lines if str(line.get_label()).startswith("rig")]
+    assert len({(line.get_color(), str(line._dash_pattern)) for line in measured}) == 7
+
+
+@pytest.mark.parametrize(
+    ("around", "text"), [(None, "from their own start"), ("impact", "at any phase, because the times of their")]
+)
+def test_caption_states_the_time_of_measured_signals(make_results, tmp_path, around, text):
+    save(tmp_path, "a.npz", 51200, 0.1)
+    _, canvas = only(drawn(make_results(with_measured("a.npz")), kind="series", around=around, **AT))
+    caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    assert f"measured signals {text}" in caption
+
+
 def test_sideband_without_its_harmonic_is_marked(make_results):
     """BPFI - fr of 201 Hz, below BPFI of 231 Hz."""
     stored = make_results(STUDY.replace("race: outer", "race: inner"))

@@ -120,6 +120,8 @@ def test_show_prints_measured_beside_simulated(results):
     assert "measured `test rig`: rig.yaml:17:9 outside the sweep of load (150 N to 300 N)" in text
     assert "simulated" in text.partition("measured: test rig")[2].splitlines()[1]
     assert "- measured   / measured" in text
+    (row,) = [line for line in text.splitlines() if line.startswith("acceleration.rms ")]
+    assert row.split()[1] == "run.npz"
     rows = json.loads(CliRunner().invoke(app, ["show", str(results.path), "--measured", "--json"]).output)
     row = next(row for row in rows if row["job"] and row["parameters"]["load"] == 150.0)
     simulated = results.table().set_index("job").loc[row["job"], "velocity@BPFO"]
