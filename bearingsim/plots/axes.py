@@ -29,7 +29,7 @@ LABEL_CHARACTERS = 34  # characters in a line of an axis label
 CAPTION_LINES = 4  # lines of a caption that fit below any figure
 CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width (inches) of a character of the legend
-HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.2, 0.1  # width of a line, height of an entry, space below the legend
+HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.22, 0.1  # width of a line, height of an entry, space below the legend
 TITLE_IN = 0.28  # height of the title
 NO_VALUE = "no value above zero"
 """Remark in a logarithmic axes without values."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
 
 from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
@@ -140,8 +141,8 @@ def content(
     )
 
 
-def grid(panels: Content, title: str | None) -> Grid:
-    """Draw a grid of axes."""
+def grid(panels: Content, title: str | None, marks: Sequence[Line2D] = ()) -> Grid:
+    """Draw a grid of axes; marks: further entries of the legend."""
     rows, columns = len(panels.titles), len(panels.columns)
     height = LOW_ROW_IN if rows > MANY else ROW_IN
     size = (max(2, columns) * COLUMN_IN, height * rows + (0.6 if rows > 1 else 1.0))
@@ -154,8 +155,7 @@ def grid(panels: Content, title: str | None) -> Grid:
         axes[-1][number].set_xlabel(panels.x_label)
     for line, text in zip(axes, panels.titles, strict=True):
         line[0].set_title(text, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
-    _legend(canvas, [ax for line in axes for ax in line])
-    finish(canvas, title, panels.caption)
+    finish(canvas, title, panels.caption, [*_entries(ax for line in axes for ax in line), *marks])
     result = Grid(canvas, axes, panels.jobs, panels.is_below)
     result.share_scales()
     return result
@@ -341,8 +341,7 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool, height: float) 
         ax.set_ylabel(text, fontsize=8.0)
 
 
-def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
-    """Add a legend with one entry per name of a curve."""
-    entries = {name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
-    if entries:
-        canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=min(len(entries), 4))
+def _entries(axes: Iterable["Axes"]) -> list[Line2D]:
+    """Return a curve for each name, for the legend."""
+    curves = {str(line.get_label()): line for ax in axes for line in ax.lines}
+    return [line for name, line in curves.items() if not name.startswith("_")]

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
 from bearingsim.plots import lines, recorded
@@ -132,8 +131,8 @@ def _apart(marks: Sequence[lines.Mark], fundamental: float, distance: float) -> 
     return [mark for mark in selected if with_sidebands or not mark.side]
 
 
-def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
-    """Add the meaning of the dashed lines to the legend."""
+def sideband_entries(jobs: Iterable[Job]) -> list[Line2D]:
+    """Return entries of a legend with the meaning of the dashed lines."""
     steady = [job for job in jobs if not recorded.has_ramp(job)]
     elements = dict.fromkeys(race for job in steady for race in lines.races(job.parameters))
     entries = []
@@ -143,10 +142,4 @@ def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
             distances = {f"{lines.frequency(family.modulation, job.parameters):.4g} Hz" for job in steady}
             text = f"± {family.spacing_name}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
             entries.append(Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=text))
-    if entries:
-        legend = canvas.legends[0] if canvas.legends else None
-        old = list(legend.legend_handles) if legend else []
-        if legend:
-            legend.remove()
-        handles = [*(handle for handle in old if handle is not None), *entries]
-        canvas.legend(handles=handles, loc="outside upper right", ncols=len(handles))
+    return entries

@@ -8,16 +8,17 @@ import numpy as np
 
 from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, lines, recorded
-from bearingsim.plots.grid import Content, Curve, Display, content, grid
+from bearingsim.plots.grid import Content, Curve, Display, grid
+from bearingsim.plots.grid import content as content_of
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import (
     GAP_POINTS,
     ROW_POINTS,
-    explain_sidebands,
     fundamental_frequency,
     mark_lines,
     raise_title,
     share_lines,
+    sideband_entries,
 )
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
@@ -88,12 +89,13 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
     notes = [_quantity(figure, band)]
     y_label, power = (_envelope_label, 2) if is_envelope else (str, 1)
     display = Display(curve, "Frequency (Hz)", notes, y_label, power, amplitude=True)
-    return content(results, records, recorded.channels_for(records, figure.y), figure, display)
+    return content_of(results, records, recorded.channels_for(records, figure.y), figure, display)
 
 
 def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw spectra of channels, of amplitude (a sine of amplitude A has height A) or of the squared envelope."""
-    panels = grid(spectra_of(results, figure, jobs), figure.title)
+    content = spectra_of(results, figure, jobs)
+    panels = grid(content, figure.title, sideband_entries(job for row in content.jobs for job in row))
     limits = frequency_range(figure, (job for row in panels.jobs for job in row))
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
         for ax in row:
@@ -107,7 +109,6 @@ def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Shee
     panels.share_scales()
     for ax in (ax for row in panels.axes for ax in row):
         _limit_range(ax, figure)
-    explain_sidebands(panels.canvas, [job for row in panels.jobs for job in row])
     return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 

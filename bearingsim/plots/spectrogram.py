@@ -1,5 +1,6 @@
 """Amplitude of a signal over time and frequency."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Figure
 
 ROW_IN = 2.0
+CHARACTER_IN = 0.08  # inches, width of a character of a label
 PASSES = 4.0  # ball passes shown by default
 PER_PASS = 8.0  # segments in a ball pass, so that single impacts are separate
 MIN_SAMPLES = 32  # minimum length of a segment
@@ -63,7 +65,8 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
         ax.set_title(labels.swept_text(swept[name], results.plan["units"]), loc="left", fontsize=8)
     axes[-1].set_xlabel(f"Time{origin_text(records.values()) if view.around else ''} (ms)")
     text = recorded.text_of(channel)
-    canvas.colorbar(colours, ax=list(axes), label=f"{text} ({scale.unit_text(amplitude=True)})")
+    label = f"{text} ({scale.unit_text(amplitude=True)})"
+    canvas.colorbar(colours, ax=list(axes), label=textwrap.fill(label, int(ROW_IN * len(jobs) / CHARACTER_IN)))
     table = select.case_rows(results)
     swept_paths = set().union(*(swept[name] for name in jobs))
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)

@@ -12,7 +12,7 @@ from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import case_of, load_jobs
 from bearingsim.plots.window import passage_of
 from bearingsim.study import StudyError, stored_figure
-from tests.scenes.figure_results import long_curves, only, results, text_of
+from tests.scenes.figure_results import BPFO, long_curves, only, results, text_of
 from tests.scenes.signal_results import STUDY, make_results, record_of
 
 __all__ = ["make_results", "results"]
@@ -303,7 +303,7 @@ def save(folder, name, rate, seconds, signal=np.sin):
         ("spectrum", {"range": "5 kHz..9 kHz"}, "a.npz is sampled at 5120 Hz, too slowly for 5000 to 9000 Hz"),
         ("series", {"from": "50 ms", "to": "70 ms"}, "a.npz has 0 samples from 0.05 to 0.07 s; it lasts 0.029"),
         ("spectrum", {"from": "50 ms", "to": "90 ms"}, "a.npz has 0 samples from 0.05 to 0.09 s"),
-        ("spectrum", {"from": "26 ms", "to": "90 ms"}, "of a.npz resolve"),
+        ("spectrum", {"from": "28 ms", "to": "90 ms"}, "of a.npz resolve"),
     ],
 )
 def test_measured_signal_without_the_shown_part_or_band_is_skipped(make_results, tmp_path, kind, options, reason):
@@ -339,6 +339,30 @@ def test_measured_signals_differ_in_colour_or_line(make_results, tmp_path):
     _, canvas = only(drawn(make_results(with_measured(*names)), kind="series", **AT))
     measured = [line for line in canvas.axes[0].lines if str(line.get_label()).startswith("rig")]
     assert len({(line.get_color(), str(line._dash_pattern)) for line in measured}) == 7
+
+
+def test_legend_of_long_names_lies_in_the_figure_below_its_title(make_results, tmp_path):
+    names = [f"acceleration of the left bearing, run {number}.npz" for number in range(4)]
+    for name in names:
+        save(tmp_path, name, 51200, 0.1)
+    text = with_measured(*(f"'{name}'" for name in names))
+    title = "figures:\n  - {kind: series, title: The left bearing and its simulation with a defect of the outer race}\n"
+    _, canvas = only(drawn(make_results(text + title), where=AT["where"]))
+    canvas.draw_without_rendering()
+    legend = canvas.legends[0].get_window_extent()
+    assert 0.0 <= legend.x0 < legend.x1 <= canvas.bbox.width
+    assert len(canvas.legends[0].get_texts()) == 6
+    assert canvas.axes[0].get_tightbbox().y1 < legend.y0
+    assert legend.y1 < canvas._suptitle.get_window_extent().y0
+    assert canvas.axes[0].bbox.height > 0.3 * 1.7 * canvas.dpi
+
+
+def test_label_of_the_colours_lies_in_the_figure(make_results):
+    _, canvas = only(drawn(make_results(), kind="spectrogram", **AT))
+    canvas.draw_without_rendering()
+    label = canvas.axes[-1].yaxis.label.get_window_extent()
+    assert 0.0 <= label.y0 < label.y1 <= canvas.bbox.height
+    assert label.x1 <= canvas.bbox.width
 
 
 @pytest.mark.parametrize(
