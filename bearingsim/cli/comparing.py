@@ -172,7 +172,9 @@ def _stronger(detection: "Detection", pair: Pair) -> str:
         return f"order {order} of the shaft, {other.frequency:.2f} Hz, explains it {scores}"
     if other is comb:
         deviation = 100.0 * (comb.frequency / lines.of_race(pair.race) - 1.0)
-        return f"the line found, {comb.frequency:.2f} Hz, deviates by {deviation:+.2f} %, over {100 * TOLERANCE:g} %"
+        return (
+            f"the line found, {comb.frequency:.2f} Hz, deviates by {deviation:+.2f} %, over {100 * TOLERANCE:g} %"
+        )
     return f"a periodicity of {other.frequency:.2f} Hz is stronger {scores}"
 
 

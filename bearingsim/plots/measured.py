@@ -221,10 +221,10 @@ def comparison_figure(
     ):
         series = band_pass(signal.series - signal.series.mean(), signal.fs, band)
         count = min(len(series), int(SHOWN_PASSES * signal.fs / signal.lines.of_race(race)))
-        quarter = count // 4
-        peak = quarter + int(np.argmax(np.abs(series[quarter : len(series) - count + quarter + 1])))
-        part = series[peak - quarter : peak - quarter + count]
-        passes = (np.arange(len(part)) - quarter) / signal.fs * signal.lines.of_race(race)
+        peak = int(np.argmax(np.abs(series)))
+        start = int(np.clip(peak - count // 4, 0, len(series) - count))
+        part = series[start : start + count]
+        passes = (np.arange(start, start + count) - peak) / signal.fs * signal.lines.of_race(race)
         largest = float(np.abs(part).max())
         if factor is None:
             part, name = part / largest, f"{name} (largest sample {largest:.3g} {pretty(unit)})"

@@ -172,9 +172,13 @@ def test_a_line_is_not_compared_where_other_rhythms_are_stronger(
 
 
 def test_a_line_beyond_the_tolerance_is_not_called_weaker_than_itself(results, tmp_path):
-    np.savez(tmp_path / "a.npz", x=impacts(0.977 * LINES_900.outer, slip=0.005, noise=1.0), fs=RATE, x_unit="m/s^2")
+    np.savez(
+        tmp_path / "a.npz", x=impacts(0.977 * LINES_900.outer, slip=0.005, noise=1.0), fs=RATE, x_unit="m/s^2"
+    )
     text = type_("compare", results, tmp_path / "a.npz")[0]
-    found = re.search(r"BPFO of the measured signal: the line found, ([\d.]+) Hz, deviates by (\S+) %, over 2 %", text)
+    found = re.search(
+        r"BPFO of the measured signal: the line found, ([\d.]+) Hz, deviates by (\S+) %, over 2 %", text
+    )
     assert float(found[1]) == pytest.approx(0.977 * LINES_900.outer, rel=2e-3)
     assert float(found[2]) == pytest.approx(-2.3, abs=0.2)
     assert "stronger" not in text
@@ -225,6 +229,18 @@ def test_both_curves_are_seen_over_time(factor, heights):
         assert canvas.axes[0].get_ylabel().startswith("Acceleration,\nof its largest sample")
     else:
         assert labels == ["file", "job, times 2"]
+
+
+@pytest.mark.parametrize("at", [0.005, 0.049, 0.094])
+def test_time_of_each_curve_begins_at_its_largest_sample(at):
+    """Also in a record of nine passes, with the largest sample near one of its ends."""
+    t = np.arange(2560) / 25600.0
+    shock = Signal(np.exp(-(((t - at) / 1e-3) ** 2)) + 0.5 * np.sin(2.0 * np.pi * 900.0 * t), 25600.0, LINES)
+    canvas = measured.comparison_figure(shock, shock, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", 1.0)
+    for curve in canvas.axes[0].get_lines():
+        passes, values = (np.asarray(data) for data in curve.get_data())
+        assert passes[np.argmax(np.abs(values))] == pytest.approx(0.0, abs=1e-9)
+        assert np.abs(values).max() > 1.2
 
 
 def test_a_missing_ratio_has_its_reason(capsys):
