@@ -9,7 +9,17 @@ import numpy as np
 from bearingsim.measured.content import Content, MeasuredError, Stated, contradiction, differ
 from bearingsim.measured.si import HERTZ, SECONDS
 
-RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "fsamp", "fsampling")
+RATES = (
+    "fs",
+    "sr",
+    "rate",
+    "samplerate",
+    "samplingrate",
+    "samplefrequency",
+    "samplingfrequency",
+    "fsamp",
+    "fsampling",
+)
 STEPS = ("dt", "ts", "timestep", "sampletime", "sampleinterval", "samplinginterval", "deltax", "deltat")
 TIMES = ("t", "time", "times", "timestamp", "zeit", "xvalue")
 SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
@@ -137,7 +147,8 @@ def _units(channels: Mapping[str, np.ndarray], texts: Mapping[str, str]) -> dict
     units = {}
     for name in channels:
         owner = name.rpartition(".")[0]
-        shared = (texts[key] for key in (f"{owner}.unit" if owner else "unit", "unit", "units") if key in texts)
+        keys = *((f"{owner}.unit", f"{owner}_unit") if owner else ()), "unit", "units"
+        shared = (texts[key] for key in keys if key in texts)
         own_unit = _own_unit(name, texts)
         unit = next(shared, None) if own_unit is None else own_unit
         if unit is not None:

@@ -52,7 +52,7 @@ def _spectrum_of(figure: "Figure", band: tuple[float, float]) -> Spectrum:
 
 
 def _band_of(figure: "Figure", records: Mapping[str, Job]) -> tuple[float, float]:
-    """Return the band (Hz) of envelopes, that of all curves: that of the view, else the passband of all records."""
+    """Return the band (Hz) of the envelopes of all curves: that of the view, else the passband of all records."""
     passband = PASSBAND * min(float(job.parameters["sampling"]) for job in records.values())
     return figure.view.band or (0.0, passband)
 
@@ -138,7 +138,9 @@ def part_of_spectrum(
     in_range = (frequency >= limits[0]) & (frequency <= limits[1])
     owner = signal.source or f"job {name}"
     if frequency[-1] <= limits[0]:
-        raise PlotError(f"{owner} is sampled at {signal.rate:g} Hz, too slowly for {limits[0]:g} to {limits[1]:g} Hz")
+        raise PlotError(
+            f"{owner} is sampled at {signal.rate:g} Hz, too slowly for {limits[0]:g} to {limits[1]:g} Hz"
+        )
     if np.count_nonzero(in_range) < MIN_BINS:
         part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of {owner} resolve {frequency[1]:.3g} Hz"
         raise PlotError(

@@ -13,7 +13,7 @@ from bearingsim.plots.recorded import Job
 from bearingsim.plots.series import series_of
 from bearingsim.plots.spectra import spectra_of
 from bearingsim.plots.units import Scale
-from bearingsim.report.charts import Axis, Chart, Curve, Panel, placed, rounded, styled
+from bearingsim.report.charts import COLOURS, DASHES, Axis, Chart, Curve, Panel, placed, rounded, styled
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -72,8 +72,10 @@ def _chart(
             )
         ],
         curves=[
-            replace(healthy, name=curve.name) if part.is_healthy else replace(curve, dash=())
-            for curve, part in zip(curves, drawn, strict=True)
+            replace(healthy, name=curve.name)
+            if part.is_healthy
+            else replace(curve, dash=DASHES[number // COLOURS % len(DASHES)])
+            for number, (curve, part) in enumerate(zip(curves, drawn, strict=True))
         ],
         controls=[],
         combinations=[[]],

@@ -343,3 +343,22 @@ def test_two_times_of_one_rate_serve_channels_of_both_lengths(tmp_path):
     savemat(tmp_path / "a.mat", {"a": first, "b": second})
     channels = read(tmp_path / "a.mat").channels
     assert {name: len(values) for name, values in channels.items()} == {"a.x": N, "b.x": 2 * N}
+
+
+def test_a_shaft_rate_beside_a_sampling_rate_is_not_taken_for_it(tmp_path):
+    """Files with `sr` for the sampling rate have the frequency of the shaft as `rate`."""
+    series = np.random.default_rng(0).normal(size=4096)
+    np.savez(tmp_path / "a.npz", gs=series, sr=12800.0, rate=25.0)
+    with pytest.raises(MeasuredError, match=r"states two sampling rates, 12800 Hz .*`sr`.* and 25 Hz .*`rate`"):
+        read(tmp_path / "a.npz")
+    np.savez(tmp_path / "b.npz", gs=series, sr=12800.0)
+    assert read(tmp_path / "b.npz").rate.value == 12800.0
+
+
+@pytest.mark.parametrize("name", ["x_unit", "x.unit"])
+def test_columns_of_an_array_have_its_unit(tmp_path, name):
+    np.savez(tmp_path / "a.npz", x=np.random.default_rng(0).normal(size=(4096, 2)), fs=12800.0, **{name: "g"})
+    assert {channel: unit.value for channel, unit in read(tmp_path / "a.npz").units.items()} == {
+        "x.1": "g",
+        "x.2": "g",
+    }

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from bearingsim.figure_kinds import View, limits, view_of
+from bearingsim.plots.overlay import signal_points
 from bearingsim.plots.passage import passages
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import case_of, load_jobs
 from bearingsim.plots.window import passage_of
-from bearingsim.study import StudyError, stored_figure
+from bearingsim.report.signals import signal_charts
+from bearingsim.study import Figure, StudyError, stored_figure
 from tests.scenes.figure_results import BPFO, long_curves, only, results, text_of
 from tests.scenes.signal_results import STUDY, make_results, record_of
 
@@ -346,7 +348,7 @@ def test_legend_of_long_names_lies_in_the_figure_below_its_title(make_results, t
     for name in names:
         save(tmp_path, name, 51200, 0.1)
     text = with_measured(*(f"'{name}'" for name in names))
-    title = "figures:\n  - {kind: series, title: The left bearing and its simulation with a defect of the outer race}\n"
+    title = "figures:\n  - {kind: series, title: The left bearing and its simulation with a defect}\n"
     _, canvas = only(drawn(make_results(text + title), where=AT["where"]))
     canvas.draw_without_rendering()
     legend = canvas.legends[0].get_window_extent()
@@ -355,6 +357,17 @@ def test_legend_of_long_names_lies_in_the_figure_below_its_title(make_results, t
     assert canvas.axes[0].get_tightbbox().y1 < legend.y0
     assert legend.y1 < canvas._suptitle.get_window_extent().y0
     assert canvas.axes[0].bbox.height > 0.3 * 1.7 * canvas.dpi
+
+
+def test_curves_of_many_measured_signals_differ_on_the_page(make_results, tmp_path):
+    names = [f"{letter}.npz" for letter in "abcdefgh"]
+    for name in names:
+        save(tmp_path, name, 51200, 0.1)
+    stored = make_results(with_measured(*names))
+    (job,) = {job for job in stored.jobs if any(signal_points(stored, job))}
+    (chart,) = signal_charts(stored, Figure(y=(), x="", kind="series"), [job])
+    assert len(chart.curves) == 10
+    assert len({(curve.colour, curve.dash) for curve in chart.curves}) == 10
 
 
 def test_label_of_the_colours_lies_in_the_figure(make_results):

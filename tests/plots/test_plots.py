@@ -318,9 +318,11 @@ def test_feature_without_a_value_above_zero_leaves_the_others_of_a_logarithmic_f
 @pytest.mark.parametrize("log", [[], ["y"]])
 def test_panels_of_named_cases_share_an_axis_with_room_for_all(results, log):
     """Values of 1 um/s in the first panel, of 10 um/s and, linearly, -5 um/s in the second."""
-    pulses = "[envelope, rectangular-pulse, half-sine-pulse, piecewise-pulse, pressure-share, soft-edge, elastic-edge]"
-    sweep = STUDY[: STUDY.index("sweep:")] + f"sweep: {{excitation: {pulses}, load: [150 N, 300 N]}}\n"
-    stored = results(sweep)
+    pulses = (
+        "envelope, rectangular-pulse, half-sine-pulse, piecewise-pulse, pressure-share, soft-edge, elastic-edge"
+    )
+    sweep = f"sweep: {{excitation: [{pulses}], load: [150 N, 300 N]}}\n"
+    stored = results(STUDY[: STUDY.index("sweep:")] + sweep)
     table = stored.table()
     values = np.where(table["load"] == 150.0, 1e-6, 1e-5)
     values[-1] = 1e-5 if log else -5e-6
