@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -179,6 +180,7 @@ def test_a_line_beyond_the_tolerance_is_not_called_weaker_than_itself(results, t
     found = re.search(
         r"BPFO of the measured signal: the line found, ([\d.]+) Hz, deviates by (\S+) %, over 2 %", text
     )
+    assert found is not None
     assert float(found[1]) == pytest.approx(0.977 * LINES_900.outer, rel=2e-3)
     assert float(found[2]) == pytest.approx(-2.3, abs=0.2)
     assert "stronger" not in text
@@ -188,14 +190,15 @@ def test_an_order_of_the_shaft_that_explains_a_line_is_named():
     """A knock once per revolution, with a bearing whose BPFO is at 3.04 orders."""
     lines = Lines.of(load_rolling_parts("6309"), SHAFT)
     signal = Signal(impacts(SHAFT, seed=1, noise=0.5), RATE, lines)
-    pair = comparing.Pair(signal, signal, None, ("ring.acceleration.x", "x"), "outer", "m/s^2")
+    pair = comparing.Pair(signal, signal, cast(Any, None), ("ring.acceleration.x", "x"), "outer", "m/s^2")
     _, (remark,) = comparing._line_detection(pair)
     assert remark.startswith("BPFO of the measured signal: order 1 of the shaft, 25.00 Hz, explains it (")
 
 
 @pytest.mark.parametrize("level", [0.0, 1e-9])
 def test_no_factor_scales_a_channel_of_zeros(level):
-    pair = comparing.Pair(None, None, None, ("ring.acceleration.y", "x"), "outer", "m/s^2")
+    nothing = cast(Any, None)
+    pair = comparing.Pair(nothing, nothing, nothing, ("ring.acceleration.y", "x"), "outer", "m/s^2")
     with pytest.raises(UserError, match=r"ring\.acceleration\.y of job 1a is zero within numerical errors"):
         comparing._ratio_of_levels(Row("RMS", "m/s^2", level, 3.0), "1a", pair)
     assert comparing._ratio_of_levels(Row("RMS", "m/s^2", 2.0, 3.0), "1a", pair) == 1.5

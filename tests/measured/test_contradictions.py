@@ -357,7 +357,8 @@ def test_a_shaft_rate_beside_a_sampling_rate_is_not_taken_for_it(tmp_path):
 
 @pytest.mark.parametrize("name", ["x_unit", "x.unit"])
 def test_columns_of_an_array_have_its_unit(tmp_path, name):
-    np.savez(tmp_path / "a.npz", x=np.random.default_rng(0).normal(size=(4096, 2)), fs=12800.0, **{name: "g"})
+    arrays: dict[str, Any] = {"x": np.random.default_rng(0).normal(size=(4096, 2)), "fs": 12800.0, name: "g"}
+    np.savez(tmp_path / "a.npz", **arrays)
     assert {channel: unit.value for channel, unit in read(tmp_path / "a.npz").units.items()} == {
         "x.1": "g",
         "x.2": "g",

@@ -2,6 +2,7 @@
 
 import math
 import re
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -300,7 +301,7 @@ def test_feature_without_a_value_above_zero_leaves_the_others_of_a_logarithmic_f
     stored = results()
     table = stored.table().assign(**{"outer_force.max": 0.0})
     table.loc[table["model"] == "static", "velocity.rms"] = 0.0
-    options = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": ["y"]}
+    options: dict[str, Any] = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": ["y"]}
     with mock.patch.object(type(stored), "table", return_value=table):
         _, canvas = only(drawn(stored, y=["velocity@BPFO", "velocity.rms", "outer_force.max"], **options))
     canvas.draw_without_rendering()
