@@ -37,7 +37,7 @@ def show(
     all_methods = matrix.method_names()
     grid = grid._replace(defects=tuple(select("--pit", defects, tuple(DEFECTS), grid.defects)))
     model_names = select(
-        "--model", models, matrix.model_names(), matrix.QUICK_MODELS if quick else matrix.DEFAULT_MODELS
+        "--model", models, matrix.model_names(), matrix.QUICK_MODELS if quick else matrix.default_models()
     )
     method_names = select(
         "--method", methods, all_methods, [name for name in default_methods if name in all_methods]

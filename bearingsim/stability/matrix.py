@@ -74,7 +74,6 @@ QUICK = Grid(
     reference_limit=2.0,
 )
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
-DEFAULT_MODELS = tuple(model.name for model in MODELS.values() if "damping" in model.abilities and not model.slips)
 QUICK_MODELS = (DEFAULT_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
@@ -108,8 +107,14 @@ def method_names() -> tuple[str, ...]:
 
 
 def model_names() -> tuple[str, ...]:
-    """List the names of all models with equations of motion."""
-    return tuple(name for name in MODELS if assemble.kind_of_model(name).parameters in degrees_of_freedom.types)
+    """List the names of all models with damping and equations of motion."""
+    damped = [model.name for model in MODELS.values() if "damping" in model.abilities]
+    return tuple(name for name in damped if assemble.kind_of_model(name).parameters in degrees_of_freedom.types)
+
+
+def default_models() -> tuple[str, ...]:
+    """List the names of the models without friction, whose whole map takes less than an hour."""
+    return tuple(name for name in model_names() if not MODELS[name].slips)
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:

@@ -16,7 +16,7 @@ from bearingsim.plots import stability as maps
 from bearingsim.runner.pool import map_unordered
 from bearingsim.stability import classification, mapping, matrix, references
 from bearingsim.stability.classification import CLASSES, Reference, agreeing_solutions
-from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
+from bearingsim.stability.scene import DEFECTS, SAMPLE_INTERVAL, SAMPLES, STEEL, TIMES, Scene, scene_case
 from bearingsim.stability.traces import Trace
 from tests.scenes.commands import type_
 from tests.scenes.stability_map import table
@@ -188,6 +188,16 @@ def test_each_exponent_and_excitation_is_compiled(monkeypatch):
     kinds = {(compiled.contact.damping.indentation_exponent, compiled.excitation) for compiled in cases}
     assert kinds == set(product((0.0, 1.0, 2.0), ("envelope", "rectangular-pulse")))
     assert len(cases) == len(kinds)
+
+
+def test_a_whole_map_is_of_the_models_of_its_help_text():
+    assert matrix.default_models() == ("ring", "rollers")
+
+
+@pytest.mark.parametrize("model", matrix.model_names())
+def test_each_model_that_can_be_mapped_has_each_defect(model):
+    cases = [scene_case(Scene(model, defect, STEEL, 0.1, 0.0)) for defect in DEFECTS]
+    assert [len(case.defects) for case in cases] == [0, 3, 3, 3]
 
 
 def test_units_are_spread_over_processes():
