@@ -99,6 +99,17 @@ def test_show_marks_chaotic_jobs_and_counts_them(done, capsys):
     assert "1 of 8 jobs are chaotic, so only their RMS is checked: step error up to 29 %" in stdout
 
 
+def test_variations_that_are_cases_too_are_not_counted_twice():
+    """Case `b` is also a variation; of the others `w` has no result. The rest is audits."""
+    jobs: Any = SimpleNamespace(
+        info=lambda: pd.DataFrame(index=["a", "b", "v", "x"]),
+        variations=[{"job": "b"}, {"job": "v"}, {"job": "w"}],
+        jobs=["a", "b"],
+        planned=["a", "b", "v", "w", "x"],
+    )
+    assert tables._text_of_further_jobs(jobs) == ", and 2 variations (1 without a result), and 1 audit"
+
+
 def test_show_columns(done):
     stdout, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
     assert stdout.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
@@ -139,6 +150,12 @@ def test_numbers_and_words_of_a_path_are_text_in_parquet(done):
     read = pd.read_parquet(BytesIO(exporting._parquet(table)))
     assert list(read["clearance"]) == ["C3", "1e-05"] * 4
     pd.testing.assert_frame_equal(read.drop(columns="clearance"), table.drop(columns="clearance"))
+
+
+def test_swept_speeds_are_exported_without_rounding_errors():
+    rpm = np.arange(100.0, 6000.0, 100.0)
+    table = exporting._with_units(pd.DataFrame({"speed": rpm * np.pi / 30.0}), {"speed": "rpm"})
+    assert list(table["speed (rpm)"]) == list(rpm)
 
 
 def test_exported_speed_follows_a_ramp(done):

@@ -135,6 +135,18 @@ def test_indices_do_not_depend_on_the_unit():
     assert small.rows == large.rows
 
 
+def test_small_effects_of_a_small_feature_are_no_rounding():
+    """Effects of the width differ by about 1 % of a feature of 5e-11 m/s."""
+
+    def spread(size):
+        opened = design_results("morris", n=9, of=lambda points: size * (points[:, 1] + 0.01 * points[:, 0] ** 2))
+        [table] = influences(opened, [LINE])
+        [row] = [row for row in table.rows if row[0] == "defect.width"]
+        return float(row[table.headers.index("sigma (µm/s)")])
+
+    assert 0.0 < spread(5e-5) == pytest.approx(1e6 * spread(5e-11), rel=0.01)
+
+
 def test_numerical_errors_have_no_influence():
     """Below 1e-11 m/s a line is zero within numerical errors, whatever its variance."""
     opened = design_results("morris", n=9, of=lambda points: 1e-14 * points[:, 0])

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale, plan_of
+from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale, friction_seconds, plan_of
 from bearingsim.cli.remarks import _distinction, empty_figures, friction_cost
 from bearingsim.runner.progress import duration
 from bearingsim.study import StudyError, load_study
@@ -90,6 +90,25 @@ def test_check_reports_the_cost_of_friction_until_the_models_are_chosen(write: W
     assert plan.friction_seconds > 2.0 * plan.cpu_seconds
     (text,) = friction_cost(plan)
     assert text.startswith(f"with friction, all jobs need {duration(plan.friction_seconds)} of CPU time")
+
+
+def test_cost_of_friction_includes_jobs_that_specify_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """7 s with friction for the job that has none yet, and the price of 3 s of the other."""
+    monkeypatch.setattr("bearingsim.selection.candidates.estimated_cpu_time", lambda _: 7.0)
+    cases = case(model="planar"), case(model="planar", friction="none")
+    jobs: Any = [
+        SimpleNamespace(job=SimpleNamespace(case=c), estimate=SimpleNamespace(cpu_seconds=3.0)) for c in cases
+    ]
+    study: Any = SimpleNamespace(goal=object(), selection=None)
+    assert friction_seconds(study, jobs) == 10.0
+    assert isnan(friction_seconds(study, jobs[1:]))
+
+
+def test_cost_of_friction_is_that_of_all_jobs_of_a_sampled_study() -> None:
+    plan: Any = SimpleNamespace(friction_seconds=600.0, scale=12.0)
+    assert list(friction_cost(plan)) == [
+        f"with friction, all jobs need {duration(7200.0)} of CPU time in addition to trials"
+    ]
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from bearingsim.study import load_rolling_parts
 from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 
 NF308 = load_rolling_parts("nf308")
+MANY_ROLLERS = {"rollers": 40, "roller_diameter": 3e-3, "pitch_diameter": 60e-3}
 
 
 def diagnosis(series, shaft=SHAFT, parts=PARTS, **options):
@@ -176,6 +177,18 @@ def test_an_order_of_the_shaft_explains_a_line_whose_lesser_spectrum_lacks_other
     assert result is None or (result.frequency, result.score) == pytest.approx((100.0, 7.0))
 
 
+@pytest.mark.parametrize(
+    ("race", "height", "is_of_shaft"), [("outer", 1.0, True), ("inner", 1.0, False), ("inner", 1.2, True)]
+)
+def test_an_order_of_the_shaft_must_score_higher_than_a_line_of_the_inner_race(race, height, is_of_shaft):
+    """The line at order 3 scores 5 + 1 + 1, order 2 of the shaft 5 + twice ``height``."""
+    spectrum = spectrum_of({100: height, 200: height, 300: 5.0, 150: 1.0, 450: 1.0})
+    comb = comb_at([spectrum, spectrum], 150.0)
+    assert comb.score == pytest.approx(7.0)
+    result = comb_of_shaft([spectrum, spectrum], LINES._replace(shaft=50.0), race, comb, 3.0)
+    assert (result is not None) == is_of_shaft
+
+
 @pytest.mark.parametrize("is_stronger", [False, True])
 def test_shaft_orders_and_relatives_of_a_line_are_no_other_periodicities(is_stronger):
     """Sidebands of the shaft are, if they score higher than the line."""
@@ -282,7 +295,7 @@ def test_a_race_whose_line_is_an_order_of_the_shaft_is_named_without_the_other_o
 
 
 def test_one_per_cent_of_noise_is_over_the_threshold_with_many_rollers_too():
-    parts = PARTS.model_copy(update={"rollers": 40, "roller_diameter": 3e-3, "pitch_diameter": 60e-3})
+    parts = PARTS.model_copy(update=MANY_ROLLERS)
     noise = np.random.default_rng(0).normal(size=(300, int(2.0 * RATE)))
     results = [diagnosis(series, parts=parts) for series in noise]
     over = sum(result.findings[result.best].comb.score > result.threshold for result in results)
@@ -290,6 +303,15 @@ def test_one_per_cent_of_noise_is_over_the_threshold_with_many_rollers_too():
     assert results[0].turns == pytest.approx(50.0)
     assert results[0].equivalent_turns == pytest.approx(50.0 * sum(results[0].lines[2:]) / SHAFT / 18.2)
     assert diagnosis(noise[0]).equivalent_turns == diagnosis(noise[0]).turns
+
+
+@pytest.mark.parametrize(("changes", "is_extrapolated"), [({}, False), (MANY_ROLLERS, True)])
+def test_a_threshold_is_extrapolated_by_the_equivalent_revolutions(changes, is_extrapolated):
+    """Of 250 revolutions, where 320 were measured; the orders of 40 rollers sum up to 60 instead of 18.2."""
+    parts = PARTS.model_copy(update=changes)
+    result = diagnosis(np.random.default_rng(0).normal(size=int(10.0 * RATE)), parts=parts)
+    assert result.turns == pytest.approx(250.0)
+    assert result.is_extrapolated == is_extrapolated
 
 
 # Size

@@ -132,6 +132,14 @@ def test_a_speed_that_changes_is_refused_unless_one_is_given(tmp_path, kind):
     assert recording.speed.value == 110.0
 
 
+def test_a_speed_that_returns_to_its_start_is_refused(tmp_path):
+    """From 1000 rpm up to 1100 rpm, and back."""
+    rpm = 1050.0 - 50.0 * np.cos(2.0 * pi * np.arange(COUNT) / (COUNT - 1))
+    np.savez(tmp_path / "a.npz", time=T, acc=X, rpm=rpm)
+    with pytest.raises(MeasuredError, match=r"two speeds, 1000 rpm \(the lowest in .* and 1100 rpm \(the highest"):
+        read(tmp_path / "a.npz")
+
+
 def test_missing_samples_of_a_constant_speed_are_left_out(tmp_path):
     rpm = np.where(np.arange(COUNT) % 2, np.nan, 1000.0)
     np.savez(tmp_path / "a.npz", time=T, acc=X, rpm=rpm)

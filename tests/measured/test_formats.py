@@ -118,6 +118,19 @@ def test_a_speed_of_a_whole_tdms_file_is_that_of_its_channels(tmp_path):
     assert read(tmp_path / "a.tdms").speed.value == pytest.approx(1796.0 * pi / 30.0)
 
 
+def test_a_speed_of_a_tdms_channel_precedes_that_of_its_group_and_file(tmp_path):
+    nptdms = pytest.importorskip("nptdms", reason="the extra `formats` is not installed")
+    with nptdms.TdmsWriter(str(tmp_path / "a.tdms")) as writer:
+        properties = {"wf_increment": 1.0 / RATE, "unit_string": "g"}
+        own = nptdms.ChannelObject("g1", "a", X[:, 0], properties | {"rpm": 900.0})
+        shared = nptdms.ChannelObject("g1", "b", X[:, 1], properties)
+        writer.write_segment(
+            [nptdms.RootObject({"rpm": 1796.0}), nptdms.GroupObject("g1", {"rpm": 1200.0}), own, shared]
+        )
+    speeds = [read(tmp_path / "a.tdms", Request(channel=f"g1/{name}")).speed.value for name in "ab"]
+    assert speeds == pytest.approx([900.0 * pi / 30.0, 1200.0 * pi / 30.0])
+
+
 def test_scalars_of_hdf5_are_read(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["acc"], file["fs"], file["rpm"] = X[:, 0], RATE, 1796.0

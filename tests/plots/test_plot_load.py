@@ -252,6 +252,16 @@ def test_instant_over_a_defect_without_the_middle_of_a_slice_is_found():
     assert instants(load_along)["over the defect"] == 2
 
 
+def test_slice_that_is_partly_over_the_defect_counts_by_that_part():
+    """From -0.1 to 1 a tenth of the first slice: 0.4 + 2 = 2.4 at instants 2 and 3, and 0 + 4 = 4 at 4 and 5."""
+    load = np.full((2, 9), 6.0)
+    load[:, 2:4] = [[4.0], [2.0]]
+    load[:, 4:6] = [[0.0], [4.0]]
+    passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(-0.1, 1.0)))
+    load_along = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    assert instants(load_along)["over the defect"] == 3
+
+
 def test_largest_load_is_integral_of_line_load():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])

@@ -8,6 +8,7 @@ import pytest
 
 from bearingsim.config import dataset_names
 from bearingsim.plots import PlotError, labels, recorded
+from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.plot import drawn
 from tests.scenes.figure_results import only, results, text_of
 
@@ -66,6 +67,15 @@ def test_each_roller_is_drawn_at_its_own_angle(tilted):
     [ax] = only(drawn(tilted, kind="roller", jobs=tilted.jobs[:1], y=channels))[1].axes
     first = [line.get_xdata()[0] for line in ax.lines[:2]]
     assert first == pytest.approx([360.0 / 13, 720.0 / 13])
+
+
+def test_defect_is_marked_within_any_range_of_angles(tilted):
+    """The defect at 0 deg is at 360 deg of an axis from 180 to 540 deg."""
+    for limits, position in (("180 deg..540 deg", 360.0), ("-180 deg..180 deg", 0.0)):
+        sheets = drawn(tilted, kind="roller", jobs=tilted.jobs[:1], y=["roller.2.tilt"], range=limits)
+        [ax] = only(sheets)[1].axes
+        marks = [line.get_xdata()[0] for line in ax.lines if line.get_color() == MARK_COLOURS["outer"]]
+        assert marks == pytest.approx([position])
 
 
 def test_ring_tilt_has_two_components_at_any_sensor_angle(tilted):

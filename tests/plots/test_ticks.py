@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from bearingsim.plots.axes import share_scales
 from bearingsim.plots.style import drawing
-from bearingsim.plots.ticks import linear_ticks, log_ticks
+from bearingsim.plots.ticks import digits_of, linear_ticks, log_ticks
 
 RANGES = [(50.0, 22000.0), (200.0, 1e5), (1e-5, 3e-4), (0.2, 50.0), (1.1, 2.3), (99990.0, 100020.0), (1e-9, 1e9)]
 WIDTHS = [0.8, 1.5, 3.0]  # inches
@@ -42,6 +42,19 @@ def test_few_values_each_have_a_tick():
         linear_ticks(ax.xaxis, [3.0, 6.0, 9.0, 12.0])
         canvas.draw_without_rendering()
         assert [tick.get_text() for tick in ax.get_xticklabels()] == ["3", "6", "9", "12"]
+
+
+@pytest.mark.parametrize(
+    ("ticks", "digits"),
+    [
+        ([0.0, 50.0, 100.0], 5),
+        ([1.0, 1.00125, 1.0025], 6),  # 1.0013 is 4 % of a step off
+        ([123456.0, 123456.5, 123457.0], 7),
+        ([100.0], 5),
+    ],
+)
+def test_labels_deviate_from_ticks_by_at_most_a_hundredth_of_a_step(ticks, digits):
+    assert digits_of(ticks) == digits
 
 
 @pytest.mark.parametrize("bottom", [None, 0.0])

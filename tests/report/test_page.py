@@ -146,6 +146,18 @@ def test_error_of_chaotic_jobs_without_a_standard_error_is_unknown(results):
     assert [result.error for result in feature_results(opened)] == ["numerical error unknown (chaotic)"]
 
 
+def test_error_bound_of_a_case_is_the_largest_of_its_features_in_per_cent(results):
+    """2.5 % of the line, 4 % of the RMS, each relative to the value of the case, which is on no curve."""
+    opened = results(STUDY + FIGURES)
+    errors = {"velocity@BPFO": 0.025, "velocity.rms": 0.04}
+    choices = {job: {"model": "ring", "why": "", "error": errors} for job in opened.jobs}
+    opened.plan["accuracy"] = {
+        "of": list(errors), "within": 0.05, "jobs": choices, "curves": [], "audits": [], "notes": [],
+    }  # fmt: skip
+    columns = dict(page_of(opened).table.columns)
+    assert set(columns["error bound (%)"]) == {"4"}
+
+
 def test_phases_are_points(results):
     phase = "figures: [{y: velocity@BPFO.phase, x: defect.length, kind: phase}]\n"
     [chart, *_] = collect(results(STUDY + phase), ()).charts

@@ -17,6 +17,7 @@ from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import comparison, step_check
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import simulate, try_out
+from bearingsim.simulation.time_grid import highest_line_frequency
 from tests.scenes.short_cases import RATE, case, line
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
@@ -167,6 +168,14 @@ def test_fine_samples_contain_the_highest_line(name: str) -> None:
     frequency = int(name[0]) * 30.0 * (1.0 - 1.0 / 40.0**2) / (2.0 / 40.0)
     result = record_of_signal(test_case, lambda t: np.cos(2 * np.pi * frequency * t)).features
     assert result[f"velocity@{name}"] == pytest.approx(1.0, abs=3e-4)
+
+
+def test_highest_line_on_a_ramp_is_that_of_the_highest_speed() -> None:
+    """5 BPFO of a shaft at 60 Hz, or at 90 Hz before it slows down."""
+    order = 5.0 * 13.0 / 2.0 * (1.0 - 12.0 / 65.0)
+    for speed, to, shaft in (("1800 rpm", "3600 rpm", 60.0), ("5400 rpm", "3600 rpm", 90.0)):
+        ramped = case(**KINEMATIC, speed=speed, ramp={"to": to, "time": "0.5 s"})
+        assert highest_line_frequency(ramped) == pytest.approx(order * shaft)
 
 
 @pytest.mark.parametrize(("amplitude", "duration"), [(10.0, 1.0), (30.0, 2.0)])

@@ -1,6 +1,6 @@
 """Standard error of a mean over ball passes, for sequences with a known scatter of the mean."""
 
-from math import pi
+from math import nan, pi
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,14 +10,21 @@ from scipy.signal import lfilter
 from scipy.special import stdtrit
 
 from bearingsim import signals
-from bearingsim.simulation import recording
-from bearingsim.simulation.accuracy import COSINES, MIN_PASSES, THREE_SIGMA, standard_error, standard_errors
+from bearingsim.simulation import recording, start_error
+from bearingsim.simulation.accuracy import (
+    COSINES,
+    MIN_PASSES,
+    THREE_SIGMA,
+    StandardErrors,
+    standard_error,
+    standard_errors,
+)
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import first_sample
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import _is_random
 from bearingsim.simulation.spectral_lines import lines_of_passes, sensor_samples
-from tests.scenes.short_cases import SLOT, case
+from tests.scenes.short_cases import RATE, SLOT, case
 
 STUDENT = stdtrit(COSINES, THREE_SIGMA) / 3.0
 
@@ -141,3 +148,16 @@ def test_error_of_the_start_includes_every_standard_error(monkeypatch: pytest.Mo
     for passes, expected in ((MIN_PASSES - 1, False), (MIN_PASSES, True)):
         monkeypatch.setattr(recording, "windows", lambda *_, n=passes, **__: SimpleNamespace(index=np.arange(n)))
         assert _is_random(setup, raw, chaotic=True) == expected
+
+
+def test_scatter_between_the_quarters_of_a_record_is_the_standard_error_of_their_mean(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Quarters of 1, 5, 4 and 2 um/s have the mean 3 um/s in both halves, so nothing decays; RMS 10 um/s."""
+    monkeypatch.setattr(start_error, "slowest_decay", lambda _: 1e6)
+    quarters, ones = np.array([1.0, 5.0, 4.0, 2.0]), np.ones(48)
+    passes = start_error.Passes(np.repeat(1e-6 * quarters, 12)[np.newaxis], 1e-10 * ones, ones)
+    unknown = StandardErrors(nan, nan)
+    result = start_error._decay_errors(case(defect=SLOT), passes, RATE, unknown)
+    assert result.line == pytest.approx(np.std(quarters, ddof=1) / 2.0 / 3.0)
+    assert result.rms == result.force == 0.0

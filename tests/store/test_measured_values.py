@@ -1,10 +1,13 @@
 """Measured features beside simulated ones: equal parameters, interpolation, factor."""
 
 from math import isclose, pi
+from types import SimpleNamespace
+from typing import Any
 
 import pandas as pd
 import pytest
 
+from bearingsim.report.measured import measured_tables
 from bearingsim.store.measured import difference, measured_sets
 
 LINE, ENVELOPE, KURTOSIS = "velocity@BPFO", "envelope@BPFO", "velocity.kurtosis"
@@ -50,6 +53,18 @@ def test_phases_are_compared_on_the_shorter_arc():
     assert isclose(item.simulated, halfway)
     assert isclose(difference(phase, -3.0, 3.0), 2.0 * pi - 6.0)
     assert difference(LINE, -3.0, 3.0) == -6.0
+
+
+def test_phases_have_a_difference_but_no_ratio():
+    """-3 rad are 16.2 deg past 3 rad; the ratio of two phases depends on their zero."""
+    rows, phase = table(), f"{LINE}.phase"
+    rows[phase] = -3.0
+    features = {phase: 3.0, LINE: 100.5}
+    opened = sets([{"parameters": {"load": 100.0, "width": 1.0}, "features": features}], rows)
+    results: Any = SimpleNamespace(plan={"units": {"load": "N", "width": "mm"}}, measured=opened)
+    [shown] = measured_tables(results)
+    ratios = {row[0]: (row[5], row[6]) for row in shown.rows}
+    assert ratios == {phase: ("16.23", "-"), LINE: ("100.5", "2")}
 
 
 @pytest.mark.parametrize("parameters", [{"load": 90.0, "width": 1.0}, {"load": 310.0, "width": 1.0}])

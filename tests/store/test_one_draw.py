@@ -5,7 +5,7 @@ import math
 import pandas as pd
 import pytest
 
-from bearingsim.store import is_uncertain
+from bearingsim.store import is_uncertain, relative_error
 from bearingsim.store.spread import FORCE_ERROR, has_unknown_scatter, standard_error
 
 LINE, RMS = "velocity@BPFO", "velocity.rms"
@@ -43,6 +43,12 @@ def test_a_result_is_flagged_by_its_own_standard_error(
 
 def test_smaller_limit_flags_smaller_errors() -> None:
     assert is_uncertain(table(line=0.004), LINE, notable=0.003).iloc[0]
+
+
+def test_error_of_a_change_is_relative_to_the_change() -> None:
+    """2 % of 10 m/s^2 are 40 % of a change by 0.5 m/s^2, whatever the RMS of the velocity."""
+    results = table(rms=0.02).assign(**{"acceleration.rms": 10.0, "acceleration.rms-healthy": 0.5})
+    assert relative_error(results, "acceleration.rms-healthy").iloc[0] == pytest.approx(0.4)
 
 
 def test_results_that_were_not_checked_are_not_flagged() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.plots.error_bounds import error_texts, numerical_errors
+from bearingsim.plots.error_bounds import error_texts, numerical_errors, with_errors
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.variations import variation_effects
 from bearingsim.sensitivity import Effects, Estimate, effects_text
@@ -161,6 +161,29 @@ def test_caption_counts_unknown_errors() -> None:
     results = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
     [text] = error_texts(results, rows, [LINE])  # type: ignore[arg-type]
     assert text.endswith("up to 2 % of its value (2 % of the largest), unknown in 1 of 3")
+
+
+def test_caption_does_not_count_cases_without_a_value() -> None:
+    columns = {LINE: [1.0, 1.0, nan], "step_error.line": [0.001, 0.02, nan], "chaotic": [0.0] * 3}
+    results = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
+    [text] = error_texts(results, pd.DataFrame(columns | {"job": list("abc")}), [LINE])  # type: ignore[arg-type]
+    assert text.endswith("up to 2 % of its value (2 % of the largest)")
+
+
+def test_numerical_error_of_a_change_is_that_of_the_whole_value() -> None:
+    """1 % of 2 m/s, of which 0.5 m/s are the change from healthy."""
+    columns = {LINE: [2.0], CHANGE: [0.5], "step_error.line": [0.01], "chaotic": [0.0]}
+    errors = numerical_errors(SimpleNamespace(), pd.DataFrame(columns), CHANGE)  # type: ignore[arg-type]
+    assert errors is not None
+    assert errors.tolist() == pytest.approx([0.02])
+
+
+def test_error_bars_are_relative_to_the_largest_value_of_the_curve() -> None:
+    """1 % of 2 m/s for `a` and `b`; `c` is on no curve, so its bar is relative to its own value."""
+    goal, results = plan([LINE], {LINE: 0.01}), frame({LINE: [1.0, 2.0, 5.0]})
+    stored: Any = SimpleNamespace(plan=goal, frame=results, has_feature=lambda _: True)
+    rows = with_errors(stored, pd.DataFrame({"job": ["c", "b", "a"]}), [LINE])
+    assert rows[f"error {LINE}"].tolist() == pytest.approx([0.05, 0.02, 0.02])
 
 
 # Variations

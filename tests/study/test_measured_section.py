@@ -289,6 +289,19 @@ def test_a_short_signal_and_one_at_another_speed_give_a_remark(tmp_path, seconds
     assert notes == () if remark is None else remark in notes[-1]
 
 
+def test_a_signal_of_cases_with_several_sampling_rates_is_refused(tmp_path):
+    """The low-pass of one record would be compared with that of another."""
+    np.savez(tmp_path / "run.npz", a=signal(3.0, 25600.0), fs=25600.0)
+    path = tmp_path / "rig.yaml"
+    study = STUDY.replace("sweep: {", "sweep: {sampling: [5120 Hz, 10240 Hz], ")
+    path.write_text(study + "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n")
+    with pytest.raises(StudyError, match="cases with different values of `sampling`: name one of them in `at`"):
+        load_study(path)
+    path.write_text(study + "measured: [{signals: [{file: run.npz, unit: m/s^2, at: {sampling: 5120 Hz}}]}]\n")
+    (point,) = load_study(path).measured[0].points
+    assert point.features["acceleration@BPFO"] == pytest.approx(3.0, rel=5e-3)
+
+
 def test_a_remark_on_a_signal_names_keys_of_the_study(tmp_path):
     np.savez(tmp_path / "run.npz", a=signal(3.0, 10240.0), fs=10240.0)
     notes = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2, rate: 5 kHz}]}]\n").notes

@@ -16,7 +16,7 @@ from bearingsim.core.defects.depth import (
     section,
 )
 from bearingsim.core.defects.envelope import cusp, path_drop, path_over
-from bearingsim.core.defects.profile import depth_at
+from bearingsim.core.defects.profile import depth_at, polygon, separate_parts
 from bearingsim.core.defects.spall import Spall
 from tests.scenes.defect_maps import R_OUTER, brute_force, fractions, rough_scan, section_at, shapes
 
@@ -27,6 +27,13 @@ def test_burr_lifts_the_roller_before_the_defect():
     path = path_over(section(rough_scan(1, 2e-6), 0.0), R_OUTER)
     assert low - path.pieces[0, 0] > np.sqrt(2 * R_OUTER * 2e-6)
     assert path.pieces[0, 2] < 0.0 < path.pieces[0, 3]
+
+
+def test_parts_are_separate_where_there_is_race_between_them():
+    """Two pieces that meet at 1 mm, and a third one after a gap."""
+    profile = polygon(1e-3 * np.array([0.0, 1.0, 2.0, 3.0, 4.0]), 1e-6 * np.array([1.0, 2.0, 0.0, 0.0, 5.0]))
+    parts = [(part.pieces[0, 0], part.pieces[-1, 1]) for part in separate_parts(profile)]
+    assert np.array(parts) == pytest.approx(1e-3 * np.array([[0.0, 2.0], [3.0, 4.0]]))
 
 
 def test_merged_defects_have_the_larger_depth():
