@@ -1,10 +1,12 @@
-"""Mutation test of the test suite: detection of changes by the tests of a package and its neighbour.
+"""Mutation test of the test suite: detection of changes by the tests of a package, of all packages (in the root of
+tests/), and of its neighbour.
 
     python -m benchmarks.mutants [--seed 1] [--count 40] [--only 3,17] [--limit 150] [--csv docs/data/mutants.csv]
 
 Each mutant is one change of a module's syntax tree, drawn from ``--seed``, in a copy of the source tree (in
 results/mutants, a fixed path, because numba's cache depends on it). It counts as killed if a test fails within the
-limit; test files that mention the module run first. At the end all tests that failed must pass without a mutant.
+limit; test files that mention the module run first. At the end all tests that failed must pass without a mutant,
+in modules that are rewritten from their syntax tree like a mutant, without comments.
 
 mutmut switches between mutants within rewritten functions, so it omits module constants and decorated functions,
 and it has no sampling. cosmic-ray changes files in place, runs one command for all modules, deletes no statements,
@@ -45,7 +47,7 @@ MODULES = {
     "study/plan.py": ("study", "cli"),
     "cli/plan.py": ("cli", "study"),
 }
-"""Folders of the tests of each module: those of its package, then those of a neighbouring package."""
+"""Folders of the tests of each module: that of its package, then that of a neighbouring package."""
 
 OPPOSITE: dict[type, type] = {
     ast.Lt: ast.GtE,
@@ -149,14 +151,17 @@ def parse(module: str) -> ast.Module:
     return ast.parse((HOME / "bearingsim" / module).read_text())
 
 
-def list_test_files(module: str) -> tuple[list[str], list[str], list[str]]:
-    """List test files: those that mention a module (by frequency), others of its package, its neighbour's."""
-    package, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
+def list_test_files(module: str) -> list[list[str]]:
+    """List test files in groups: those that mention a module (by frequency), others of its package, those of all
+    packages, those of its neighbour."""
+    folders = (COPY / "tests" / MODULES[module][0], COPY / "tests", COPY / "tests" / MODULES[module][1])
+    package, common, neighbour = (sorted(folder.glob("test_*.py")) for folder in folders)
     word = re.compile(rf"\b{Path(module).stem}\b")
-    counts = {str(path): len(word.findall(path.read_text())) for path in package}
-    namesake = str(COPY / "tests" / MODULES[module][0] / f"test_{Path(module).name}")
+    counts = {path: len(word.findall(path.read_text())) for path in (*package, *common)}
+    namesake = folders[0] / f"test_{Path(module).name}"
     mentioning = sorted(filter(counts.get, counts), key=lambda path: (path != namesake, -counts[path]))
-    return mentioning, [path for path in counts if counts[path] == 0], [str(path) for path in neighbour]
+    others = ([path for path in group if counts[path] == 0] for group in (package, common))
+    return [[str(path) for path in group] for group in (mentioning, *others, neighbour)]
 
 
 def stages(module: str) -> Iterator[list[str]]:
@@ -186,6 +191,12 @@ def first_failure(stages: Iterable[list[str]], limit_s: float = inf) -> str:
             test = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", output, re.MULTILINE)
             return test[1] if test else output.strip().splitlines()[-1]
     return ""
+
+
+def rewrite_modules() -> None:
+    """Write the modules of the copy from their syntax trees, as each mutant is written, but without a change."""
+    for module in MODULES:
+        (COPY / "bearingsim" / module).write_text(ast.unparse(parse(module)))
 
 
 def cpu_of_children() -> float:
@@ -248,6 +259,7 @@ def main() -> int:
             before = pd.read_csv(options.csv, keep_default_na=False)
             table = pd.concat([before[~before["number"].isin(table["number"])], table]).sort_values("number")
         table.to_csv(options.csv, index=False, lineterminator="\n")
+    rewrite_modules()
     if killers and (test := first_failure([killers])):
         print(f"{test} fails without a mutant, too")
         return 1
