@@ -1,8 +1,9 @@
 """Choice of a case's method and automatic step, and of attempts at a run.
 
-The method is the cheapest whose error of the defect's line is within 1 %, from its step limit and cost per step. A
-response that may be periodic is integrated by velocity Verlet. The price of an attempt changes if its step is
-refused, or if no ball pass repeats another. The next attempt is always the cheapest.
+The method is the cheapest whose error of the defect's line is within 1 %, from its step limit and cost per step.
+Only methods of fixed step can end a run at its first period, so velocity Verlet is usually the cheapest for a
+response that may be periodic. The price of an attempt changes if its step is refused, or if no ball pass repeats
+another. The next attempt is always the cheapest.
 """
 
 from functools import lru_cache
