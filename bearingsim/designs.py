@@ -1,7 +1,7 @@
 """Space-filling designs: points in the unit cube, reproducible on every machine.
 
 =========  ==========================================================  ==============  ===========================
-kind       construction                                                rows            a larger n
+kind       construction                                                rows            effect of a larger n
 =========  ==========================================================  ==============  ===========================
 lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               different points
 sobol      scrambled Sobol' sequence (Matousek 1998; Joe, Kuo 2008)    n               keeps the points, adds more
@@ -29,36 +29,36 @@ MORRIS_STEP = 5 / 8
 period of half the range."""
 
 
-def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
+def unit_cube_points(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
     """Compute the points of a design, an array (rows, d) in [0, 1).
 
     n: number of points of `lhs` and `sobol`, of base points of `saltelli`, of trajectories of `morris`. Rows are
-    ordered in blocks of ``block(kind, d)`` rows.
+    ordered in blocks of ``block_size(kind, d)`` rows.
     """
     import numpy as np
 
     return _CONSTRUCTORS[kind](n, d, np.random.default_rng(seed))
 
 
-def block(kind: Kind, d: int) -> int:
+def block_size(kind: Kind, d: int) -> int:
     """Return the number of rows in a block: 1 for `lhs` and `sobol`, d + 2 for `saltelli`, d + 1 for `morris`."""
     return {"saltelli": d + 2, "morris": d + 1}.get(kind, 1)
 
 
-def _lhs(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+def _lhs(n: int, d: int, rng: "np.random.Generator") -> "NDArray[np.float64]":
     from scipy.stats import qmc
 
-    return qmc.LatinHypercube(d, seed=random).random(n)
+    return qmc.LatinHypercube(d, seed=rng).random(n)
 
 
-def _sobol(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+def _sobol(n: int, d: int, rng: "np.random.Generator") -> "NDArray[np.float64]":
     """Draw 2^k points, the number for which the sequence is balanced, and keep the first n."""
     from scipy.stats import qmc
 
-    return qmc.Sobol(d, seed=random).random_base2((n - 1).bit_length())[:n]
+    return qmc.Sobol(d, seed=rng).random_base2((n - 1).bit_length())[:n]
 
 
-def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+def _saltelli(n: int, d: int, rng: "np.random.Generator") -> "NDArray[np.float64]":
     """Compute the blocks A_i, B_i, AB_i^(1) ... AB_i^(d); AB_i^(j) is A_i with column j of B_i.
 
     A and B are the halves of one sequence in 2d dimensions. Saltelli et al., Computer Physics Communications 181
@@ -66,13 +66,13 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
     """
     import numpy as np
 
-    points = _sobol(n, 2 * d, random)
+    points = _sobol(n, 2 * d, rng)
     a, b = points[:, :d], points[:, d:]
     mixed = np.where(np.eye(d, dtype=bool), b[:, None, :], a[:, None, :])
     return np.concatenate([a[:, None, :], b[:, None, :], mixed], axis=1).reshape(-1, d)
 
 
-def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+def _morris(n: int, d: int, rng: "np.random.Generator") -> "NDArray[np.float64]":
     """Compute trajectories of d + 1 points; each step changes one parameter, in random order, by MORRIS_STEP.
 
     Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two levels. Its levels are 0, 1/3, 2/3
@@ -80,7 +80,7 @@ def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float6
     """
     import numpy as np
 
-    start, direction, order = np.moveaxis(random.random((n, 3, d)), 1, 0)
+    start, direction, order = np.moveaxis(rng.random((n, 3, d)), 1, 0)
     half = len(LEVELS) // 2
     low = np.floor(half * start).astype(int)
     decreasing = direction < 0.5

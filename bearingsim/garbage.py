@@ -8,9 +8,9 @@ COMMAND, COMPILING = (1_000_000, 20, 20), (50_000, 20, 20)
 """Arguments of ``gc.set_threshold``: new objects before a collection of generation 0, and collections of
 generations 0 and 1 before one of the next generation.
 
-Imported modules, compiled code and tables contain little garbage; collections take 7 % of the time of compilation
-and 10 % of that of a command that computes nothing. With the thresholds of commands, compilation takes 80 MB more
-memory. A job leaves six objects that only the collector frees.
+Imported modules, compiled code and tables contain little garbage; collections take 7 % of the compilation time
+and 10 % of the run time of a command that computes nothing. With the thresholds of commands, compilation needs
+80 MB more memory. A job leaves six objects that only the collector frees.
 """
 
 

@@ -19,7 +19,7 @@ def interrupt(number: int, frame: FrameType | None) -> None:
     raise Signalled(number)
 
 
-def raise_lost() -> None:
+def raise_if_signalled() -> None:
     """Raise Signalled again if a signal was received but its exception was lost."""
     if _received:
         raise Signalled(_received)

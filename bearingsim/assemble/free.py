@@ -31,7 +31,7 @@ def motion(case: Case) -> Any:
 
 
 def friction(case: Case) -> Any:
-    """Build the friction between rollers and races by ``build(section)`` of the catalogue's law."""
+    """Build the friction law of the contacts between rollers and races, as registered in the catalogue."""
     section: Any = case.friction
     return call(LAWS["friction"][section.law].build, section) if section else Frictionless()
 
@@ -129,14 +129,14 @@ def bracket(case: Case) -> Any:
 
 
 def gravity(case: Case) -> float:
-    """Return gravity (m/s^2) along the load line, towards the most loaded position."""
+    """Return the gravitational acceleration (m/s^2), towards the most loaded position; 0 without gravity."""
     return STANDARD_GRAVITY if case.gravity else 0.0
 
 
 def initial_pocket_angles(case: Case) -> Any:
-    """Draw the rollers' initial angles (Z,) in rad in their pockets; 0 without a seed or a free cage."""
+    """Draw initial angles (Z,) of the rollers, in rad from the pocket centres; 0 without a seed or a free cage."""
     retainer = cage(case)
     if case.seed == 0 or not isinstance(retainer, cages.FreeCage):
         return 0.0
-    reach = retainer.play / (case.bearing.pitch_diameter / 2.0)
-    return np.random.default_rng(case.seed).uniform(-reach, reach, case.bearing.rollers)
+    max_angle = retainer.play / (case.bearing.pitch_diameter / 2.0)
+    return np.random.default_rng(case.seed).uniform(-max_angle, max_angle, case.bearing.rollers)

@@ -1,4 +1,4 @@
-"""`bearingsim sensitivity`: influence of each parameter on a feature, as a table, a sentence and a figure."""
+"""`bearingsim sensitivity`: influence of each parameter on a feature, in a table, a sentence and a figure."""
 
 import json
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from bearingsim.report import influence
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
-    from bearingsim.plots.sensitivity import Answer
+    from bearingsim.plots.sensitivity import FeatureAnalysis
     from bearingsim.sensitivity import Blocks, Effects, Estimate, Indices
     from bearingsim.store import Results
 
@@ -29,17 +29,17 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     feature_names = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
     target = _target(results, feature_names, out)
     all_blocks = [influence.blocks_of(results, feature) for feature in feature_names]
-    answers = [(blocks, analyse(blocks)) for blocks in all_blocks]
+    analyses = [(blocks, analyse(blocks)) for blocks in all_blocks]
     if as_json:
-        say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in answers}, indent=1))
+        say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in analyses}, indent=1))
     else:
-        for number, answer in enumerate(answers):
-            heading, heads, rows, texts = influence.influence_of(*answer)
+        for number, feature_analysis in enumerate(analyses):
+            heading, headers, rows, texts = influence.influence_of(*feature_analysis)
             say("\n" * bool(number) + heading)
-            print_table(heads, rows)
+            print_table(headers, rows)
             say("\n".join(texts))
     if out is not None or not as_json:
-        _draw(results, answers, target, quiet=as_json)
+        _draw(results, analyses, target, quiet=as_json)
 
 
 def _target(results: "Results", features: Sequence[str], out: Path | None) -> Path:
@@ -55,12 +55,12 @@ def _target(results: "Results", features: Sequence[str], out: Path | None) -> Pa
     return out
 
 
-def _draw(results: "Results", answers: "Sequence[Answer]", target: Path, quiet: bool) -> None:
+def _draw(results: "Results", analyses: "Sequence[FeatureAnalysis]", target: Path, quiet: bool) -> None:
     from bearingsim.plots import sensitivity
 
     check_writable(target.parent, "--out sensitivity.png")
     target.parent.mkdir(exist_ok=True)
-    file = sensitivity.draw(results, answers, target)
+    file = sensitivity.draw(results, analyses, target)
     if not quiet:
         say(short_path(file))
 

@@ -46,7 +46,7 @@ def mark_measured(
     factor: float,
     upright: bool = False,
 ) -> None:
-    """Draw the measured values of feature ``name`` as open marks.
+    """Draw the measured values of feature ``name`` as open markers.
 
     A mark has the colour of its curve, or ``COLOUR`` if it may belong to several. Points at other parameters than
     those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis; upright:

@@ -20,10 +20,13 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-Answer = tuple[Blocks, Indices | Effects]
+FeatureAnalysis = tuple[Blocks, Indices | Effects]
+"""Values of a feature by blocks, and their analysis."""
 COLUMN_IN, BAR_IN, NAMES_IN, POINTS_IN = 2.9, 0.42, 1.3, 2.9
-THICK = 0.38
-LABEL_CHARACTERS = 36
+"""Sizes (inches): width of a panel, height of a pair of bars, width of the names, height of a panel of points."""
+BAR_THICKNESS = 0.38
+"""Thickness of a bar, relative to the spacing of the parameters."""
+LABEL_CHARACTERS = 36  # per line of a panel's title
 BARS = (
     ("first", "first index (parameter alone)", "#9BD0F0"),
     ("total", "total index (with interactions)", COLOURS[0]),
@@ -31,31 +34,31 @@ BARS = (
 WHISKER: dict[str, Any] = {"ecolor": "0.15", "elinewidth": 1.0, "capsize": 2.0}
 
 
-def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
+def draw(results: "Results", analyses: Sequence[FeatureAnalysis], path: Path) -> Path:
     """Write the figure in the format given by the suffix of ``path``; return the file."""
     from bearingsim.plots.plot import written
 
     with drawing():
-        return written(figure(results, answers), path, results)
+        return written(figure(results, analyses), path, results)
 
 
-def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
-    """Draw a panel per feature; all answers belong to one design."""
-    blocks, indices = answers[0]
+def figure(results: "Results", analyses: Sequence[FeatureAnalysis]) -> Canvas:
+    """Draw a panel per feature; all features are from the same design."""
+    blocks, indices = analyses[0]
     design, units = results.plan["design"], results.plan["units"]
     names = [label_of(path, ends, units) for path, ends in zip(blocks.paths, design["ranges"], strict=True)]
     bars = isinstance(indices, Indices)
-    width = len(answers) * COLUMN_IN + NAMES_IN
+    width = len(analyses) * COLUMN_IN + NAMES_IN
     height = (len(names) * BAR_IN if bars else POINTS_IN) + 1.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
-    axes = canvas.subplots(1, len(answers), sharey=bars, squeeze=False)[0]
+    axes = canvas.subplots(1, len(analyses), sharey=bars, squeeze=False)[0]
     ranks = _ranks(indices) if isinstance(indices, Indices) else []
-    for ax, (blocks, answer) in zip(axes, answers, strict=True):
-        if isinstance(answer, Indices):
-            _bars(ax, answer, ranks, names)
+    for ax, (blocks, analysis) in zip(axes, analyses, strict=True):
+        if isinstance(analysis, Indices):
+            _bars(ax, analysis, ranks, names)
             ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_CHARACTERS), loc="left")
         else:
-            _points(ax, blocks, answer, names)
+            _points(ax, blocks, analysis, names)
     handles, texts = axes[0].get_legend_handles_labels()
     options: dict[str, Any] = (
         {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
@@ -63,14 +66,14 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
     canvas.legend(handles, texts, **options)
     table = results.table()[["job"]]
     rows = table[table["job"].isin(design["ids"])]
-    finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_notes(answers)])
+    finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_notes(analyses)])
     return canvas
 
 
-def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
+def label_of(path: str, limits: Sequence[float], units: Mapping[str, str]) -> str:
     """Format a parameter and its range (SI) in the study's unit, on two lines."""
     unit = labels.unit_of(path, units)
-    smallest, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
+    smallest, largest = (labels.number_text(labels.shown(path, end, unit)) for end in limits)
     name = labels.name_text(path)
     return f"{name[:1].upper()}{name[1:]}\n{smallest} to {labels.with_unit(largest, unit)}".rstrip()
 
@@ -83,8 +86,9 @@ def _ranks(indices: Indices) -> list[int]:
 def _bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequence[str]) -> None:
     for number, (name, text, colour) in enumerate(BARS):
         estimate: Estimate = getattr(indices, name)
-        where = [rank + (number - 0.5) * THICK for rank in ranks]
-        ax.barh(where, estimate.value, THICK, color=colour, label=text, xerr=_whiskers(estimate), error_kw=WHISKER)
+        where = [rank + (number - 0.5) * BAR_THICKNESS for rank in ranks]
+        options: dict[str, Any] = {"xerr": _whiskers(estimate), "error_kw": WHISKER}
+        ax.barh(where, estimate.value, BAR_THICKNESS, color=colour, label=text, **options)
     ax.set_yticks(ranks, names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.axvline(0.0, color="0.3", linewidth=0.8)
@@ -96,15 +100,16 @@ def _bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequence[st
 def _points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) -> None:
     unit, factor = labels.feature_axis(blocks.feature, float(effects.magnitude.high.max()))
     in_unit = f" ({unit})" if unit else ""
-    across, up = (
+    mu_star, sigma = (
         Estimate(*(factor * ends for ends in estimate)) for estimate in (effects.magnitude, effects.spread)
     )
     for number, name in enumerate(names):
         colour, mark = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
-        bars: dict[str, Any] = WHISKER | {"ecolor": colour, "color": colour, "marker": mark, "clip_on": False}
-        bars |= {"xerr": _whiskers(across)[:, [number]], "yerr": _whiskers(up)[:, [number]], "linestyle": ""}
-        ax.errorbar(across.value[number], up.value[number], label=name, **bars)
-    limit = 1.05 * float(max(across.high.max(), up.high.max()))
+        options: dict[str, Any] = WHISKER | {"ecolor": colour, "color": colour, "marker": mark, "clip_on": False}
+        x_error, y_error = (_whiskers(estimate)[:, [number]] for estimate in (mu_star, sigma))
+        options |= {"xerr": x_error, "yerr": y_error, "linestyle": "", "label": name}
+        ax.errorbar(mu_star.value[number], sigma.value[number], **options)
+    limit = 1.05 * float(max(mu_star.high.max(), sigma.high.max()))
     ax.plot([0.0, limit], [0.0, limit], color="0.6", linewidth=0.8, linestyle="--")
     ax.annotate("sigma = mu*", (0.93 * limit, 0.95 * limit), fontsize=7.0, color="0.4", ha="right")
     ax.set_xlim(0.0, limit)
@@ -115,11 +120,11 @@ def _points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) 
 
 
 def _whiskers(estimate: Estimate) -> np.ndarray:
-    """Return lower and upper error lengths (2, d) for matplotlib, clipped at zero against rounding."""
+    """Return lower and upper error lengths (2, d) for matplotlib, without negative rounding errors."""
     return np.maximum([estimate.value - estimate.low, estimate.high - estimate.value], 0.0)
 
 
-def _notes(answers: Sequence[Answer]) -> list[str]:
+def _notes(analyses: Sequence[FeatureAnalysis]) -> list[str]:
     """State the number of blocks and the meaning of the whiskers."""
-    counts = dict.fromkeys(f"{len(blocks.values)} of {blocks.planned} blocks" for blocks, _ in answers)
-    return [f"{' and '.join(counts)} ({answers[0][0].kind})", f"whiskers: {100 * LEVEL:.0f} % by bootstrap"]
+    counts = dict.fromkeys(f"{len(blocks.values)} of {blocks.planned} blocks" for blocks, _ in analyses)
+    return [f"{' and '.join(counts)} ({analyses[0][0].kind})", f"whiskers: {100 * LEVEL:.0f} % by bootstrap"]

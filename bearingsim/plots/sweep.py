@@ -50,7 +50,7 @@ BAR_POINTS = 4.0  # width of an uncertainty bar
 
 
 def draw(drawing: overlay.Drawing, caption: Sequence[str], measured: Sequence["MeasuredSet"] = ()) -> Canvas:
-    """Draw a completed figure, a line per combination of `by`, with measured points as open marks.
+    """Draw a completed figure, a line per combination of `by`, with measured points as open markers.
 
     caption: as of ``axes.draw_panels``.
     """

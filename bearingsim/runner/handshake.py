@@ -21,7 +21,7 @@ from distributed.comm.addressing import parse_address, parse_host_port
 from distributed.security import Security
 
 from bearingsim.errors import UserError
-from bearingsim.interruption import raise_lost
+from bearingsim.interruption import raise_if_signalled
 
 if TYPE_CHECKING:
     from distributed import Scheduler
@@ -146,7 +146,7 @@ def connect(address: str) -> Iterator[Client]:
 
 
 def _open_client(address: str) -> Client:
-    raise_lost()  # a signal may have been lost while distributed was imported
+    raise_if_signalled()  # a signal may have been lost while distributed was imported
     deadline = time.monotonic() + CONNECTION_S
     try:
         call_with_timeout(CONNECTION_S, partial(check_greeting, address, GREETING_S))

@@ -14,7 +14,7 @@ from types import FrameType
 from typing import Any
 
 from bearingsim.errors import Signalled, UserError
-from bearingsim.interruption import raise_lost
+from bearingsim.interruption import raise_if_signalled
 from bearingsim.text.terminal import say
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -62,7 +62,7 @@ def defer_signals() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    raise_lost()
+    raise_if_signalled()
     with _set_handlers(_request_stop):
         try:
             yield

@@ -1,6 +1,6 @@
-"""Decision on the cheapest model whose error bound from the reference is small enough for all cases of a curve.
+"""Choice of the cheapest model whose error bound against the reference suffices for all cases of a curve.
 
-Candidates are tried in the order of cost. Once one is accurate enough for all cases of a curve, only those that
+Candidates are tried in order of cost. Once one is accurate enough for all cases of a curve, only those that
 cost at most 11 % more (``SIMPLER_COST_RATIO``) are tried.
 """
 
@@ -30,7 +30,7 @@ from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Study
 from bearingsim.text.numbers import percent
 
-FOR_MODEL = 0.8
+MODEL_ERROR_SHARE = 0.8
 """Largest error of the model, as a share of the requested accuracy; the rest is for step error and scatter."""
 MIXED_COST_RATIO = 1.0 / 3.0
 """Cost ratio below which several models replace a single one for the cases of a curve."""
@@ -81,19 +81,21 @@ class ModelSelector:
                 for group in undecided
                 for trial in self._candidate_trials(group, worthwhile, evidence, friction)
             ]
-        return unique(missing) or self._nodes(evidence, self._models(evidence, friction)).trials()
+        return unique(missing) or self._discretisation(evidence, self._model_choices(evidence, friction)).trials()
 
     def _read_evidence(self, trials: TrialResults) -> tuple[Evidence, Friction]:
         """Return the errors of models and the effect of friction from trials."""
         assert self.study.goal is not None
         evidence = Evidence(self.study, self.curves, trials)
-        return evidence, Friction(evidence, self.tried_cases, self.curves, FOR_MODEL * self.study.goal.within)
+        return evidence, Friction(
+            evidence, self.tried_cases, self.curves, MODEL_ERROR_SHARE * self.study.goal.within
+        )
 
     def decide(self, trials: TrialResults) -> Decision:
         """Choose from the available trials; a missing trial counts as failed."""
         (evidence, friction), cases = self._read_evidence(trials), self.study.cases()
-        choices = self._models(evidence, friction)
-        discretisation = self._nodes(evidence, choices)
+        choices = self._model_choices(evidence, friction)
+        discretisation = self._discretisation(evidence, choices)
         for n in self.numbers:
             values, scales = evidence.sizes(n)
             choices[n] = replace(choices[n], nodes=discretisation.errors(n), values=values, scales=scales)
@@ -104,7 +106,7 @@ class ModelSelector:
         )
         return Decision({key(self.study, cases[n]): choice for n, choice in choices.items()}, repeating)
 
-    def _models(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
+    def _model_choices(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Return the choice for each case, without the errors of friction and discretisation."""
         trials, cases = evidence.trials, self.study.cases()
         choices = {n: self._untried_choice(n) for n in self.numbers}
@@ -128,7 +130,7 @@ class ModelSelector:
             return Choice(REFERENCE, case.model, NOTHING_CHEAPER, {})
         return Choice(WITH_FRICTION, case.model, FRICTION_NOT_TRIED, {})
 
-    def _nodes(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
+    def _discretisation(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
         """Return the discretisation errors of the choices from trials."""
         return Discretisation(evidence, self.curves, choices, lambda n, name: self.candidate_cases[name][n])
 
@@ -185,9 +187,9 @@ class ModelSelector:
         return sum(estimated_cpu_time(cases[n]) for n in group if n in cases)
 
     def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
-        """Check if the errors of model and friction are known, and within ``FOR_MODEL`` of the accuracy."""
+        """Check if the errors of model and friction are known and within ``MODEL_ERROR_SHARE`` of the accuracy."""
         assert self.study.goal is not None
-        return bool(errors) and _largest_sum(errors, friction) <= FOR_MODEL * self.study.goal.within
+        return bool(errors) and _largest_sum(errors, friction) <= MODEL_ERROR_SHARE * self.study.goal.within
 
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Choose one model for the cases of a group, or several if these cost less than a third
@@ -238,7 +240,7 @@ class ModelSelector:
             return SAVING_TOO_SMALL if untried else NOTHING_CHEAPER
         model_error = min(max(case_errors.values()) for case_errors in errors)
         total = min(_largest_sum(case_errors, friction.errors(n)) for case_errors in errors)
-        limit = FOR_MODEL * self.study.goal.within
+        limit = MODEL_ERROR_SHARE * self.study.goal.within
         if model_error == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"
         reason = f"the nearest cheaper model is {percent(model_error)} off"

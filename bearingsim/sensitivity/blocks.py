@@ -104,15 +104,15 @@ def collect_blocks(results: "Results", feature: str) -> Blocks:
             " that region from the ranges"
         )
     paths = tuple(design["paths"])
-    size = designs.block(design["kind"], len(paths))
+    size = designs.block_size(design["kind"], len(paths))
     values = rows[feature].to_numpy(float).reshape(-1, size)
-    points = designs.cube(design["kind"], len(values), len(paths), design["seed"]).reshape(-1, size, len(paths))
+    points = designs.unit_cube_points(design["kind"], len(values), len(paths), design["seed"])
     complete = np.isfinite(values).all(axis=1)
     blocks = Blocks(
         feature,
         design["kind"],
         paths,
-        points[complete],
+        points.reshape(-1, size, len(paths))[complete],
         values[complete],
         dropped=int((~complete).sum()),
         jobs=len(jobs),

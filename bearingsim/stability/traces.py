@@ -1,4 +1,4 @@
-"""Short runs by the own methods, including failures."""
+"""Short runs with the methods of this program, including failures."""
 
 import time
 from math import ceil
@@ -30,8 +30,9 @@ class Trace(NamedTuple):
     """Outcome of a run.
 
     stride: columns are ``stride`` times ``SAMPLE_INTERVAL`` apart; velocity: of the ring (2, n), m/s; contacts:
-    whether each roller is loaded at the outer race (Z, n); failure: a class of the map, empty on success; then its
-    reason, numbers of accepted and rejected steps, evaluations of the model and Newton iterations; cpu: s.
+    whether each roller is loaded at the outer race (Z, n); failure: class in the stability map, empty on success;
+    reason: of a failure; steps, rejected: numbers of accepted and rejected steps; evaluations: of the model;
+    iterations: of Newton's method; cpu: s.
     """
 
     stride: int
@@ -52,7 +53,7 @@ def skipped_trace(failure: str, reason: str) -> Trace:
 
 
 def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Trace:
-    """Step a copy of the buffer ``y`` (t = 0) through the scene, with at most ``limit`` s of CPU time."""
+    """Integrate a scene from a copy of the buffer ``y`` (t = 0), with at most ``limit`` s of CPU time."""
     y, Z = y.copy(), model.bearing.Z
     cells = np.array(
         [

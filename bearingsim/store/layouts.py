@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
 
-from bearingsim.designs import Kind, block
+from bearingsim.designs import Kind, block_size
 from bearingsim.figure_kinds import KINDS
 from bearingsim.store.own_files import ID
 from bearingsim.store.regular import Unreadable
@@ -222,7 +222,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
         raise Unreadable(f"jobs: job {unknown_id} is missing, but other entries of the plan refer to it")
     design = plan.get("design")
     if design is not None:
-        rows = block(design["kind"], len(design["paths"])) if design["kind"] in BLOCK_DESIGNS else 1
+        rows = block_size(design["kind"], len(design["paths"])) if design["kind"] in BLOCK_DESIGNS else 1
         if not design["paths"] or len(design["ranges"]) != len(design["paths"]) or len(design["ids"]) % rows:
             raise Unreadable("design: paths, ranges and jobs are inconsistent")
 

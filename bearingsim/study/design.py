@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bearingsim.designs import EXTENSIBLE, Kind, block, cube
+from bearingsim.designs import EXTENSIBLE, Kind, block_size, unit_cube_points
 from bearingsim.study.distributions import at_key, range_of, si_bounds
 from bearingsim.study.sweep import Axis, EntryError
 from bearingsim.study.sweep_settings import SweepSettings
@@ -36,9 +36,9 @@ BLOCK_DESIGNS: tuple[Kind, ...] = ("saltelli", "morris")
 class Design:
     """Design swept by a study; ``ids``: ids of the jobs of all rows, in order. Two rows may share a job.
 
-    kind, n, seed: as in ``designs.cube``; paths: one per column; ranges: their bounds (SI). With `lhs` and `sobol`
-    a study may sweep further paths and exclude combinations: ``ids`` then lists all remaining combinations, with
-    the row of the design varying slowest.
+    kind, n, seed: as in ``designs.unit_cube_points``; paths: one per column; ranges: their bounds (SI). With `lhs`
+    and `sobol` a study may sweep further paths and exclude combinations: ``ids`` then lists all remaining
+    combinations, with the row of the design varying slowest.
     """
 
     kind: Kind
@@ -109,7 +109,8 @@ def _read_design(kind: Kind, entry: Node, max_rows: int) -> tuple[SampledDesign,
     n, seed = _count(kind, entry, max_rows), _seed(entry)
     ranges = [range_of(path, node) for path, node in over.mapping.items()]
     columns = [
-        bounds.nodes(column) for bounds, column in zip(ranges, cube(kind, n, len(ranges), seed).T, strict=True)
+        bounds.nodes(column)
+        for bounds, column in zip(ranges, unit_cube_points(kind, n, len(ranges), seed).T, strict=True)
     ]
     paths = tuple(over.mapping)
     axis = Axis(paths, tuple(zip(*columns, strict=True)), tuple(over.mapping.values()))
@@ -127,7 +128,7 @@ def _count(kind: Kind, entry: Node, max_rows: int) -> int:
             node, f".n: expected the number of {COUNT_NOUNS[kind]}, a whole number above zero, got `{node.text}`"
         )
     n, d = int(node.text), len(entry.mapping["over"].mapping)
-    rows = n * block(kind, d)
+    rows = n * block_size(kind, d)
     if rows > max_rows:
         size = f"{node.text} {COUNT_NOUNS[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
         raise EntryError(node, f".n: {size}; at most {max_rows} are possible")

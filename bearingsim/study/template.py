@@ -99,7 +99,7 @@ figures:
 # `error.damping` in the table
 # uncertainty: {damping: [0.5 us, 10 us]}                   # c/k of a contact; `none`: vary nothing
 
-# Measured features or signals for comparison: open marks in figures, differences in `bearingsim show`
+# Measured features or signals for comparison: open markers in figures, differences in `bearingsim show`
 # measured:
 #   - {points: line.csv, label: test rig}      # header with units: load [N], velocity@BPFO [um/s]
 #   - signals: [{file: run1.wav, at: {load: 150 N}, rate: 51.2 kHz, unit: m/s^2}]

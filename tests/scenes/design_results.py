@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bearingsim.designs import cube
+from bearingsim.designs import unit_cube_points
 from bearingsim.runner import run
 from bearingsim.study.design import Design
 from tests.scenes.fake_studies import ENGINE, FakeCase, FakeJob, FakeStudy, case_id
@@ -29,7 +29,7 @@ class DesignStudy(FakeStudy):
 
     def rows(self) -> list[Any]:
         """A job for each row of the design."""
-        return [self.job(*row) for row in enumerate(cube(self.kind, self.n, len(PATHS), 1))]
+        return [self.job(*row) for row in enumerate(unit_cube_points(self.kind, self.n, len(PATHS), 1))]
 
     def job(self, row: int, point: Any) -> Any:
         width, load = point

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.designs import block, cube
+from bearingsim.designs import block_size, unit_cube_points
 from bearingsim.sensitivity import SensitivityError, analyse, collect_blocks, estimates
 from tests.scenes.closed_forms import ISHIGAMI
 
@@ -17,7 +17,7 @@ PATHS = ["defect.width", "load", "clearance"]
 
 def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI.function, **columns):
     """Results with the values of a function in the rows of a design; some jobs, by row, without."""
-    points = cube(kind, n, len(PATHS), 1)
+    points = unit_cube_points(kind, n, len(PATHS), 1)
     ids = [f"{row:04}" for row in range(len(points))]
     table = pd.DataFrame({"job": ids, "status": "done", LINE: of(points), **columns})
     for rows, status in ((failed, "failed"), (missing, "missing")):
@@ -39,7 +39,7 @@ def refused(*positional, of=LINE, **columns):
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
 def test_values_are_in_rows_of_design(kind):
     result = collect_blocks(results(kind), LINE)
-    assert result.values.shape == (8, block(kind, 3))
+    assert result.values.shape == (8, block_size(kind, 3))
     assert result.values == pytest.approx(ISHIGAMI.function(result.points))
     assert (result.dropped, result.failed, result.valueless, result.jobs) == (0, 0, 0, result.values.size)
     assert result.losses() == ""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import sobol_indices
 
-from bearingsim.designs import cube
+from bearingsim.designs import unit_cube_points
 from bearingsim.sensitivity import estimates
 from bearingsim.sensitivity.estimates import estimate
 from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, ReferenceIndices
@@ -15,7 +15,7 @@ BOTH = np.stack
 
 def blocks_of(closed_form: ReferenceIndices, n: int, seed: int = 1):
     d = len(closed_form.first)
-    return closed_form.function(cube("saltelli", n, d, seed)).reshape(n, d + 2)
+    return closed_form.function(unit_cube_points("saltelli", n, d, seed)).reshape(n, d + 2)
 
 
 def test_closed_forms_agree_with_literature():
@@ -58,7 +58,7 @@ def pair(u):
 @pytest.mark.parametrize("seed", range(5))
 def test_correlated_columns_give_no_false_first_index(seed):
     """Of six parameters at 128 blocks, those columns of A and B are correlated whatever the scramble."""
-    f = pair(cube("saltelli", 128, 6, seed)).reshape(128, 8)
+    f = pair(unit_cube_points("saltelli", 128, 6, seed)).reshape(128, 8)
     assert abs(np.corrcoef(f[:, 0], f[:, 1])[0, 1]) > 0.3
     result = estimates.estimate_indices(f)
     assert np.abs(result.first.value).max() < 0.12
@@ -66,7 +66,7 @@ def test_correlated_columns_give_no_false_first_index(seed):
 
 
 def test_inert_parameter_has_index_zero():
-    f = (cube("saltelli", 16, 2, 1)[:, 0] ** 2).reshape(16, 4)
+    f = (unit_cube_points("saltelli", 16, 2, 1)[:, 0] ** 2).reshape(16, 4)
     assert estimates.indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
 
 
@@ -77,7 +77,7 @@ def test_first_indices_are_independent_of_mean():
 
 def test_pure_interaction_is_found():
     d = 2
-    f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
+    f = np.prod(unit_cube_points("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
     result = estimates.estimate_indices(f)
     assert result.interaction.value == pytest.approx([1.0], abs=0.05)
     assert result.interaction.low[0] > 0.9
@@ -91,7 +91,7 @@ def independent(n, d, seed):
 
 
 def of_design(n, d, seed):
-    return cube("saltelli", n, d, seed)
+    return unit_cube_points("saltelli", n, d, seed)
 
 
 @pytest.mark.parametrize(
@@ -126,13 +126,13 @@ def test_bootstrap_draws_whole_blocks():
 @pytest.mark.parametrize("n", [128, 2**14])
 def test_morris_ranks_by_total_index(closed_form, n):
     d = len(closed_form.first)
-    points = cube("morris", n, d, 1).reshape(n, d + 1, d)
+    points = unit_cube_points("morris", n, d, 1).reshape(n, d + 1, d)
     magnitude = np.abs(estimates.elementary(points, closed_form.function(points))).mean(axis=0)
     assert np.argsort(-magnitude).tolist() == np.argsort(-closed_form.total).tolist()
 
 
 def test_effects_of_linear_function_are_its_slopes():
-    points = cube("morris", 20, 3, 1).reshape(20, 4, 3)
+    points = unit_cube_points("morris", 20, 3, 1).reshape(20, 4, 3)
     result = estimates.estimate_effects(points, points @ np.array([3.0, -2.0, 0.0]))
     assert result.mean.value == pytest.approx([3.0, -2.0, 0.0])
     assert result.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
@@ -140,7 +140,7 @@ def test_effects_of_linear_function_are_its_slopes():
 
 
 def test_interaction_has_spread():
-    points = cube("morris", 400, 2, 1).reshape(400, 3, 2)
+    points = unit_cube_points("morris", 400, 2, 1).reshape(400, 3, 2)
     x, y = np.moveaxis(points, -1, 0)
     result = estimates.estimate_effects(points, x * (y - 0.5))
     assert result.spread.low[0] > np.abs(result.mean.high[0])

@@ -34,12 +34,12 @@ def first_problem(path: Path, overrides: dict[str, str] | None = None, quick: bo
 @pytest.mark.parametrize("kind", KINDS)
 def test_design_maps_points_of_the_unit_cube_to_its_paths(write: Write, kind: Kind) -> None:
     study = load_study(write(sweep(kind, 8)))
-    cube = designs.cube(kind, 8, 2, seed=1)
+    cube = designs.unit_cube_points(kind, 8, 2, seed=1)
     assert values(study, "defect.width") == pytest.approx(0.2e-3 + 1.8e-3 * cube[:, 0], rel=1e-11)
     assert values(study, "load") == pytest.approx(50.0 * 10.0 ** cube[:, 1], rel=1e-11)
     design = design_of(study)
     assert (design.kind, design.n, design.seed, design.paths) == (kind, 8, 1, ("defect.width", "load"))
-    assert len(design.ids) == 8 * designs.block(kind, 2)
+    assert len(design.ids) == 8 * designs.block_size(kind, 2)
     assert study.units == {"defect.width": "mm", "load": "N"}
 
 
