@@ -178,7 +178,7 @@ class ModelSelector:
             if len(cases) == len(group) and all(
                 self._is_accurate(evidence.errors(n, case), friction.errors(n)) for n, case in cases.items()
             ):
-                accepted_cost = cost
+                accepted_cost = min(accepted_cost, cost)
         return []
 
     def _cost(self, name: str, group: Sequence[int]) -> float:
@@ -238,8 +238,9 @@ class ModelSelector:
         if not errors:
             untried = [case for case in cases if trials_of(self.study, n, case)[0].id not in evidence.trials]
             return SAVING_TOO_SMALL if untried else NOTHING_CHEAPER
-        model_error = min(max(case_errors.values()) for case_errors in errors)
-        total = min(_largest_sum(case_errors, friction.errors(n)) for case_errors in errors)
+        total, model_error = min(
+            (_largest_sum(case_errors, friction.errors(n)), max(case_errors.values())) for case_errors in errors
+        )
         limit = MODEL_ERROR_SHARE * self.study.goal.within
         if model_error == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"

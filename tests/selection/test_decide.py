@@ -30,6 +30,18 @@ def chosen_candidates(study: Study, evaluate: TrialFunction) -> list[str]:
     return [choice.candidate for choice in choose(study, evaluate)]
 
 
+def models_tried(study: Study, factors: dict[str, float]) -> set[str]:
+    """Return the models of all trials; their values differ by ``factors``."""
+    models = set()
+
+    def evaluate(request: TrialRequest) -> Trial | None:
+        models.add(request.case.model)
+        return trials_by_model(FAR | factors)(request)
+
+    run_trials(study, evaluate)
+    return models
+
+
 @pytest.mark.parametrize(
     ("off", "model"),
     [
@@ -199,14 +211,16 @@ def test_periodic_reference_is_chosen_without_trials(write: Write) -> None:
 def test_models_dearer_than_a_sufficient_one_are_not_tried(
     write: Write, costs: dict[str, float], off: dict[str, float], tried: set[str]
 ) -> None:
-    models = set()
+    assert models_tried(accuracy_study(write), {"rollers": 1.01} | off) == tried
 
-    def evaluate(request: TrialRequest) -> Trial | None:
-        models.add(request.case.model)
-        return trials_by_model(FAR | {"rollers": 1.01} | off)(request)
 
-    run_trials(accuracy_study(write), evaluate)
-    assert models == tried
+def test_a_model_is_not_tried_that_costs_over_a_ninth_more_than_the_cheapest_sufficient_one(
+    write: Write, costs: dict[str, float]
+) -> None:
+    """Each costs about 10 % more than the one before."""
+    costs |= {"static": 1.0, "ring": 1.1, "rollers": 1.2}
+    tried = models_tried(accuracy_study(write), {"static": 1.0, "ring": 1.0, "rollers": 1.0})
+    assert tried == {"planar", "static", "ring"}
 
 
 def test_nan_feature_makes_model_insufficient(write: Write, costs: dict[str, float]) -> None:
