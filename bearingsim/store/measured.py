@@ -132,7 +132,8 @@ def _value_at(cases: Sequence[Mapping[Any, Any]], parameters: Values, feature: s
         below, above = [pair for pair in numbers if pair[0] < value], [pair for pair in numbers if pair[0] > value]
         if below and above:
             (x0, y0), (x1, y1) = below[-1], above[0]
-            return "", y0 + difference(feature, y1, y0) * (value - x0) / (x1 - x0)
+            between = y0 + difference(feature, y1, y0) * (value - x0) / (x1 - x0)
+            return "", difference(feature, between, 0.0)  # a phase again from -pi to pi
     return "", float("nan")
 
 

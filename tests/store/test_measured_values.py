@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bearingsim.report.measured import measured_tables
+from bearingsim.report.measured import DIFFERENCE, measured_tables
 from bearingsim.store.measured import difference, measured_sets
 
 LINE, ENVELOPE, KURTOSIS = "velocity@BPFO", "envelope@BPFO", "velocity.kurtosis"
@@ -46,10 +46,10 @@ def test_a_point_between_cases_is_compared_with_the_straight_line():
 
 def test_phases_are_compared_on_the_shorter_arc():
     rows, phase = table(), f"{LINE}.phase"
-    rows[phase] = [3.0, -3.0, -2.0, 0.0][: len(rows)]
+    rows[phase] = [3.0, -2.9, -2.0, 0.0][: len(rows)]
     (entry,) = sets([{"parameters": {"load": 150.0, "width": 1.0}, "features": {phase: 3.0}}], rows)
     (item,) = entry.comparisons
-    halfway = 3.0 + 0.5 * (2.0 * pi - 6.0)  # from 3 to -3 + 2 pi
+    halfway = 3.0 + 0.5 * (2.0 * pi - 5.9) - 2.0 * pi  # from 3 to -2.9 + 2 pi
     assert isclose(item.simulated, halfway)
     assert isclose(difference(phase, -3.0, 3.0), 2.0 * pi - 6.0)
     assert difference(LINE, -3.0, 3.0) == -6.0
@@ -63,7 +63,8 @@ def test_phases_have_a_difference_but_no_ratio():
     opened = sets([{"parameters": {"load": 100.0, "width": 1.0}, "features": features}], rows)
     results: Any = SimpleNamespace(plan={"units": {"load": "N", "width": "mm"}}, measured=opened)
     [shown] = measured_tables(results)
-    ratios = {row[0]: (row[5], row[6]) for row in shown.rows}
+    difference_column = shown.headers.index(DIFFERENCE)
+    ratios = {row[0]: tuple(row[difference_column : difference_column + 2]) for row in shown.rows}
     assert ratios == {phase: ("16.23", "-"), LINE: ("100.5", "2")}
 
 
