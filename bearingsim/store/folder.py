@@ -14,7 +14,7 @@ from bearingsim.store.journal import Failure, load_failures, log
 from bearingsim.store.marker import ForeignFolder, OtherStudy, claim, mark, owner
 from bearingsim.store.results import open_results, results_folder
 from bearingsim.store.sealed import mark_damaged
-from bearingsim.store.table import STUDY_FILE, read_frame
+from bearingsim.store.table import OWN_FILE, STUDY_FILE, read_frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -104,13 +104,16 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
 
 
 def refuse_own_study_file(root: Path, study: "Study") -> None:
-    """Raise ForeignFolder if ``study.yaml`` in the folder is the study file of an earlier run, not of this one."""
+    """Raise ForeignFolder if ``study.yaml`` in the folder is the study file of an earlier run, not of this one.
+
+    The plan states whether it is: a path as typed would depend on the working folder, and on the folder's place.
+    """
     copy = (root / STUDY_FILE).resolve()
     try:
-        stored_file = open_results(root).plan.get("file")
+        is_own_file = open_results(root).plan.get(OWN_FILE, False)
     except ResultsError:
         return
-    if copy.is_file() and _is_same_file(stored_file, copy) and not _is_same_file(study.path, copy):
+    if is_own_file and _is_lost(copy, study):
         suggestion = _suggested_folder(root, study.name, bool(study.quick))
         raise ForeignFolder(
             f"{copy} is the study file of an earlier run and would be overwritten: use another folder, such as"
@@ -118,9 +121,10 @@ def refuse_own_study_file(root: Path, study: "Study") -> None:
         )
 
 
-def _is_same_file(file: object, copy: Path) -> bool:
-    """Return True if a study was read from the file ``copy``; file: path of the study, as typed."""
-    return file is not None and Path(str(file)).resolve() == copy
+def _is_lost(file: Path, study: "Study") -> bool:
+    """Return True if a run of the study would replace a file by another text."""
+    is_written = file.is_file() and Path(study.path).resolve() != file
+    return is_written and file.read_bytes() != study.text.encode()
 
 
 def _suggested_folder(root: Path, study: str, quick: bool) -> str:

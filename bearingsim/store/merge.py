@@ -25,10 +25,10 @@ from bearingsim.store.regular import digest, read_regular
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.scans import check_scans, copy_scans
 from bearingsim.store.sealed import UNREADABLE, read_json
-from bearingsim.store.table import build_table
+from bearingsim.store.table import OWN_FILE, build_table
 from bearingsim.store.units import DamagedUnit, check_unit, result_digests, unit_path
 
-RUN_ENTRIES = {"file", "made_of", "notes"}
+RUN_ENTRIES = {"file", OWN_FILE, "made_of", "notes"}
 """Entries of a plan that may differ between runs of one study."""
 REPORTED_FIRST = ("study", "model_version", "quick", "overrides", "jobs")
 """Entries of a plan whose differences are reported first."""

@@ -37,15 +37,18 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
 
 JOB_COLUMNS = ("status", "reason", "healthy", "unit", "stamp")
-STUDY_FILE = "study.yaml"
+STUDY_FILE, CSV_FILE = "study.yaml", "results.csv"
+OWN_FILE = "own_study_file"
+"""Entry of a plan: True if ``study.yaml`` in the folder is the user's study file, False if it is a copy."""
 DIGESTS = ("fingerprint", "csv")
 """Digests stored in ``study.h5``: of the sources of the table, and of ``results.csv``."""
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
     """Write ``study.yaml`` (unless the study was read from there) and ``plan.json``; return the plan."""
-    plan = make_plan(study, jobs, notes)
-    if study.path is None or Path(study.path).resolve() != (root / STUDY_FILE).resolve():
+    is_own_file = study.path is not None and Path(study.path).resolve() == (root / STUDY_FILE).resolve()
+    plan = make_plan(study, jobs, notes) | {OWN_FILE: is_own_file}
+    if not is_own_file:
         write_text(root / STUDY_FILE, study.text)
     write_json(root / "plan.json", plan)
     return plan
@@ -125,12 +128,13 @@ def job_frame(root: Path) -> "pd.DataFrame":
     """Return the data of each planned job, indexed by id.
 
     Columns: ``parameters/...``, ``features/...``, ``info/...``, ``status`` (done, failed, missing), ``reason``,
-    ``healthy`` (id of the healthy case), ``unit``. The frame is read from ``study.h5`` if that is up to date;
-    otherwise it is rebuilt, and written if possible.
+    ``healthy`` (id of the healthy case), ``unit``. The frame is read from ``study.h5`` if that is up to date and
+    ``results.csv`` exists; otherwise both are rebuilt, and written if possible.
     """
     fingerprint = _fingerprint(root)
     stored = read_frame(root)
-    if stored is not None and stored.attrs["fingerprint"] == fingerprint:
+    has_csv = (root / CSV_FILE).is_file()
+    if stored is not None and stored.attrs["fingerprint"] == fingerprint and has_csv:
         return stored
     with suppress(OSError, DiskFull):
         return build_table(root)
@@ -153,12 +157,12 @@ def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
     with lock(root):
         fingerprint = _fingerprint(root)
         stored = read_frame(root)
-        digests = {"fingerprint": fingerprint, "csv": _digest(root / "results.csv")}
+        digests = {"fingerprint": fingerprint, "csv": _digest(root / CSV_FILE)}
         if stored is not None and stored.attrs == digests:
             return stored
         plan = read_plan(root)
         frame = _make_frame(root, plan, stored, rows or {}, read_failures(root))
-        write_text(root / "results.csv", csv_text(table(plan, frame)))
+        write_text(root / CSV_FILE, csv_text(table(plan, frame)))
         _write_frame(root, frame, fingerprint)
     return frame.sort_index(axis=1)
 
@@ -301,7 +305,7 @@ def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
             names = [name for name in frame.columns if name.startswith(f"{group}/")]
             columns = {name.partition("/")[2]: _column(frame[name]) for name in names}
             write_columns(file, jobs, group, columns)
-        digests = (fingerprint, _digest(root / "results.csv"))
+        digests = (fingerprint, _digest(root / CSV_FILE))
         file.attrs.update({name: np.bytes_(digest) for name, digest in zip(DIGESTS, digests, strict=True)})
 
 

@@ -284,6 +284,24 @@ def test_study_file_in_its_results_folder_is_unchanged(tmp_path, monkeypatch, do
     assert Path("study.yaml").read_bytes() == mine
 
 
+def test_study_file_in_its_results_folder_is_unchanged_from_any_place(tmp_path, monkeypatch, done):
+    """The working folder may be another one, and the results folder may have been moved."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(done, "ours")
+    mine = STUDY.replace("300 N", "310 N") + "# my notes\n"
+    Path("ours/study.yaml").write_text(mine)
+    type_("run", "ours/study.yaml", "--out", "ours", "--jobs", "1", "--quick")
+    Path("elsewhere").mkdir()
+    Path("ours").rename("moved")
+    monkeypatch.chdir("elsewhere")
+    Path("other.yaml").write_text(STUDY)
+    stderr = type_("run", "other.yaml", "--out", "../moved", "--jobs", "1", "--quick", code=2)[1]
+    assert "is the study file of an earlier run" in " ".join(stderr.split())
+    assert Path("../moved/study.yaml").read_text() == mine
+    Path("other.yaml").write_text(mine)  # nothing would be lost
+    type_("run", "other.yaml", "--out", "../moved", "--jobs", "1", "--quick")
+
+
 def test_existing_figure_is_replaced(done, tmp_path):
     for file_format in ("png", "svg", "pdf"):
         first = type_("plot", done, "--out", tmp_path, "--format", file_format)[0]
