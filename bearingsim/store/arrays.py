@@ -1,6 +1,7 @@
 """Results as a dataset of xarray, over jobs or over a grid of the swept values."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from itertools import product
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -110,30 +111,43 @@ def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
     }
     coordinates: dict[Hashable, Any] = {path: (path, list(values)) for path, values in axes.items()}
     for path, leading in dependent.items():
-        values = dict(zip(cases[leading], cases[path], strict=True))
-        coordinates[path] = (leading, [values[value] for value in axes[leading]])
+        values = dict(zip(cases[leading].itertuples(index=False, name=None), cases[path], strict=True))
+        grid = [values[point] for point in product(*(axes[axis] for axis in leading))]
+        coordinates[path] = (leading, np.array(grid).reshape([len(axes[axis]) for axis in leading]))
     described = {name: (*item, parameter_attributes(str(name))) for name, item in coordinates.items()}
     time = {"time": data["time"]} if "time" in data.variables else {}
     return xr.Dataset(variables, coords=described | time, attrs=data.attrs)
 
 
-def _axes(cases: "pd.DataFrame") -> tuple[dict[str, dict[Any, int]], dict[str, str]]:
-    """Return the values of each dimension with their positions, and the paths that follow from a dimension.
+def _axes(cases: "pd.DataFrame") -> tuple[dict[str, dict[Any, int]], dict[str, list[str]]]:
+    """Return the values of each dimension with their positions, and the dimensions from which other paths follow.
 
-    A path follows from another one if the latter has one value of it for each of its own, as in a `zip`.
+    A path follows from others if each combination of their values has one value of it, as in a `zip` or `derived`.
+    Of paths that follow from each other the first in the order of the sweep is a dimension.
     """
     values = {str(path): {value: i for i, value in enumerate(dict.fromkeys(cases[path]))} for path in cases}
-    axes: dict[str, dict[Any, int]] = {}
-    dependent: dict[str, str] = {}
-    for path in sorted(values, key=lambda path: -len(values[path])):  # stable: the order of the sweep
-        leading = next(
-            (axis for axis in axes if len(cases[[axis, path]].drop_duplicates()) == len(axes[axis])), ""
-        )
-        if leading and len(values[path]) > 1:
-            dependent[path] = leading
-        else:
-            axes[path] = values[path]
-    return {path: axes[path] for path in values if path in axes}, dependent
+    swept = [path for path in values if len(values[path]) > 1]
+    leading = _reduced(cases, swept, [])
+    dependent = {path: _reduced(cases, leading, [path]) for path in swept if path not in leading}
+    return {path: values[path] for path in values if path not in dependent}, dependent
+
+
+def _reduced(cases: "pd.DataFrame", paths: Sequence[str], targets: Sequence[str]) -> list[str]:
+    """Remove paths, last ones first, as long as the others determine them, or the ``targets`` if given.
+
+    Paths determine others if the latter add no combination of values.
+    """
+    remaining = list(paths)
+    for path in reversed(paths):
+        others = [other for other in remaining if other != path]
+        if others and _count(cases, others) == _count(cases, [*others, *(targets or [path])]):
+            remaining = others
+    return remaining
+
+
+def _count(cases: "pd.DataFrame", paths: Sequence[str]) -> int:
+    """Count the different combinations of values of some paths."""
+    return len(cases[list(paths)].drop_duplicates())
 
 
 def _dimensions(dims: Sequence[Hashable], axes: Mapping[str, Any]) -> tuple[Hashable, ...]:

@@ -149,9 +149,9 @@ class Results:
         """Return series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
 
         grid: a dimension for each swept path instead of ``job``, without healthy baselines; paths that follow from
-        another one, as in a `zip`, are coordinates along it, and jobs that are not done are NaN. Loads all series
-        into memory. Raises ResultsError if xarray is missing, a job is unknown, time axes differ, or the cases do
-        not form a full grid.
+        others, as in a `zip` or `derived`, are coordinates along them, and jobs that are not done are NaN.
+        Loads all series into memory. Raises ResultsError if xarray is missing, a job is unknown, time axes differ,
+        or the cases do not form a full grid.
         """
         return dataset(self.plan, self._table, self.has_feature, self.series, jobs, grid)
 

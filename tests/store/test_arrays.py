@@ -63,6 +63,20 @@ def test_paths_that_vary_together_share_a_dimension(tmp_path: Path) -> None:
     assert data["defect.depth"].values.tolist() == [1e-5, 2e-5, 2e-5]
 
 
+@pytest.mark.parametrize("widths", [(1e-3, 2e-3), (1e-3, 3e-3)])
+def test_path_that_follows_from_two_others_is_a_coordinate_over_both(
+    tmp_path: Path, widths: tuple[float, float]
+) -> None:
+    """With 1 and 2 mm two combinations of load and width have one depth; with 1 and 3 mm all differ."""
+    values = [
+        {"load": load, "defect.width": width, "defect.depth": load * width} for load in LOADS for width in widths
+    ]
+    data = results_of(tmp_path, values).to_xarray(grid=True)
+    assert dict(data.sizes) == {"load": 2, "defect.width": 2, "time": 205}
+    assert data["defect.depth"].dims == ("load", "defect.width")
+    np.testing.assert_array_equal(data["defect.depth"], np.outer(LOADS, widths))
+
+
 def test_jobs_that_are_not_done_are_nan(tmp_path: Path) -> None:
     values = [{"load": load, "model": model} for load in LOADS for model in ("static", "ring")]
     data = results_of(tmp_path, values, done=3).to_xarray(grid=True)
