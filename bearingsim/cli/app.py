@@ -23,7 +23,7 @@ from bearingsim.cli.options import (
     Set,
     StudyFile,
     is_verbose,
-    parse_assignment,
+    parse_assignments,
     parse_failure_limit,
     parse_shard,
     parse_time,
@@ -207,7 +207,7 @@ def run(
 
     summary = None
     if shard_numbers == (1, 1) and not (fresh or verify):
-        summary = runner.completed_summary(study, out, dict(map(parse_assignment, set_ or [])), quick)
+        summary = runner.completed_summary(study, out, parse_assignments(set_), quick)
     if summary is None:
         loaded_study = _load(study, set_, quick)
         summary = runner.run(
@@ -251,9 +251,11 @@ def _load(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     from bearingsim.study import load_study
 
     with announcer(seconds=SILENCE_S) as announcements:
-        overrides = dict(map(parse_assignment, assignments or []))
         study = load_study(
-            path, overrides, quick, lambda count: announcements.begin(f"reading {group_digits(count)} cases")
+            path,
+            parse_assignments(assignments),
+            quick,
+            lambda count: announcements.begin(f"reading {group_digits(count)} cases"),
         )
     if quick and not study.quick:
         say(f"{path} has no `quick:` section, so this is the whole study", err=True)

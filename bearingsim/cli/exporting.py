@@ -17,8 +17,24 @@ if TYPE_CHECKING:
     from bearingsim.store import Results, Series
 
 
-def features(results: "Results", path: Path | None, file_format: str | None, force: bool) -> Path:
-    """Write the table of jobs to csv or parquet; return the path of the file (`-`: stdout).
+def targets(
+    results: "Results", features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None
+) -> tuple[Path | None, Path | None]:
+    """Return the files of the table and of the series; None for one that is not written.
+
+    Raises UserError if both are one file, because the series would replace the table.
+    """
+    study = results.plan["study"]
+    table = None if jobs else Path(f"{study}-features.{file_format or 'csv'}")
+    table = features or table
+    series = out or Path(f"{study}-series.{file_format or 'csv'}") if jobs else None
+    if table and series and table.resolve() == series.resolve():
+        raise UserError(f"{series} is named for the table and for the time series; name two files")
+    return table, series
+
+
+def features(results: "Results", target: Path, force: bool) -> None:
+    """Write the table of jobs to csv or parquet (`-`: to stdout).
 
     Values are in SI; csv has headers with units, and swept speeds in the unit of the study.
 
@@ -28,22 +44,17 @@ def features(results: "Results", path: Path | None, file_format: str | None, for
         "csv": lambda table: csv_text(_with_units(table, results.plan["units"])).encode(),
         "parquet": _parquet,
     }
-    target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
     write = writers[_suffix(target, tuple(writers))]
     _refuse_existing(target, force)
     _write(target, write(results.table()))
-    return target
 
 
-def series(
-    results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None, force: bool
-) -> Path:
-    """Write the recorded series (SI) of some jobs to csv or mat; return the path of the file (`-`: stdout).
+def series(results: "Results", jobs: Sequence[str], target: Path, force: bool) -> None:
+    """Write the recorded series (SI) of some jobs to csv or mat (`-`: to stdout).
 
     force: replace an existing file. Raises UserError for an existing file without it, or for a job without series,
     and ResultsError for an unknown or unfinished job.
     """
-    target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
     _refuse_existing(target, force)
     series_by_job = {job: results.series(job) for job in jobs}
@@ -52,7 +63,6 @@ def series(
         raise UserError(f"job {empty_jobs[0]} has no series because the study has `record: []`")
     write = _csv if suffix == "csv" else _mat
     _write(target, write(series_by_job, results))
-    return target
 
 
 def finished(results: "Results") -> list[str]:

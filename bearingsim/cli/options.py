@@ -35,6 +35,18 @@ def parse_assignment(text: str, option: str = "--set") -> tuple[str, str]:
     return path.strip(), value.strip()
 
 
+def parse_assignments(texts: Sequence[str] | None, option: str = "--set") -> dict[str, str]:
+    """Split each `PATH=VALUE` of a repeated option. Raises BadParameter.
+
+    A path given again takes its last place, because a section replaces the parts that were set before it.
+    """
+    values: dict[str, str] = {}
+    for path, value in (parse_assignment(text, option) for text in texts or []):
+        values.pop(path, None)
+        values[path] = value
+    return values
+
+
 def parse_time(option: str, text: str) -> float:
     """Parse the time (s) of an option. Raises BadParameter unless it is positive."""
     from bearingsim.text.units import UnitError, parse

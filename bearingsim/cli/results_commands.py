@@ -9,7 +9,7 @@ from typer.models import OptionInfo
 
 from bearingsim.cli import completion
 from bearingsim.cli.opening import check_writable, find_job, find_results, reads_results, shell_path, short_path
-from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment
+from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignments
 from bearingsim.figure_kinds import AROUND, HEALTHY, KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
 
@@ -80,7 +80,7 @@ def plot(
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
     options = {
         "y": y, "x": x, "by": by, "panels": panels,
-        "where": dict(parse_assignment(text, "--where") for text in where or []),
+        "where": parse_assignments(where, "--where"),
         "from": start, "to": stop, "span": span, "around": around, "range": limits, "band": band, "log": log,
         "db": db, "unit": unit, "mean": mean, "healthy": healthy, "orders": orders,
     }  # fmt: skip
@@ -214,11 +214,12 @@ def export(
     else:
         ids = [find_job(study_results, text) for text in series or []]
     exporting.check(features, ids, out, file_format)
-    files = []
-    if features or not ids:
-        files.append(exporting.features(study_results, features, None if ids else file_format, force))
-    if ids:
-        files.append(exporting.series(study_results, ids, out, file_format, force))
+    table_file, series_file = exporting.targets(study_results, features, ids, out, file_format)
+    if table_file is not None:
+        exporting.features(study_results, table_file, force)
+    if series_file is not None:
+        exporting.series(study_results, ids, series_file, force)
+    files = [path for path in (table_file, series_file) if path is not None]
     for path in files:
         if path != exporting.STDOUT:
             say(short_path(path), err=exporting.STDOUT in files)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from io import BytesIO, StringIO
@@ -245,6 +246,24 @@ def test_unsuitable_exports_to_stdout_are_refused(done, words, message):
     assert (
         message in type_("export", done, *(ids(done)[0] if word == "JOB" else word for word in words), code=2)[1]
     )
+
+
+@pytest.mark.parametrize("series", ["one.csv", "./one.csv"])
+def test_table_and_series_in_one_file_are_refused(done, tmp_path, monkeypatch, series):
+    monkeypatch.chdir(tmp_path)
+    words = ["--features", "one.csv", "--series", ids(done)[0], "--out", series, "--force"]
+    assert "is named for the table and for the time series" in type_("export", done, *words, code=2)[1]
+    words = ["--features", "small-series.csv", *words[2:4], "--force"]  # the default name of the series
+    assert "small-series.csv is named for the table" in type_("export", done, *words, code=2)[1]
+    assert not list(tmp_path.iterdir())
+
+
+def test_missing_table_is_written_when_results_are_opened(done, tmp_path):
+    folder = shutil.copytree(done, tmp_path / "ours")
+    expected = (folder / "results.csv").read_text()
+    (folder / "results.csv").unlink()
+    type_("show", folder)
+    assert (folder / "results.csv").read_text() == expected
 
 
 def test_export_refuses_other_formats(done, tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from bearingsim.cli.options import parse_assignments
 from bearingsim.study import StudyError, case_id, load_study
 from tests.scenes.study_text import BASE, Write, swept
 
@@ -392,3 +393,14 @@ def test_path_taken_out_of_a_zip_is_noted(
     study = load_study(write(text), overrides, quick=bool(quick))
     note = "`load` no longer varies together with `speed`: all combinations are computed"
     assert (len(study.cases()), note in study.notes) == (count, noted)
+
+
+def test_repeated_assignment_takes_its_last_place(write: Write) -> None:
+    """The section replaces the first width, and the last width that of the section."""
+    slot = "{shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 5 um}"
+    first, last = "defect.width=1 mm", "defect.width=2 mm"
+    assert parse_assignments([first, f"defect={slot}", last]) == {"defect": slot, "defect.width": "2 mm"}
+    (case,) = load_study(write(BASE), parse_assignments([first, f"defect={slot}", last])).cases()
+    assert case.defects[0].width == 2e-3
+    (case,) = load_study(write(BASE), parse_assignments([last, f"defect={slot}"])).cases()
+    assert case.defects[0].width == 0.8e-3
