@@ -112,8 +112,8 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     # The notes are collected first, because they read files that may be removed below.
     notes = [*study.notes, *load(run_options.engine.notes)(study.cases())]
     workers, connect = _workers(jobs), _make_connector(run_options.scheduler)
-    if run_options.fresh and workers > 1 and connect is None:
-        flag_for_workers()  # raises without shared memory, before results are deleted
+    if run_options.fresh:  # before results are deleted
+        _test_workers(workers, connect)
     with _prepare(root, study, run_options):
         # Trials may compute some jobs.
         stored_before = store.holdings(root).sealed if study.goal is not None else None
@@ -260,10 +260,17 @@ def _make_connector(scheduler: str | None) -> "Callable[[], AbstractContextManag
 
 
 def _test_connection(connect: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
-    """Connect to the scheduler once, so that a wrong address is reported before the trials of models."""
+    """Connect to the scheduler once, to report a wrong address before anything is computed or deleted."""
     if connect is not None:
         with connect():
             pass
+
+
+def _test_workers(workers: int, connect: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
+    """Check that workers can be reached or started. Raises SchedulerUnreachable, NoSharedMemory."""
+    _test_connection(connect)
+    if connect is None and workers > 1:
+        flag_for_workers()
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from bearingsim.runner.work import Outcome, Work
+from bearingsim.store.marker import mark
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
@@ -198,6 +199,19 @@ def test_wrong_address_is_reported_before_the_trials(study_folder: Path, monkeyp
     Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
     arguments = ("run", "wanted.yaml", "--scheduler", "tcp://127.0.0.1:9")
     assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*arguments, code=2)[1]
+
+
+def test_wrong_address_is_reported_before_results_are_deleted(
+    study_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
+    unit = Path("results/small/units/01/0123456789abcdef.h5")
+    unit.parent.mkdir(parents=True)
+    unit.touch()
+    mark(Path("results/small"), "results", "small")
+    arguments = ("run", "small.yaml", "--fresh", "--scheduler", "tcp://127.0.0.1:9")
+    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*arguments, code=2)[1]
+    assert unit.is_file()
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "http://127.0.0.1:9", "tcp://127.0.0.1", "nonsense"])
