@@ -186,7 +186,8 @@ def ring_values(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str,
 
 def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
     """Describe the fixed values of each defect: `circular defect, width 0.8 mm, depth 0.05 mm`."""
-    count = len({name.split(".")[1] for name in parameters.columns if name.startswith("defects.")})
+    is_set = (parameters.notna() & (parameters != "")).any()  # "": text that is not set
+    count = len({name.split(".")[1] for name in parameters.columns[is_set] if name.startswith("defects.")})
     for number in range(1, count + 1):
         for part in DEFECT:
             names = {f"defect.{part}", f"defects.{number}.{part}"}

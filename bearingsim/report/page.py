@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -188,8 +188,9 @@ def _computed(results: "Results") -> Iterator[Fact]:
             for name in dict.fromkeys(parameters.get(column, ()))
             if name in MEANINGS
         )
-    if "friction.law" in parameters and parameters["friction.law"].notna().any():
-        yield "Friction", _tally(parameters["friction.law"].dropna())
+    laws = [law for law in parameters.get("friction.law", ()) if law]  # "": a model without friction
+    if laws:
+        yield "Friction", _tally(laws)
     ring = list(ring_values(parameters, set(), SMALL_UNITS | dict(results.plan["units"])))
     if ring:
         yield "Outer ring", ", ".join(ring)
@@ -212,7 +213,7 @@ NAMES = {"packages": "Packages", "python": "Python", "platform": "Platform", "gi
 """Names of the facts of ``store.read_provenance`` on the page."""
 
 
-def _tally(column: "pd.Series[str]") -> str:
+def _tally(column: Iterable[str]) -> str:
     counts = Counter(str(value) for value in column)
     return ", ".join(f"{name} ({_runs(count)})" for name, count in counts.most_common())
 

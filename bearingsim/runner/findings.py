@@ -132,7 +132,8 @@ def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterato
 
 def _has_smooth_surfaces(plan: Mapping[str, Any], frame: "pd.DataFrame") -> bool:
     """Check if no job of a study has a form of its surfaces."""
-    has_form = any(str(name).startswith("parameters/surfaces.") for name in frame)
+    form = frame[[name for name in frame if str(name).startswith("parameters/surfaces.")]]
+    has_form = bool((form.notna() & (form != "")).to_numpy().any())  # "": text that is not set
     return not has_form and not any(variation["what"] == "form" for variation in plan.get("variations", ()))
 
 

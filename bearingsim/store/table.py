@@ -221,7 +221,8 @@ def _make_frame(
     import pandas as pd
 
     ids = [entry["job"] for entry in plan["jobs"]]
-    stored = _collect(root, table_rows, rows).reindex(ids)
+    stored = _collect(root, table_rows, rows, ids).reindex(ids)
+    stored = stored.drop(columns=[name for name in stored if _is_unset(str(name), stored[name])])
     done = stored["unit"].notna()
     reasons = pd.Series({job: failure.reason for job, failure in failures.items()}, dtype=object)
     reason = reasons.reindex(stored.index).where(~done)
@@ -234,8 +235,17 @@ def _make_frame(
     return pd.concat([frame, healthy_differences(frame)], axis=1)
 
 
-def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.DataFrame":
-    """Collect the rows of all intact units; a job in several units is read from the first."""
+def _is_unset(name: str, values: "pd.Series[Any]") -> bool:
+    """Check if a parameter or band feature has no value: its column is from jobs of an earlier plan."""
+    is_optional = name.startswith("parameters/") or read_band(name.removeprefix("features/")) is not None
+    return is_optional and values.dtype.kind == "f" and bool(values.isna().all())
+
+
+def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows, ids: Sequence[str]) -> "pd.DataFrame":
+    """Collect the rows of some jobs in intact units; a job in several units is read from the first.
+
+    Units without any of the jobs add no columns.
+    """
     import pandas as pd
 
     checked = check_units(UNITS.find(root), table_rows, rows)
@@ -249,6 +259,7 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
             columns=["status", "reason", "healthy"]
         )
         frames.append(unchanged_rows.loc[:, ~unchanged_rows.columns.str.endswith("-healthy")])
+    frames = [frame[frame.index.isin(ids)] for frame in frames]
     intact_rows = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
     return intact_rows[~intact_rows.index.duplicated()]
 

@@ -55,6 +55,12 @@ def test_caption_and_report_agree_on_friction(results):
     assert computed["planar"].endswith("with slip if there is friction")
 
 
+def test_report_counts_the_runs_with_friction_only(results):
+    """The model `ring` has none, so that its runs have no law."""
+    opened = results(STUDY.replace("[static, ring]", "[ring, planar]") + FIGURES)
+    assert dict(page_of(opened).computed)["Friction"] == "static-dynamic (8 runs)"
+
+
 def test_caption_states_a_numerical_error_over_one_percent(results, monkeypatch):
     """Of the line 2 % at 3 mm, of the start 1.5 % at 9 mm."""
 

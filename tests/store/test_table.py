@@ -9,13 +9,14 @@ import pandas as pd
 import pytest
 
 from bearingsim import selection, store
+from bearingsim.runner.findings import findings
 from bearingsim.selection import Choice
 from bearingsim.selection.choices import key
 from bearingsim.store import layouts
 from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import write_json
 from bearingsim.store.table import healthy_differences
-from tests.scenes.fake_studies import FakeStudy
+from tests.scenes.fake_studies import PROVENANCE, FakeCase, FakeJob, FakeStudy, case_id, record_of
 from tests.scenes.study_text import Write
 from tests.scenes.trials import TEXT, accuracy_study
 
@@ -113,3 +114,39 @@ def test_changes_from_healthy_of_a_line_and_of_a_band() -> None:
     assert changes[line].iloc[0] == pytest.approx(np.sqrt(5.0**2 + 3.0**2 - 5.0 * 3.0))
     assert changes[band].iloc[0] == 3.0
     assert changes.iloc[1:].isna().all(axis=None)
+
+
+class WavyCase(FakeCase):
+    """Case with waviness and friction."""
+
+    def model_dump(self) -> dict[str, Any]:
+        harmonics = [{"order": 5.0, "amplitude": 1e-6}]
+        return super().model_dump() | {
+            "surfaces": {"outer": {"harmonics": harmonics, "spectrum": {"shape": "steep"}}},
+            "friction": {"law": "coulomb"},
+        }
+
+
+@pytest.mark.parametrize("was_planned", [False, True])
+def test_jobs_outside_the_plan_have_no_effect_on_the_table(tmp_path: Path, was_planned: bool) -> None:
+    """A study was computed with waviness and a band, then edited: its folder keeps both results."""
+    study, case = FakeStudy(), WavyCase(9e-3)
+    jobs, wavy, record = study.jobs(), FakeJob(case_id(case), case, {}, None), record_of(case)
+    record.features["velocity.rms@10-1000Hz"] = 1e-3
+    store.write_plan(tmp_path / "new", study, jobs)  # type: ignore[arg-type]
+    store.write_units(tmp_path / "new", [(job, record_of(job.case)) for job in jobs], PROVENANCE)
+    expected = store.build_table(tmp_path / "new")
+    root = tmp_path / "edited"
+    store.write_plan(root, study, [*jobs, wavy] if was_planned else jobs)  # type: ignore[arg-type]
+    store.write_units(root, [(wavy, record)], PROVENANCE)  # type: ignore[list-item]
+    store.write_units(root, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
+    assert ("features/velocity.rms@10-1000Hz" in store.build_table(root)) == was_planned
+    plan = store.write_plan(root, study, jobs)  # type: ignore[arg-type]
+    frame = store.build_table(root)
+    names = frame.columns[(frame.notna() & (frame != "")).any()]
+    assert set(names) <= set(expected)
+    assert not {name for name in set(frame) - set(expected) if frame[name].dtype.kind == "f"}
+    assert "smooth surfaces" in findings(plan, frame).assumptions
+    results = store.open_results(root)
+    assert list(results.table()) == list(store.open_results(tmp_path / "new").table())
+    assert not results.has_feature("velocity.rms@10-1000Hz")
