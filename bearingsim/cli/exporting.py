@@ -17,12 +17,21 @@ if TYPE_CHECKING:
     from bearingsim.store import Results, Series
 
 
+TABLE_FORMATS, SERIES_FORMATS = ("csv", "parquet"), ("csv", "mat")
+
+
 def targets(
-    results: "Results", features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None
+    results: "Results",
+    features: Path | None,
+    jobs: Sequence[str],
+    out: Path | None,
+    file_format: str | None,
+    force: bool,
 ) -> tuple[Path | None, Path | None]:
     """Return the files of the table and of the series; None for one that is not written.
 
-    Raises UserError if both are one file, because the series would replace the table.
+    force: replace existing files. Raises UserError for an existing file without it, for another format, and for
+    one file for both, because the series would replace the table.
     """
     study = results.plan["study"]
     table = None if jobs else Path(f"{study}-features.{file_format or 'csv'}")
@@ -30,38 +39,36 @@ def targets(
     series = out or Path(f"{study}-series.{file_format or 'csv'}") if jobs else None
     if table and series and table.resolve() == series.resolve():
         raise UserError(f"{series} is named for the table and for the time series; name two files")
+    for path, formats in ((table, TABLE_FORMATS), (series, SERIES_FORMATS)):
+        if path is not None:
+            _suffix(path, formats)
+            _refuse_existing(path, force)
     return table, series
 
 
-def features(results: "Results", target: Path, force: bool) -> None:
+def features(results: "Results", target: Path) -> None:
     """Write the table of jobs to csv or parquet (`-`: to stdout).
 
     Values are in SI; csv has headers with units, and swept speeds in the unit of the study.
-
-    force: replace an existing file. Raises UserError for an existing file without it.
     """
     writers: dict[str, Callable[[pd.DataFrame], bytes]] = {
         "csv": lambda table: csv_text(_with_units(table, results.plan["units"])).encode(),
         "parquet": _parquet,
     }
-    write = writers[_suffix(target, tuple(writers))]
-    _refuse_existing(target, force)
+    write = writers[_suffix(target, TABLE_FORMATS)]
     _write(target, write(results.table()))
 
 
-def series(results: "Results", jobs: Sequence[str], target: Path, force: bool) -> None:
+def series(results: "Results", jobs: Sequence[str], target: Path) -> None:
     """Write the recorded series (SI) of some jobs to csv or mat (`-`: to stdout).
 
-    force: replace an existing file. Raises UserError for an existing file without it, or for a job without series,
-    and ResultsError for an unknown or unfinished job.
+    Raises UserError for a job without series, and ResultsError for an unknown or unfinished job.
     """
-    suffix = _suffix(target, ("csv", "mat"))
-    _refuse_existing(target, force)
     series_by_job = {job: results.series(job) for job in jobs}
     empty_jobs = [job for job, job_series in series_by_job.items() if not job_series.channels]
     if empty_jobs:
         raise UserError(f"job {empty_jobs[0]} has no series because the study has `record: []`")
-    write = _csv if suffix == "csv" else _mat
+    write = _csv if _suffix(target, SERIES_FORMATS) == "csv" else _mat
     _write(target, write(series_by_job, results))
 
 
@@ -190,12 +197,19 @@ def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or text)."""
     from scipy.io import savemat
 
+    from bearingsim.store.names import as_number
+
     parameters = results.parameters()
     structs = {
         f"job_{job}": {
             **_fields({"time": job_series.time} | job_series.channels),
             "units": _fields({"time": "s"} | job_series.units),
-            "parameters": _fields(parameters.loc[job].replace("", None).dropna().to_dict()),
+            "parameters": _fields(
+                {
+                    path: as_number(path, value)
+                    for path, value in parameters.loc[job].replace("", None).dropna().to_dict().items()
+                }
+            ),
         }
         for job, job_series in series_by_job.items()
     }

@@ -78,9 +78,12 @@ def plot(
     if out is None:
         check_writable(study_results.path / FIGURES, "--out figures")
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
+    conditions = parse_assignments(where, "--where")
+    if len(conditions) < len(where or []):
+        raise typer.BadParameter("a path is given twice; name one value of each", param_hint="--where")
     options = {
         "y": y, "x": x, "by": by, "panels": panels,
-        "where": parse_assignments(where, "--where"),
+        "where": conditions,
         "from": start, "to": stop, "span": span, "around": around, "range": limits, "band": band, "log": log,
         "db": db, "unit": unit, "mean": mean, "healthy": healthy, "orders": orders,
     }  # fmt: skip
@@ -214,11 +217,11 @@ def export(
     else:
         ids = [find_job(study_results, text) for text in series or []]
     exporting.check(features, ids, out, file_format)
-    table_file, series_file = exporting.targets(study_results, features, ids, out, file_format)
+    table_file, series_file = exporting.targets(study_results, features, ids, out, file_format, force)
     if table_file is not None:
-        exporting.features(study_results, table_file, force)
+        exporting.features(study_results, table_file)
     if series_file is not None:
-        exporting.series(study_results, ids, series_file, force)
+        exporting.series(study_results, ids, series_file)
     files = [path for path in (table_file, series_file) if path is not None]
     for path in files:
         if path != exporting.STDOUT:

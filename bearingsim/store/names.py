@@ -55,7 +55,7 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
     tree: dict[str, Any] = {}
     for path, value in parameters.items():
         if value == value and value != "":
-            _set_nested(tree, str(path).split("."), _as_integer(_as_number(str(path), value)))
+            _set_nested(tree, str(path).split("."), _as_integer(as_number(str(path), value)))
     if root is not None:
         surfaces = _mapping(tree.get("surfaces", {}))
         races = [_mapping(surfaces.get(race, {})) for race in ("outer", "inner")]
@@ -71,7 +71,7 @@ def _use_scan_copy(root: Path, section: dict[str, Any]) -> None:
         section["file"] = str(find_scan_copy(root, str(section.get("digest")), str(section["file"])))
 
 
-def _as_number(path: str, value: Any) -> Any:
+def as_number(path: str, value: Any) -> Any:
     """Convert a number stored as text, because other jobs have a word such as `auto` there, to float."""
     from bearingsim.study import dimension
 

@@ -221,6 +221,25 @@ def test_series_are_exported_to_matlab(done, tmp_path):
     assert len(struct["ring_velocity_x"]) == len(struct["time"]) == 307
 
 
+def test_numbers_of_a_path_with_words_are_numbers_in_matlab(done):
+    """A settling time of 50 ms beside `auto` is stored as text, of whose letters MATLAB would compute."""
+    results = open_results(done)
+    first, second = results.jobs[:2]
+    names = dict.fromkeys(results.jobs, "auto") | {second: "0.05"}
+    results._parameters["settle"] = pd.Series(names)
+    results._parameters["bearing.name"] = "6205"
+    content = exporting._mat({job: results.series(job) for job in (first, second)}, results)
+    structs = loadmat(BytesIO(content), simplify_cells=True)
+    assert structs[f"job_{first}"]["parameters"]["settle"] == "auto"
+    assert structs[f"job_{second}"]["parameters"]["settle"] == 0.05
+    assert structs[f"job_{second}"]["parameters"]["bearing_name"] == "6205"
+
+
+def test_two_values_of_a_path_are_refused(done):
+    words = ("--where", "load=150 N", "--where", "load=300 N")
+    assert "a path is given twice" in type_("plot", done, *words, code=2)[1]
+
+
 def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     stdout, stderr = type_("export", done, "--features", "-")
@@ -255,6 +274,8 @@ def test_table_and_series_in_one_file_are_refused(done, tmp_path, monkeypatch, s
     assert "is named for the table and for the time series" in type_("export", done, *words, code=2)[1]
     words = ["--features", "small-series.csv", *words[2:4], "--force"]  # the default name of the series
     assert "small-series.csv is named for the table" in type_("export", done, *words, code=2)[1]
+    words = ["--features", "table.csv", "--series", ids(done)[0], "--out", "one.wav"]  # nothing is written either
+    assert "ends in .csv or .mat" in type_("export", done, *words, code=2)[1]
     assert not list(tmp_path.iterdir())
 
 
