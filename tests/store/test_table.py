@@ -1,6 +1,7 @@
 """Plan of a study, and its table."""
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -150,3 +151,17 @@ def test_jobs_outside_the_plan_have_no_effect_on_the_table(tmp_path: Path, was_p
     results = store.open_results(root)
     assert list(results.table()) == list(store.open_results(tmp_path / "new").table())
     assert not results.has_feature("velocity.rms@10-1000Hz")
+
+
+def test_folder_and_study_may_have_names_that_are_no_utf8(tmp_path: Path) -> None:
+    """As on a disk that was written with Latin-1 names."""
+    root = tmp_path / os.fsdecode(b"caf\xe9")
+    study = FakeStudy(path=root / "fake.yaml")
+    store.write_plan(root, study, study.jobs())  # type: ignore[arg-type]
+    store.Failure(study.jobs()[0].id, "no reason", command=f"bearingsim run {root}").write(root)
+    store.log(root, "merged", folders=[str(root)])
+    results = store.open_results(root)
+    assert Path(results.plan["file"]).parts[-2:] == ("caf?", "fake.yaml")
+    assert list(results.failures()) == [study.jobs()[0].id]
+    (journal,) = root.glob("journal-*.jsonl")
+    assert json.loads(journal.read_text())["folders"] == [str(tmp_path / "caf?")]
