@@ -175,7 +175,7 @@ def _fsync(folder: Path) -> None:
 
 
 def open_to_append(path: Path) -> TextIO:
-    """Open a text file to append lines; what is no UTF-8 becomes `?`. Raises OSError if it is a link."""
+    """Open a text file to append lines; bytes that are not UTF-8 become `?`. Raises OSError if it is a link."""
     flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
     return os.fdopen(os.open(path, flags, 0o666), "a", encoding="utf-8", errors="replace")
 

@@ -129,7 +129,7 @@ def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
 def write_json(path: Path, entries: Mapping[str, Any], indent: int | None = 1) -> None:
     """Write a mapping with its schema version and digest.
 
-    Bytes of a path that are no UTF-8 become `?`, because JSON has only characters.
+    Bytes of a path that are not UTF-8 become `?`, because JSON has only characters.
     """
     text = json.dumps({"schema": SCHEMA, **entries}, indent=indent, ensure_ascii=False)
     body = text.encode(errors="replace").decode()[:-1].rstrip()
