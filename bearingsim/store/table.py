@@ -259,7 +259,8 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows, ids: Seq
             columns=["status", "reason", "healthy"]
         )
         frames.append(unchanged_rows.loc[:, ~unchanged_rows.columns.str.endswith("-healthy")])
-    frames = [frame[frame.index.isin(ids)] for frame in frames]
+    planned = set(ids)  # `isin` would hash all ids again for each unit
+    frames = [frame.loc[[job in planned for job in frame.index]] for frame in frames]
     intact_rows = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
     return intact_rows[~intact_rows.index.duplicated()]
 
