@@ -206,7 +206,7 @@ def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
             "units": _fields({"time": "s"} | job_series.units),
             "parameters": _fields(
                 {
-                    path: as_number(path, value)
+                    path: as_number(str(path), value)
                     for path, value in parameters.loc[job].replace("", None).dropna().to_dict().items()
                 }
             ),
