@@ -35,13 +35,21 @@ def parse_assignment(text: str, option: str = "--set") -> tuple[str, str]:
     return path.strip(), value.strip()
 
 
-def parse_assignments(texts: Sequence[str] | None, option: str = "--set") -> dict[str, str]:
-    """Split each `PATH=VALUE` of a repeated option. Raises BadParameter.
+def parse_conditions(texts: Sequence[str] | None) -> dict[str, str]:
+    """Split each `PATH=VALUE` of `--where`. Raises BadParameter, also for two values of a path."""
+    values = dict(parse_assignment(text, "--where") for text in texts or [])
+    if len(values) < len(texts or []):
+        raise typer.BadParameter("a path is given twice; name one value of each", param_hint="--where")
+    return values
+
+
+def parse_assignments(texts: Sequence[str] | None) -> dict[str, str]:
+    """Split each `PATH=VALUE` of `--set`. Raises BadParameter.
 
     A path given again takes its last place, because a section replaces the parts that were set before it.
     """
     values: dict[str, str] = {}
-    for path, value in (parse_assignment(text, option) for text in texts or []):
+    for path, value in map(parse_assignment, texts or []):
         values.pop(path, None)
         values[path] = value
     return values

@@ -9,7 +9,7 @@ from typer.models import OptionInfo
 
 from bearingsim.cli import completion
 from bearingsim.cli.opening import check_writable, find_job, find_results, reads_results, shell_path, short_path
-from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignments
+from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_conditions
 from bearingsim.figure_kinds import AROUND, HEALTHY, KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
 
@@ -78,12 +78,9 @@ def plot(
     if out is None:
         check_writable(study_results.path / FIGURES, "--out figures")
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
-    conditions = parse_assignments(where, "--where")
-    if len(conditions) < len(where or []):
-        raise typer.BadParameter("a path is given twice; name one value of each", param_hint="--where")
     options = {
         "y": y, "x": x, "by": by, "panels": panels,
-        "where": conditions,
+        "where": parse_conditions(where),
         "from": start, "to": stop, "span": span, "around": around, "range": limits, "band": band, "log": log,
         "db": db, "unit": unit, "mean": mean, "healthy": healthy, "orders": orders,
     }  # fmt: skip
