@@ -47,7 +47,7 @@ def standard_errors(
     powers = np.mean(velocity.reshape(n, M) ** 2, axis=1, keepdims=True)
     min_amplitude = QUIET_LINE * np.sqrt(powers.mean())
     return StandardErrors(
-        _error_from_passes(pass_lines, min_amplitude)
+        error_from_passes(pass_lines.get("velocity", np.empty((1, 0)))[0], min_amplitude)
         if has_other_lines(case)
         else _error_from_samples(case, model, grid, raw, record_windows, min_amplitude),
         float(0.5 * standard_error(powers) / (powers.mean() or 1.0)),
@@ -72,9 +72,11 @@ def _error_from_samples(
     return _relative(standard_error(velocity.reshape(n, M) * carrier), line, min_amplitude)
 
 
-def _error_from_passes(pass_lines: Mapping[str, np.ndarray], min_amplitude: float) -> float:
-    """Estimate the relative standard error of BPFO if there are other lines, from weighted passes."""
-    lines = pass_lines.get("velocity", np.empty((1, 0)))[0]
+def error_from_passes(lines: np.ndarray, min_amplitude: float) -> float:
+    """Estimate the relative standard error of a line next to others; infinite for too few passes.
+
+    lines: (n,) contribution of each ball pass to its complex amplitude, in the unit of ``min_amplitude``.
+    """
     if len(lines) < MIN_PASSES:
         return np.inf
     weights = signals.pass_weights(len(lines), neighbours=True)

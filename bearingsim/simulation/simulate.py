@@ -17,6 +17,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
+from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
 from bearingsim.simulation.integration import Run, StepUsage, integrate, step_usage
 from bearingsim.simulation.recording import RawRecord
@@ -280,7 +281,8 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
     values |= _check_features(
         check, _pass_ratio(inspections.shortest_setup, setup), errors if check.chaotic else no_errors
     )
-    values |= _start_features(start_errors(setup, raw, errors if is_random else no_errors))
+    resolved = [line for line in fault_lines(case) if not isnan(values[f"velocity@{line}"])]
+    values |= _start_features(start_errors(setup, raw, errors if is_random else no_errors, resolved))
     if case.step_check == "strict" and not (check.chaotic or has_free_cage(case) or case.ramp is not None):
         _refuse_start_error(case, [values["error.start"], values["error.start.rms"]])
     extension_values, reasons = extension_features(case, instants, series)
@@ -312,8 +314,9 @@ def _refuse_start_error(case: Case, errors: Sequence[float]) -> None:
         )
     if max(errors) > STEP_ACCURACY:
         raise SimulationError(
-            f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {max(errors):.1%}",
-            "use `settle: auto` or a longer one, or use `step_check: true`",
+            f"line or RMS is off by {max(errors):.1%}, because the record is short or has not settled after"
+            f" {case.settle_s:.2g} s",
+            "use a longer `duration` or `settle`, or use `step_check: true`",
         )
 
 

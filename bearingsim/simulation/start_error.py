@@ -2,28 +2,32 @@
 
 For a periodic motion the record is compared with its steady passes. Otherwise its second half is compared with the
 first, and the decay between them is extrapolated; each error is at least the scatter between quarters of the
-record. If the motion scatters at random (chaos or a free cage), each error is also at least the standard error.
+record. If the motion scatters at random (chaos or a free cage), each error is also at least the standard error. If
+a defect turns, the error of the RMS is also at least that of the partial revolution at the end of the record.
 """
 
-from math import exp, hypot, isnan, nan
+from collections.abc import Sequence
+from math import ceil, exp, hypot, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim import signals
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, QUIET_LINE
 from bearingsim.core.geometry.motion import is_steady
-from bearingsim.simulation.accuracy import StandardErrors
-from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN, fault_lines
+from bearingsim.simulation.accuracy import StandardErrors, error_from_passes
+from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import slowest_decay
-from bearingsim.simulation.spectral_lines import angles_of_record, sensor_samples
+from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, sensor_samples
 from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
 PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
+RESOLVED_TURNS = 2.0  # of a defect, from which Hann's window separates lines that are one turn apart
 DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 
@@ -35,99 +39,167 @@ class StartErrors(NamedTuple):
     force: float
 
 
-class Passes(NamedTuple):
-    """Contributions of each of n ball passes to a record.
+class Means(NamedTuple):
+    """Means over a part of a record.
 
-    lines: (L, n) complex amplitudes (m/s) of the defects' lines; powers: (n,) mean squares of the velocity
-    (m^2/s^2); forces: (n,) largest outer forces (N).
+    lines: (L,) complex amplitudes (m/s) of the defects' lines; power: mean square of the velocity (m^2/s^2);
+    force: largest outer force (N).
     """
 
     lines: np.ndarray
-    powers: np.ndarray
+    power: float
+    force: float
+
+
+class Motion(NamedTuple):
+    """Motion over the n distinct ball passes of a record, each of M fine samples.
+
+    velocity: (n M,) along the sensor (m/s); recorded: (n M,) the same, as recorded; phases: (L, n M) angles (rad)
+    of the defects' lines; forces: (n,) largest outer force (N) of each pass; has_neighbours: whether there are
+    lines that a mean over ball passes does not remove, so that lines are computed under Hann's window.
+    """
+
+    velocity: np.ndarray
+    recorded: np.ndarray
+    phases: np.ndarray
     forces: np.ndarray
+    has_neighbours: bool
 
-    def mean(self, weights: np.ndarray) -> "Passes":
-        """Return the weighted means, and the largest force over passes of nonzero weight."""
-        return Passes(
-            self.lines @ weights / weights.sum(),
-            self.powers @ weights / weights.sum(),
-            self.forces[weights > 0].max(),
-        )
+    def weighted(self, weights: np.ndarray) -> Means:
+        """Return the means over the passes with ``weights`` (n,); only without neighbouring lines."""
+        powers = np.mean(self.recorded.reshape(len(self.forces), -1) ** 2, axis=1)
+        share = weights / weights.sum()
+        return Means(self.lines_of_passes() @ share, float(powers @ share), float(self.forces[weights > 0].max()))
+
+    def lines_of_passes(self) -> np.ndarray:
+        """Return the contribution (L, n) of each pass to the complex amplitudes of the lines, in m/s."""
+        n = len(self.forces)
+        lines = [2.0 * (self.velocity * np.exp(-1j * phase)).reshape(n, -1).mean(axis=1) for phase in self.phases]
+        return np.array(lines).reshape(len(lines), n)
+
+    def part(self, begin: float, end: float) -> Means:
+        """Return the means from ``begin`` to ``end``, in ball passes."""
+        M = len(self.velocity) // len(self.forces)
+        span = slice(round(begin * M), round(end * M))
+        velocity, phases = self.velocity[span], self.phases[:, span]
+        if self.has_neighbours:
+            lines = signals.lines_at(velocity, phases)
+        else:
+            lines = np.array([2.0 * np.mean(velocity * np.exp(-1j * phase)) for phase in phases], dtype=complex)
+        forces = self.forces[int(begin) : ceil(end)]
+        return Means(lines, float(np.mean(self.recorded[span] ** 2)), float(forces.max()))
 
 
-def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) -> StartErrors:
+def start_errors(
+    setup: Setup, raw: RawRecord, standard_errors: StandardErrors, lines: Sequence[str]
+) -> StartErrors:
     """Return the errors of a run.
 
     NaN if the speed is not constant, or the record is shorter than a period or, if it is not periodic, than
-    ``PARTS`` ball passes. standard_errors: those of line and RMS if the motion scatters at random, else NaN.
+    ``PARTS`` ball passes; that of the line also if there are no lines. standard_errors: those of BPFO and RMS if
+    the motion scatters at random, else NaN; lines: the defects' lines that the record resolves.
     """
     case, grid = setup.case, setup.grid
-    if MODELS[case.model].memoryless:
-        return StartErrors(0.0, 0.0, 0.0)
+    has_memory = not MODELS[case.model].memoryless
     record_windows = windows(case, grid, raw, recorded_samples(case, raw)[1])
     min_passes = raw.repetition.period or PARTS
     if min(len(record_windows.index), record_windows.distinct) < min_passes or not is_steady(setup.model):
-        return StartErrors(nan, nan, nan)
-    passes = _passes(setup, raw, record_windows)
+        return StartErrors(nan, nan, nan) if has_memory else StartErrors(0.0, 0.0, 0.0)
+    motion = _motion(setup, raw, record_windows, lines)
     if raw.repetition.period > 0:
         last = np.zeros(record_windows.distinct)
         last[-raw.repetition.period :] = 1.0
-        record = passes.mean(record_windows.weights)
-        return _changes(record, passes.mean(last), record)
-    return _decay_errors(case, passes, grid.rate, standard_errors)
+        record = motion.weighted(record_windows.weights)
+        return _changes(record, motion.weighted(last), record)
+    if not has_memory:
+        return _partial_turn_errors(motion, defect_turn(case) * grid.rate)
+    return _decay_errors(case, motion, grid.rate, standard_errors)
 
 
-def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
+def _motion(setup: Setup, raw: RawRecord, record_windows: Windows, lines: Sequence[str]) -> Motion:
     case, grid, M, n = setup.case, setup.grid, record_windows.M, record_windows.distinct
-    velocity = sensor_samples(case, raw, "velocity", record_windows.start, n * M)
+    start = record_windows.start
     samples, _ = recorded_samples(case, raw)
-    recorded = sensor_samples(case, samples, "velocity", record_windows.start, n * M)
-    angles = angles_of_record(case, setup.model, grid, raw, record_windows.start, n * M)
-    lines = np.stack(
-        [
-            2.0 * (velocity * np.exp(-1j * angles.phase(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)
-            for name in fault_lines(case)
-        ]
+    angles = angles_of_record(case, setup.model, grid, raw, start, n * M)
+    sources = raw.repetition.source(round(start / M) + np.arange(n))
+    return Motion(
+        sensor_samples(case, raw, "velocity", start, n * M),
+        sensor_samples(case, samples, "velocity", start, n * M),
+        np.array([angles.phase(LINES[name], raw.Z) for name in lines]).reshape(len(lines), n * M),
+        raw.peaks[sources, PEAK_FORCE_COLUMN],
+        has_other_lines(case),
     )
-    sources = raw.repetition.source(round(record_windows.start / M) + np.arange(n))
-    return Passes(lines, np.mean(recorded.reshape(n, M) ** 2, axis=1), raw.peaks[sources, PEAK_FORCE_COLUMN])
 
 
-def _changes(mean: Passes, other: Passes, record: Passes) -> StartErrors:
+def _changes(mean: Means, other: Means, record: Means) -> StartErrors:
     """Return the differences between two means over passes, relative to the mean over the record."""
-    rms = float(record.powers) ** 0.5 or 1.0
+    rms = record.power**0.5 or 1.0
     sizes = np.maximum(np.abs(record.lines), QUIET_LINE * rms)
     return StartErrors(
-        float(np.max(np.abs(mean.lines - other.lines) / sizes)),
-        float(abs(mean.powers**0.5 - other.powers**0.5)) / rms,
-        float(abs(mean.forces - other.forces) / (record.forces or 1.0)),
+        float(np.max(np.abs(mean.lines - other.lines) / sizes)) if len(sizes) else nan,
+        abs(mean.power**0.5 - other.power**0.5) / rms,
+        abs(mean.force - other.force) / (record.force or 1.0),
     )
 
 
-def _decay_errors(case: Case, passes: Passes, rate: float, standard_errors: StandardErrors) -> StartErrors:
+def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: StandardErrors) -> StartErrors:
     """Return errors from the decay between the parts of a record, at least the scatter between the parts.
 
     Let r be the part of the transient left after half a record. The error of the record's mean is (1 + r)/(2 (1 -
     r)) times the change from its first half to its second, that of the largest force 1/(1 - r) times the change. r
     is estimated from successive parts, with an upper limit from the slowest mode at rest, decaying ``DECAY_RATIO``
-    times more slowly.
+    times more slowly. Quarters shorter than ``RESOLVED_TURNS`` do not separate a line from its sidebands, so they
+    show no scatter; then halves do.
     """
-    turn = max(1.0, defect_turn(case) * rate or PERIOD_MULTIPLE)  # in passes
-    length = len(passes.powers) // PARTS
-    length = int(int(length // turn) * turn) or length
-    parts = np.repeat(np.eye(PARTS), length, axis=1)
-    parts = np.pad(parts, ((0, 0), (0, len(passes.powers) - parts.shape[1])))
-    record, means = passes.mean(np.ones(len(passes.powers))), [passes.mean(part) for part in parts]
+    defect_passes, count = defect_turn(case) * rate, len(motion.forces)
+    turn = max(1.0, defect_passes or PERIOD_MULTIPLE)  # in passes
+    record, quarter, half = motion.part(0.0, count), *(_whole_turns(count // n, turn) for n in (PARTS, 2))
+    means = [motion.part(n * quarter, (n + 1) * quarter) for n in range(PARTS)]
+    halves = [motion.part(n * half, (n + 1) * half) for n in range(2)]
     earlier, later = (_changes(means[n], means[n + 2], record) for n in range(2))
-    half_changes = _changes(passes.mean(parts[0] + parts[1]), passes.mean(parts[2] + parts[3]), record)
-    max_ratio = exp(-slowest_decay(case) / DECAY_RATIO * 2.0 * length / rate)
-    before, after, change = (np.array(changes) for changes in (earlier, later, half_changes))
+    max_ratio = exp(-slowest_decay(case) / DECAY_RATIO * half / rate)
+    before, after, change = (np.array(changes) for changes in (earlier, later, _changes(*halves, record)))
     with np.errstate(divide="ignore", invalid="ignore"):
         r = np.fmin((after / before) ** 2, max_ratio)
         remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
-    scatter = _scatter(means, record)
-    largest = nan if isnan(standard_errors.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
-    return StartErrors(*np.fmax.reduce([remaining, scatter, (*standard_errors, largest)]).tolist())
+    is_resolved = not motion.has_neighbours or quarter >= RESOLVED_TURNS * turn
+    scatter = _scatter(means, record)._replace(line=_scatter(means if is_resolved else halves, record).line)
+    partial_turn = _partial_turn_errors(motion, defect_passes)
+    random = _random_errors(motion, standard_errors, case.bearing.rollers, int(quarter))
+    return StartErrors(*np.fmax.reduce([remaining, scatter, random, partial_turn]).tolist())
+
+
+def _random_errors(motion: Motion, standard_errors: StandardErrors, rollers: int, quarter: int) -> StartErrors:
+    """Return the standard errors of a record that scatters at random, else NaN; quarter: its ball passes.
+
+    The given standard error of a line is that of BPFO. If the record also has other lines, that of each defect's
+    line is estimated from ball passes.
+    """
+    if isnan(standard_errors.rms):
+        return StartErrors(nan, nan, nan)
+    line = standard_errors.line
+    if motion.has_neighbours:
+        min_amplitude = QUIET_LINE * float(np.sqrt(np.mean(motion.recorded**2)))
+        errors = [error_from_passes(passes, min_amplitude) for passes in motion.lines_of_passes()]
+        line = max(errors, default=nan)
+    return StartErrors(line, standard_errors.rms, error_of_largest(motion.forces, rollers, quarter))
+
+
+def _whole_turns(passes: int, turn: float) -> float:
+    """Return the ball passes of all whole turns in ``passes``, or ``passes`` if there is none."""
+    return passes // turn * turn or float(passes)
+
+
+def _partial_turn_errors(motion: Motion, turn: float) -> StartErrors:
+    """Return the changes of line and RMS by the last, incomplete revolution of a defect in the record.
+
+    turn: in ball passes, 0 if no defect turns. A defect is stronger in the load zone, so the RMS of a record of few
+    revolutions depends on where the record ends, and so does what neighbours of a line add to it.
+    """
+    count = len(motion.forces)
+    record = motion.part(0.0, count)
+    end = _whole_turns(count, turn) if turn > 0.0 else count
+    return _changes(record, motion.part(0.0, end), record)._replace(force=0.0)
 
 
 def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
@@ -148,10 +220,10 @@ def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
     return float(scatter / (forces.max() or 1.0))
 
 
-def _scatter(means: list[Passes], record: Passes) -> StartErrors:
+def _scatter(means: list[Means], record: Means) -> StartErrors:
     """Return the standard errors of the mean over the parts of a record, from the scatter between the parts.
 
     For the largest force, it is the standard error of the mean of the parts' largest forces.
     """
     changes = np.array([_changes(mean, other, record) for mean in means for other in means])
-    return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) * PARTS / (PARTS - 1) / 2.0 / PARTS).tolist())
+    return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) / (len(means) - 1) / 2.0).tolist())

@@ -60,7 +60,7 @@ def test_strict_check_refuses_an_uncertain_chaotic_record_at_a_given_step() -> N
 
 
 @pytest.mark.parametrize(
-    ("duration", "reason"), [("30 ms", "has not settled: line or RMS"), ("20 ms", "too short to show")]
+    ("duration", "reason"), [("110 ms", "line or RMS is off by"), ("30 ms", "too short to show")]
 )
 def test_strict_check_refuses_a_record_that_may_not_have_settled(duration: str, reason: str) -> None:
     inner = ROLLERS | {"defect": SLOT | {"race": "inner"}}

@@ -184,6 +184,35 @@ def test_start_error_of_a_heavy_ring_is_reported_and_removed_by_auto() -> None:
     assert float(result.info["passes_computed"]) < 20
 
 
+INNER: dict[str, Any] = {
+    "bearing": "nf308",
+    "duration": "0.15 s",
+    "record": [],
+    "step_check": False,
+    "settle": "50 ms",
+}
+
+
+def test_error_of_a_turning_defect_is_that_of_the_whole_record() -> None:
+    """Quarters of 1.5 turns do not separate BPFI from its sidebands; the record does, within 1 %."""
+    inner = {"race": "inner", "shape": "rectangular", "length": "8 mm", "width": "1.12 mm", "depth": "20 um"}
+    ring = {"rig": {"ring_mass": "3.19 kg"}, "load": "749 N", "speed": "2422 rpm"}
+    scene = case(**INNER, **ring, model="rollers", defect=inner)
+    record = simulate(scene).features
+    longer = simulate(scene.model_copy(update={"settle": 0.2, "duration": 0.6})).features
+    assert abs(record["velocity@BPFI"] / longer["velocity@BPFI"] - 1.0) < record["error.start"] < 0.01
+
+
+def test_error_of_the_rms_includes_a_partial_turn_of_a_defect() -> None:
+    """A record of 4.57 turns passes the load zone five times: its RMS is 4 % off that of whole turns."""
+    inner = {"race": "inner", "shape": "triangular", "length": "8 mm", "width": "0.86 mm", "depth": "50 um"}
+    scene = case(**INNER, model="ring", load="276 N", speed="1827 rpm", defect=inner)
+    record = simulate(scene).features
+    whole = simulate(scene.model_copy(update={"duration": 20 * 60.0 / 1827.0})).features
+    error = abs(record["velocity.rms"] / whole["velocity.rms"] - 1.0)
+    assert 0.03 < error < 1.1 * record["error.start.rms"] < 0.06
+
+
 def test_period_search_does_not_change_the_features() -> None:
     short, full = (simulate(settled_case(**HEAVY, periodic=periodic)) for periodic in (True, False))
     assert full.info["passes_computed"] == full.info["passes"]
