@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.plots import labels
 from bearingsim.store import feature_bounds, relative_error
-from bearingsim.store.nearness import reference_ratio, scales
+from bearingsim.store.nearness import scales
+from bearingsim.store.spread import reference_ratio
 from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:

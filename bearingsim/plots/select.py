@@ -210,7 +210,7 @@ def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
     varied = rows[rows["job"].isin({variation["of"] for variation in results.variations})]
     unknown = int((varied[ends].isna().any(axis=1) & (varied["status"] == "done")).sum())
     exception = f", range unknown in {unknown} of {len(varied)} cases" if unknown else ""
-    scatter = ", in part chaotic (with standard errors, where estimated)" if chaotic else ""
+    scatter = ", in part chaotic (with standard errors)" if chaotic else ""
     return [f"bands and bars: {band}{exception}{scatter}"]
 
 

@@ -106,4 +106,4 @@ def _chaotic_variations(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity
     count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
     if count:
         chaotic = f"{count} of {len(jobs)} {quantity} variations are chaotic"
-        yield f"{chaotic}; the change includes standard errors where estimated"
+        yield f"{chaotic}; the change includes their standard errors"

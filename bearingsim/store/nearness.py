@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bearingsim.config.names import QUIET_LINE, read_band
-from bearingsim.store.spread import has_unknown_scatter, standard_error
+from bearingsim.config.names import read_band
+from bearingsim.store.spread import has_unknown_scatter, reference_ratio, standard_error
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.uncertainty import RIGID_RING
 
@@ -166,20 +166,6 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     parts = pd.DataFrame(from_trials | {"error.start": excess, "error.step": step, "error.scatter": scatter})
     is_unknown = parts.isna() | frame[f"features/{feature}"].isna().to_numpy()[:, None]
     return parts.mask(is_unknown, inf).where(has_error)
-
-
-def reference_ratio(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the ratio to a feature of the reference of its step and start errors, by job.
-
-    It is 1, but for a line below ``QUIET_LINE`` of the velocity's RMS the errors are relative to the latter.
-    """
-    import pandas as pd
-
-    line = feature.partition("@")[2]
-    velocity, rms = (frame.get(f"features/{name}") for name in (f"velocity@{line}", "velocity.rms"))
-    if read_band(feature) is not None or velocity is None or rms is None:
-        return pd.Series(1.0, frame.index)
-    return (QUIET_LINE * rms / velocity.abs()).clip(lower=1.0)
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":

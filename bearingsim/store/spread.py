@@ -6,7 +6,7 @@ Results of chaotic motions are random samples, so the spread includes their stan
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.config.names import ERROR_FEATURES, FAULT_LINES, is_mean
+from bearingsim.config.names import ERROR_FEATURES, FAULT_LINES, QUIET_LINE, is_mean, read_band
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,14 +60,13 @@ def spread(
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the standard error (SI) of a feature for chaotic motions and for records that ended early.
 
-    0 for all other jobs and if no estimate exists; NaN if the record is too short for an estimate. The relative
-    error of an RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few;
+    0 for all other jobs; NaN if no estimate exists, or the record is too short for it. The relative error of an RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few;
     that of the largest outer force is estimated from the maxima of the rollers (``simulation/start_error.py``).
     """
     import numpy as np
     import pandas as pd
 
-    error = pd.Series(0.0, frame.index)
+    error = pd.Series(np.nan, frame.index)
     if f"features/{feature}-scatter" in frame:
         error = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
@@ -79,11 +78,24 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         error = frame[FORCE_ERROR] * frame[f"features/{feature}"].abs()
     chaotic_errors = error.replace(np.inf, np.nan).where(chaotic_jobs(frame), 0.0)
     early_errors = early_end_errors(frame, feature)
-    return (
-        chaotic_errors
-        if early_errors is None
-        else chaotic_errors.where(early_errors.isna(), early_errors * frame[f"features/{feature}"].abs())
-    )
+    if early_errors is None:
+        return chaotic_errors
+    value = frame[f"features/{feature}"].abs() * reference_ratio(frame, feature)
+    return chaotic_errors.where(early_errors.isna(), early_errors * value)
+
+
+def reference_ratio(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
+    """Return the ratio to a feature of the reference of its step, start and standard errors, by job.
+
+    It is 1, but for a line below ``QUIET_LINE`` of the velocity's RMS the errors are relative to the latter.
+    """
+    import pandas as pd
+
+    line = feature.partition("@")[2]
+    velocity, rms = (frame.get(f"features/{name}") for name in (f"velocity@{line}", "velocity.rms"))
+    if read_band(feature) is not None or velocity is None or rms is None:
+        return pd.Series(1.0, frame.index)
+    return (QUIET_LINE * rms / velocity.abs()).clip(lower=1.0)
 
 
 def early_end_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float] | None":

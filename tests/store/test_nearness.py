@@ -87,6 +87,7 @@ def test_error_is_the_largest_sum_over_the_features() -> None:
         RMS: [1.0, 1.0, 1.0],
         f"{LINE}-scatter": [0.1, 0.2, 0.0],
         "chaotic": [1.0, 1.0, 0.0],
+        "rms_scatter": [0.0, 0.0, 0.0],
         "step_error.line": [0.01, 0.01, math.nan],
         "step_error.rms": [0.02, 0.0, 0.0],
     }
@@ -102,7 +103,7 @@ def test_the_error_of_the_start_is_added(feature: str, suffix: str) -> None:
     """The start error of a non-periodic motion includes the scatter, so only the excess is added."""
     columns = {f"error.start{name}": [0.5, 0.5, 0.5] for name in ("", ".rms", ".force")}
     columns |= {feature: [1.0, 2.0, 4.0], f"error.start{suffix}": [0.01, 0.02, 0.02], "chaotic": [0.0, 1.0, 1.0]}
-    columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {}
+    columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {"rms_scatter": [0.0] * 3}
     bounds = error_bounds(plan([feature]), frame(columns))
     assert bounds["error.start"].tolist() == pytest.approx(
         {LINE: [0.005, 0.015, 0.0], RMS: [0.005, 0.02, 0.02], FORCE: [0.005, 0.0, 0.0]}[feature]

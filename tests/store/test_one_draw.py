@@ -77,6 +77,22 @@ def test_early_record_has_the_standard_error_at_its_end() -> None:
     assert has_unknown_scatter(full_record.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]
 
 
+def test_early_error_of_a_quiet_line_is_relative_to_the_rms() -> None:
+    """A line below 1e-3 of the RMS has the error 0.4 % of 3e-3, a thousandth of the RMS, not of itself."""
+    columns = {"info/standard_error_line": 0.004, "info/passes": 200, "info/passes_computed": 130}
+    quiet = table(chaotic=0.0).assign(**{LINE: 6e-4}).add_prefix("features/").assign(**columns)
+    assert standard_error(quiet, LINE).iloc[0] == pytest.approx(0.004 * 3e-3)
+
+
+def test_a_chaotic_result_without_an_estimate_has_no_standard_error() -> None:
+    """A standard error of 0 would give the result a range without width, and an error without scatter."""
+    for feature in ("velocity@BPFI", "velocity.peak", "velocity.kurtosis", "inner_force.max"):
+        columns = {f"features/{feature}": 1.0}
+        for chaotic, is_unknown in ((1.0, True), (0.0, False)):
+            results = table(chaotic=chaotic).add_prefix("features/").assign(**columns)
+            assert math.isnan(standard_error(results, feature).iloc[0]) == is_unknown
+
+
 def test_extreme_value_of_a_record_that_ended_early_has_unknown_scatter() -> None:
     """A periodic motion repeats its extremes."""
     features = table(chaotic=0.0).assign(**{"outer_force.max": 9.0}).add_prefix("features/")

@@ -31,6 +31,7 @@ CHAOTIC = {
     "outer_force.max": [200.0, 220.0, 210.0],
     "chaotic": [0.0, 1.0, 0.0],
     "rms_scatter": [0.0, 0.25, 0.0],
+    "error.start.force": [0.0, 0.0, 0.0],
 }
 
 
@@ -101,7 +102,7 @@ def test_effect_on_a_single_job_is_no_maximum() -> None:
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
     changes = "velocity@BPFO by 37 %, velocity.rms by 24 %, outer_force.max by 10 %"
     text = f"damping 1 to 10 us changes {changes} {MEANING}"
-    chaotic = "1 of 2 damping variations are chaotic; the change includes standard errors where estimated"
+    chaotic = "1 of 2 damping variations are chaotic; the change includes their standard errors"
     assert list(variation_effects(plan, frame)) == [text, chaotic]
     frame["features/chaotic"] = 0.0
     assert list(variation_effects(plan, frame)) == [text.replace("37", "30").replace("24", "15")]
