@@ -267,7 +267,7 @@ STEP_ACCURACY = 0.01
 QUIET_LINE = 1e-3
 """Part of the RMS of velocity (-60 dB) to which errors of a weaker line are relative."""
 NO_VALUE = "no_value."
-"""Prefix of the attribute that states why a job has no value of an extension's feature."""
+"""Prefix of the attribute that states why a job has no value of a defect's line or of an extension's feature."""
 
 
 def read_band(name: str) -> bands.BandFeature | None:

@@ -43,7 +43,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     return Findings(
         withdrawn=tuple(withdrawals(plan, frame)),
         accuracy=(
-            *(accuracy_notes(plan, frame) if plan.get("accuracy") else _largest_step_errors(cases)),
+            *(accuracy_notes(plan, frame) if plan.get("accuracy") else _step_error_notes(cases, info)),
             *chaos_notes(cases),
             *variation_effects(plan, frame, drawn_features),
         ),
@@ -62,6 +62,18 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *(text for text in assumption_notes(plan, frame) if text not in damping_warnings),
         ),
     )
+
+
+def _step_error_notes(cases: "pd.DataFrame", info: "pd.DataFrame") -> Iterator[str]:
+    """Yield the largest step errors, and the number of jobs whose model has no method, so no step is checked.
+
+    info: one row per finished job. With an accuracy, the error of such a model contains that of its step.
+    """
+    yield from _largest_step_errors(cases)
+    without_method = int((info["method"] == "").sum()) if "method" in info else 0
+    if without_method:
+        count = f"{without_method} of {len(info)} jobs"
+        yield f"{count}: step error unknown, because the model has no method; compare with half the `step`"
 
 
 def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
@@ -142,7 +154,7 @@ def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def missing_values(info: "pd.DataFrame") -> Iterator[str]:
-    """Yield the features of other packages that have no value in some jobs, with the reason.
+    """Yield the lines of defects and features of other packages without a value in some jobs, with the reason.
 
     info: one row per finished job.
     """

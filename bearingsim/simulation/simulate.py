@@ -10,7 +10,7 @@ import numpy as np
 from bearingsim import assemble, cpu_time, extensions
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, dataset_names
-from bearingsim.config.names import STEP_ACCURACY
+from bearingsim.config.names import NO_VALUE, STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_times
 from bearingsim.errors import Refused
@@ -33,7 +33,7 @@ from bearingsim.simulation.run_setup import (
     set_up,
 )
 from bearingsim.simulation.settling import has_free_cage
-from bearingsim.simulation.spectral_lines import lines_of_passes
+from bearingsim.simulation.spectral_lines import lines_of_passes, reason_unresolved
 from bearingsim.simulation.start_error import StartErrors, start_errors
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.sufficiency import Inspections
@@ -286,6 +286,8 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
     if case.step_check == "strict" and not (check.chaotic or has_free_cage(case) or case.ramp is not None):
         _refuse_start_error(case, [values["error.start"], values["error.start.rms"]])
     extension_values, reasons = extension_features(case, instants, series)
+    unresolved = [line for line in fault_lines(case) if line not in resolved]
+    reasons |= {f"{NO_VALUE}velocity@{line}": reason_unresolved(case, line) for line in unresolved}
     refuse_undeclared(values | extension_values)
     return Record(
         time=instants,

@@ -28,6 +28,9 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 3
 """Smallest number of ball passes for lines of unequal passes, because interpolation uses up the ends."""
 
+RESOLVED_DISTANCE = 2.0
+"""Distance of neighbouring lines that a record resolves, over 1/duration (``signals.resolvable``)."""
+
 ROW_OF = {cell: row for row, cell in enumerate(FEATURE_CELLS + SENSOR_CELLS)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
@@ -200,6 +203,22 @@ def other_lines(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str,
                 columns[f"{quantity}@{name}"] = float(abs(A))
                 columns[f"{quantity}@{name}.phase"] = float(np.angle(A))
     return columns
+
+
+def reason_unresolved(case: Case, name: str) -> str:
+    """Return the reason why a record has no value of a line, with the duration (s) that separates the line."""
+    frequencies = {line: case.bearing.line_frequency(LINES[line], case.speed) for line in LINES}
+    own = frequencies.pop(name)
+    nearest = min(frequencies, key=lambda line: abs(frequencies[line] - own))
+    distance = min(abs(frequencies[nearest] - own), abs(own))
+    is_far = distance * case.duration >= RESOLVED_DISTANCE
+    if case.ramp is not None or LINES[name].outer or is_far:
+        return "the record is too short"
+    if distance == 0.0:
+        return f"its frequency is that of {nearest}"
+    return (
+        f"a `duration` of {1.005 * RESOLVED_DISTANCE / distance:.3g} s separates it from {nearest} (docs/lines.md)"
+    )
 
 
 def _lines_at_constant_speed(

@@ -60,8 +60,9 @@ def spread(
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the standard error (SI) of a feature for chaotic motions and for records that ended early.
 
-    0 for all other jobs; NaN if no estimate exists, or the record is too short for it. The relative error of an RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few;
-    that of the largest outer force is estimated from the maxima of the rollers (``simulation/start_error.py``).
+    0 for all other jobs; NaN if no estimate exists, or the record is too short for it. The relative error of an
+    RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few; that of the
+    largest outer force is estimated from the maxima of the rollers (``simulation/start_error.py``).
     """
     import numpy as np
     import pandas as pd

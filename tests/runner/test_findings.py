@@ -48,6 +48,16 @@ def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
     assert not list(transient_warnings(frame))
 
 
+def test_models_without_a_method_have_an_unknown_step_error() -> None:
+    entries = [{"job": job, "healthy": "", "twin": False, "variation": False, "swept": {}} for job in "ab"]
+    columns = {"info/method": ["", "verlet"], "features/step_error.line": [math.nan, 0.001], "status": "done"}
+    plan = {"jobs": entries, "figures": [], "units": {}, "accuracy": None}
+    texts = findings(plan, pd.DataFrame(columns, index=["a", "b"])).accuracy
+    assert any(
+        text.startswith("1 of 2 jobs: step error unknown, because the model has no method") for text in texts
+    )
+
+
 @pytest.mark.parametrize(
     ("features", "statement"),
     [({"velocity@BPFO-scatter": float("inf")}, "unknown; try a longer `duration`"), ({}, "not estimated")],

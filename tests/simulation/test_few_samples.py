@@ -1,5 +1,6 @@
 """Records with few samples, and records as sampled (`antialias: false`)."""
 
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,17 @@ def test_strict_check_refuses_a_record_that_may_not_have_settled(duration: str, 
     inner = ROLLERS | {"defect": SLOT | {"race": "inner"}}
     with pytest.raises(SimulationError, match=reason):
         simulate(case(**inner, settle="3 ms", record=[], step_check="strict", duration=duration))
+
+
+def test_unresolved_line_of_a_defect_has_a_reason() -> None:
+    """2 BSF and BPFO are 2.04 Hz apart at 1800 rpm, so that 0.98 s separates them (docs/lines.md)."""
+    roller = case(model="static", defect=SLOT | {"race": "roller"}, record=[])
+    record = simulate(roller)
+    assert isnan(record.features["velocity@2BSF"])
+    assert (
+        record.info["no_value.velocity@2BSF"] == "a `duration` of 0.986 s separates it from BPFO (docs/lines.md)"
+    )
+    assert "no_value.velocity@2BSF" not in simulate(case(model="static", record=[])).info
 
 
 def test_tolerance_without_a_suitable_method(write: Write) -> None:
