@@ -100,19 +100,16 @@ def start_errors(
     the motion scatters at random, else NaN; lines: the defects' lines that the record resolves.
     """
     case, grid = setup.case, setup.grid
-    has_memory = not MODELS[case.model].memoryless
     record_windows = windows(case, grid, raw, recorded_samples(case, raw)[1])
     min_passes = raw.repetition.period or PARTS
     if min(len(record_windows.index), record_windows.distinct) < min_passes or not is_steady(setup.model):
-        return StartErrors(nan, nan, nan) if has_memory else StartErrors(0.0, 0.0, 0.0)
+        return StartErrors(*[0.0 if MODELS[case.model].memoryless else nan] * 3)
     motion = _motion(setup, raw, record_windows, lines)
     if raw.repetition.period > 0:
         last = np.zeros(record_windows.distinct)
         last[-raw.repetition.period :] = 1.0
         record = motion.weighted(record_windows.weights)
         return _changes(record, motion.weighted(last), record)
-    if not has_memory:
-        return _partial_turn_errors(motion, defect_turn(case) * grid.rate)
     return _decay_errors(case, motion, grid.rate, standard_errors)
 
 
@@ -193,8 +190,8 @@ def _whole_turns(passes: int, turn: float) -> float:
 def _partial_turn_errors(motion: Motion, turn: float) -> StartErrors:
     """Return the changes of line and RMS by the last, incomplete revolution of a defect in the record.
 
-    turn: in ball passes, 0 if no defect turns. A defect is stronger in the load zone, so the RMS of a record of few
-    revolutions depends on where the record ends, and so does what neighbours of a line add to it.
+    turn: in ball passes, 0 if no defect turns. A defect is stronger in the load zone, so the RMS of a record of
+    few revolutions depends on where the record ends, and so does what neighbours of a line add to it.
     """
     count = len(motion.forces)
     record = motion.part(0.0, count)
