@@ -223,7 +223,7 @@ def rest_case(case: Case) -> Case:
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
-    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
+    model = assemble.model(healthy)
     load, K, C = 0.0, 0.0, 0.0
     for _, y, K_now, C_now in rest_states(model):
         load = max(load, float(assemble.outer_forces(model, y).max()))
@@ -235,7 +235,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 def fast_body_rates(healthy: Case) -> Rates:
     """Return the rates at rest of a body much faster than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
-    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
+    model = assemble.without_friction(assemble.model(healthy))
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.supports(type(model)):
         return Rates(0.0, 0.0)
     t, y = next(rest_states(model))[:2]

@@ -36,8 +36,6 @@ from bearingsim.core.geometry.plane import Centre, approach, centre_at, cos_sin,
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu_derivative_bound
-from bearingsim.core.laws.friction.lag import lagged
 from bearingsim.core.models import interface
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
@@ -289,18 +287,15 @@ def _stiffness_per_mass(model, y, j):
 
 @interface.damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
-    """Return the largest damping over mass of the contacts, the rings' supports and the friction
-    (``lagged_friction``).
+    """Return the largest damping over mass of the contacts and the rings' supports.
 
-    Equation (P7) of docs/planar.md, the rate of friction.
+    Friction is left out: it acts along the race, not on the radial motion, and lags by a step where it would limit
+    an explicit method (``laws/friction/lag.py``).
     """
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    b = model.bearing
-    load_per_mass = max(y[lay.Q_O + j], y[lay.Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
-    friction_rate = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * load_per_mass
     supports = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
-    return max(y[lay.INVERSE_MASS + j] * (outer + inner), supports, lagged(friction_rate, model.lag))
+    return max(y[lay.INVERSE_MASS + j] * (outer + inner), supports)
 
 
 @interface.degrees_of_freedom.register(Planar)

@@ -35,8 +35,6 @@ from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu_derivative_bound
-from bearingsim.core.laws.friction.lag import lagged
 from bearingsim.core.models import interface
 from bearingsim.core.models.bodies_in_space import accelerate_rings_and_cage, bodies, set_mounted_rings
 from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, is_free_coordinate
@@ -288,23 +286,19 @@ def _stiffness_per_mass(model, y, j):
 
 @interface.damping_per_mass.register(Spatial)
 def _damping_per_mass(model, y, j):
-    """Return the largest damping over inertia of contacts, friction and the rings' supports.
+    """Return the largest damping over inertia of contacts and the rings' supports.
 
-    Friction at flanges and pockets has no lag and acts in all these directions, so it is added to the roller's
-    damping, with its present value because these contacts always slip.
+    Friction at the races is left out, as in ``planar``. Friction at flanges and pockets has no lag and acts in all
+    these directions, so it is added to the roller's damping, with its present value because these contacts always
+    slip.
     """
     b, half, per_mass = model.bearing, 0.5 * model.L_w, y[lay.INVERSE_MASS + j]
     _, C = rates_on_contacts(model, y, j)
-    load_per_mass = max(y[lay.Q_O + j], y[lay.Q_I + j]) * max(
-        2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t
-    )
-    friction_rate = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * load_per_mass
     supports = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     mounts = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     # 1/kg: change of an end's slip per impulse
     end_mobility = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t
-    roller_damping = max(C, lagged(friction_rate, model.lag))
-    return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_mobility, supports, mounts)
+    return max(C + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_mobility, supports, mounts)
 
 
 @interface.degrees_of_freedom.register(Spatial)

@@ -8,16 +8,10 @@ def implicit_fraction(t):
     """Return the fraction of the lag that is applied, t/(1 + t), if ``t`` is the lag times the decay rate of slip.
 
     Friction that is slow compared to the lag hardly needs it, and this fraction makes its error second order in
-    the lag, t^2. The decay rate of slip, t (1 + t)/(1 + t + t^2) over the lag, remains below 1 over the lag.
+    the lag, t^2. The decay rate of slip, t (1 + t)/(1 + t + t^2) over the lag, remains below 1 over the lag, so
+    friction does not limit an explicit step as long as the lag.
     """
     return t / (1.0 + t)
-
-
-@jit
-def lagged(rate, lag):
-    """Return the decay rate (1/s) of slip with the lag (s); ``rate``: without it."""
-    t = lag * rate
-    return rate / (1.0 + implicit_fraction(t) * t)
 
 
 @jit
