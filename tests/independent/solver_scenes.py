@@ -210,7 +210,7 @@ SERIES = {
     ),
     "slot of a roller meets slot of the race": Scene(
         damping=("kraemer", 4e-6),
-        defects=(SLOT, Defect("rectangular", 12 * MM, 0.6 * MM, 30 * UM, 19.0, "roller", roller=1)),
+        defects=(SLOT, Defect("rectangular", 12 * MM, 0.6 * MM, 30 * UM, 16.0, "roller", roller=1)),
     ),
     "rounded slot, half ellipsoid, form, johnson": Scene(
         stiffness="johnson", load=600.0, **FORM,

@@ -102,7 +102,7 @@ def differences(s: Scene) -> dict[str, tuple[float, float]]:
 
 
 RMS_LIMITS = dict(zip(SERIES, (4e-4, 5e-5, 4e-4, 4e-4, 3e-5, 3e-5, 2e-4, 1e-4, 3e-4, 2e-4), strict=True))
-"""About three times the RMS difference of the ring's velocity and of the forces that was measured in each scene."""
+"""About three times the RMS difference measured in each scene, of the ring's velocity and of the forces."""
 
 
 @pytest.mark.parametrize("name", SERIES)
