@@ -135,6 +135,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("sample_rate", "sampling_rate", "sampling_frequency", "fs"): "use `sampling: 10240 Hz`",
     ("dt", "time_step", "timestep"): "use `step: 0.5 us`, or `auto`; the step of a record follows from `sampling`",
     ("end_time", "t_end", "record_length", "simulation_time"): "use `duration: 1 s`",
+    ("lhs", "sobol", "saltelli", "morris", "derived", "where", "zip", "repeat"): "it is a key of `sweep`",
     ("solver", "integrator"): "use `method: auto`, or the name of a method",
     ("rtol", "atol", "reltol", "abstol"): "use `tolerance: 1e-4`, with an adaptive `method`",
     (

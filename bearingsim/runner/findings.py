@@ -294,6 +294,10 @@ def _damping_note(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[st
     cases = [entry["job"] for entry in plan["jobs"] if not entry["twin"] and not entry["variation"]]
     if "info/damping_time_s" not in frame or "info/cpu_s" not in frame:
         return
-    damped_cases = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
+    rows = frame.loc[cases]
+    damped_cases = rows[rows["info/damping_time_s"].notna()]
     if len(damped_cases):
-        yield damping_remark(len(damped_cases), duration, float(damped_cases["info/cpu_s"].sum()))
+        # The plan does not state which of the other cases depend on damping.
+        finished = int((rows["status"] == "done").sum())
+        scope = "" if finished == len(rows) else f" for the {finished} finished of {len(rows)} cases"
+        yield damping_remark(len(damped_cases), duration, float(damped_cases["info/cpu_s"].sum()), scope)

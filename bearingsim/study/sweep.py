@@ -136,7 +136,7 @@ def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
         return ()
     try:
         if not isinstance(node.value, tuple):
-            return _generate(node)
+            return _generate(node, path)
         if not node.items:
             raise EntryError(node, "the list is empty")
         return node.items
@@ -153,11 +153,13 @@ class EntryError(Exception):
         super().__init__(message)
 
 
-def _generate(node: Node) -> tuple[Node, ...]:
+def _generate(node: Node, path: str) -> tuple[Node, ...]:
     keys = list(node.mapping)
     if len(keys) != 1 or keys[0] not in GENERATORS:
         hint = f"write `[{node.text}]`" if isinstance(node.value, str) else None
         similar = suggestion(keys[0], list(GENERATORS)) if keys else ""
+        if keys and isinstance(node.mapping[keys[0]].value, tuple | dict):
+            hint = f"paths have dots, as in `{path}.{keys[0]}: [...]`"
         expected = "expected a list, or `linspace`, `logspace` or `range` with three numbers"
         raise EntryError(node, expected, similar or hint)
     arguments = node.mapping[keys[0]]

@@ -382,12 +382,13 @@ def assumes_rigid_ring(
     )
 
 
-def damping_remark(cases: int, duration: Callable[[float], str], seconds: float) -> str:
+def damping_remark(cases: int, duration: Callable[[float], str], seconds: float, scope: str = "") -> str:
     """Return the remark that damping is not varied, with the cost of varying it.
 
-    cases: number of cases that depend on damping; seconds: their CPU time; duration: formatter of a time (s).
+    cases: number of cases that depend on damping; seconds: their CPU time; duration: formatter of a time (s);
+    scope: the counted cases in words, if they are not all cases of the study.
     """
     jobs, time = len(DEFAULT_DAMPING.values) * cases, duration(len(DEFAULT_DAMPING.values) * seconds)
     example = PARAMETER_KINDS["damping"].example
     effect = "amplitudes at light load and in large ball bearings depend on it several-fold (docs/damping.md)"
-    return f"damping not varied; {effect}; `uncertainty: {{damping: {example}}}` adds {jobs} jobs, {time}"
+    return f"damping not varied; {effect}; `uncertainty: {{damping: {example}}}` adds {jobs} jobs{scope}, {time}"

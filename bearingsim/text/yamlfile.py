@@ -253,8 +253,11 @@ def _relocate(node: Node, argument: str) -> Node:
 def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     start, position = getattr(error, "problem_mark", None), getattr(error, "position", None)
     reason = getattr(error, "problem", None) or str(error).splitlines()[0]
-    if getattr(error, "context", None) == "expected a single document in the stream":
+    context = getattr(error, "context", None)
+    if context == "expected a single document in the stream":
         reason = "a second document begins here"
+    elif context == "while scanning a simple key":
+        start = error.context_mark  # the key without a colon; the scanner notices it on a later line
     if start is not None:
         lines = _lines(text)
         line = min(start.line, len(lines) - 1)
@@ -262,7 +265,21 @@ def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
         mark = Mark(file, line + 1, column + 1, lines[line])
     else:
         mark = Mark(file) if position is None else _mark_at(text, position, file)
-    return problem(mark, f"not valid YAML: {reason}")
+    return problem(mark, f"not valid YAML: {reason}", _syntax_hint(reason))
+
+
+_COLON = "a key ends with a colon and a space"
+_SYNTAX_HINTS = {
+    "found character '\\t'": "indent with spaces, not tabs",
+    "could not find expected ':'": _COLON,
+    "mapping values are not allowed": f"keys of one level have the same indentation, and {_COLON}",
+    "expected <block end>, but found '<block mapping start>'": "keys of one level have the same indentation",
+}
+
+
+def _syntax_hint(reason: str) -> str | None:
+    """Return the remedy of a frequent mistake; reason: beginning with that of the parser."""
+    return next((hint for start, hint in _SYNTAX_HINTS.items() if reason.startswith(start)), None)
 
 
 _UNIT = re.compile(r"[^\W\d]|%|°")

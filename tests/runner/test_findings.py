@@ -5,7 +5,13 @@ import math
 import pandas as pd
 import pytest
 
-from bearingsim.runner.findings import findings, scatter_warnings, step_warnings, transient_warnings
+from bearingsim.runner.findings import (
+    assumption_notes,
+    findings,
+    scatter_warnings,
+    step_warnings,
+    transient_warnings,
+)
 
 JOB = "0" * 16
 
@@ -154,3 +160,19 @@ def test_step_error_of_a_record_is_reported(errors: list[float], parts: list[str
     assert len(texts) == bool(parts)
     assert all(part in texts[0] for part in parts)
     assert not list(step_warnings(pd.DataFrame({"status": ["failed"]})))
+
+
+def test_cost_of_varying_the_damping_names_the_finished_cases() -> None:
+    """Three values of each of two cases that are done; the third has neither a cost nor a count."""
+    rows = {
+        "info/damping_time_s": [2.5e-6, 2.5e-6, float("nan")],
+        "info/cpu_s": [1.0, 2.0, float("nan")],
+        "status": ["done", "done", "missing"],
+    }
+    frame = pd.DataFrame(rows, index=["a", "b", "c"])
+    plan = {"jobs": [{"job": job, "twin": False, "variation": False} for job in frame.index], "units": {}}
+    [text] = [note for note in assumption_notes(plan, frame) if note.startswith("damping not varied")]
+    assert text.endswith("adds 6 jobs for the 2 finished of 3 cases, 9 s")
+    plan["jobs"].pop()
+    [text] = [note for note in assumption_notes(plan, frame) if note.startswith("damping not varied")]
+    assert text.endswith("adds 6 jobs, 9 s")

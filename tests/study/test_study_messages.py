@@ -60,6 +60,11 @@ def text_at_caret(problem: Problem) -> str:
         ("sweep: {load: []}", "[]", "sweep.load: the list is empty"),
         ("sweep: {load: 1 N}", "1 N", "sweep.load: expected a list, or `linspace`, `logspace` or `range` with three numbers (write `[1 N]`)"),
         ("sweep: {load: {linspce: [1 N, 2 N, 3]}}", "{linspce", "sweep.load: expected a list, or `linspace`, `logspace` or `range` with three numbers (did you mean `linspace`?)"),
+        ("sweep: {defect: {width: [1 mm, 2 mm]}}", "{width", "sweep.defect: expected a list, or `linspace`, `logspace` or `range` with three numbers (paths have dots, as in `defect.width: [...]`)"),
+        ("repeat: 5", "repeat", "unknown key `repeat` (it is a key of `sweep`)"),
+        ("where: [load < 1 N]", "where", "unknown key `where` (it is a key of `sweep`)"),
+        ("settle:1 s\nseed: 1", "settle:1", "not valid YAML: could not find expected ':' (a key ends with a colon and a space)"),
+        ("seed: 1\n  settle: 1 s", ": 1 s", "not valid YAML: mapping values are not allowed here (keys of one level have the same indentation, and a key ends with a colon and a space)"),
         ("sweep: {load: {linspace: [1 N, 2 N]}}", "[1 N", "sweep.load: expected three values, as in `linspace: [150 N, 300 N, 4]`"),
         ("sweep: {load: {linspace: [1 N, 2 mm, 3]}}", "2 mm", "sweep.load: expected the unit `N` as in the first value, got `2 mm`"),
         ("sweep: {load: {linspace: [1 mm, 2 mm, 3]}}", "1 mm", [f"load: expected a force such as `150 N`, got `{n} mm` (`mm` is a unit of length)" for n in (1, 2)]),
@@ -307,6 +312,12 @@ def test_files_that_are_no_studies(tmp_path: Path, content: bytes, part: str) ->
     path = tmp_path / "study.yaml"
     path.write_bytes(content)
     assert part in "\n".join(map(str, problems(path)))
+
+
+def test_a_tab_is_reported_with_its_remedy(write: Write) -> None:
+    (problem,) = problems(write(f"{BASE}\tsettle: 1 s\n"))
+    assert problem.source_line == "\tsettle: 1 s"
+    assert (problem.column, problem.hint) == (1, "indent with spaces, not tabs")
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
