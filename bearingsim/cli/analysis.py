@@ -137,6 +137,8 @@ def show(
         except Unsuitable as error:
             raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
         results[name] = diagnose(values, fs, parts, shaft, tolerance, chosen), image, chosen
+    for name, (diagnosis, *others) in results.items():
+        results[name] = _without_width_across(recording, name, diagnosis), *others
     clearest = max(results, key=lambda name: _margin(results[name][0]))
     if figure is not None:
         canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
@@ -161,6 +163,21 @@ def _other_channel(recording: "Recording", name: str) -> str:
     lengths = {channel: len(values) for channel, values in recording.channels.items()}
     longest = max(lengths, key=lambda channel: lengths[channel])
     return f"; or name a longer one, `--channel {longest}`" if lengths[longest] > lengths[name] else ""
+
+
+def _without_width_across(recording: "Recording", name: str, diagnosis: "Diagnosis") -> "Diagnosis":
+    """Return the diagnosis of a channel, without a width if another channel vibrates much more strongly."""
+    from bearingsim.diagnosis.size import MAX_STRONGER, Size, stronger_channel
+
+    if not isinstance(diagnosis.size, Size):
+        return diagnosis
+    unit = recording.units[name].value
+    channels = {key: values for key, values in recording.channels.items() if recording.units[key].value == unit}
+    stronger = stronger_channel(name, channels, recording.rate.value)
+    if stronger is None:
+        return diagnosis
+    reason = f"`{stronger}` vibrates over {MAX_STRONGER:g} times as strongly, so this channel is not along the load"
+    return diagnosis._replace(size=reason)
 
 
 def _margin(diagnosis: "Diagnosis") -> float:
@@ -245,6 +262,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
 def _print_remarks(diagnosis: "Diagnosis") -> None:
     """Print other causes of the strongest periodicities, and the width of the defect."""
     from bearingsim.diagnosis import NONE
+    from bearingsim.diagnosis.size import DEPTH, Size
     from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
 
     other, line = diagnosis.strongest_other, LINE_NAMES[diagnosis.best]
@@ -276,17 +294,16 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
     if diagnosis.may_be_doubled:
         half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
         say(f"half of this line ({half}) is about as strong: the true speed may be half of the stated one")
-    if diagnosis.size is not None:
-        size = diagnosis.size
+    size = diagnosis.size
+    if isinstance(size, Size):
         say(
-            f"width along the race: {1e3 * size.low:.2f} to {1e3 * size.high:.2f} mm "
-            f"(entry to exit {1e3 * size.spacing:.3g} ms)"
+            f"width along the race: {1e3 * size.low:.2f} to {1e3 * size.high:.2f} mm if the acceleration is along "
+            f"the load and the depth up to {1e6 * DEPTH:g} um (entry to exit {1e3 * size.spacing:.3g} ms)"
         )
+    elif size is not None:
+        say(f"no width is estimated: {size}")
     if diagnosis.loose:
-        say(
-            "clearance alone causes BPFO as well, and no width was found: "
-            "compare with a record of the healthy bearing"
-        )
+        say("clearance alone causes BPFO as well: compare with a record of the healthy bearing")
 
 
 def _equivalent(diagnosis: "Diagnosis") -> str:
@@ -341,6 +358,7 @@ def as_dict(
 def _channel_dict(
     recording: "Recording", name: str, diagnosis: "Diagnosis", image: "Kurtogram", band: tuple[float, float]
 ) -> dict[str, Any]:
+    from bearingsim.diagnosis.size import Size
     from bearingsim.diagnosis.thresholds import decibels
 
     size, unit, count = diagnosis.size, recording.units[name], len(recording.channels[name])
@@ -373,8 +391,9 @@ def _channel_dict(
             "crowded": diagnosis.crowded,
             "is_sideband": diagnosis.is_sideband,
         },
-        "width_mm": [1e3 * size.low, 1e3 * size.high] if size else None,
-        "spacing_ms": 1e3 * size.spacing if size else None,
+        "width_mm": [1e3 * size.low, 1e3 * size.high] if isinstance(size, Size) else None,
+        "width_missing": size if isinstance(size, str) else None,
+        "spacing_ms": 1e3 * size.spacing if isinstance(size, Size) else None,
         "clearance_may_cause": diagnosis.loose,
         "speed_may_be_doubled": diagnosis.may_be_doubled,
     }

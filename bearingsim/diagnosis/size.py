@@ -1,20 +1,29 @@
 """Width of a defect of the outer race from the time between a roller's entry and exit."""
 
-from math import cos, isfinite, pi, sqrt
+from collections.abc import Mapping
+from math import cos, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
-from bearingsim.signals.events import spacing
+from bearingsim.diagnosis.envelopes import default_band
+from bearingsim.signals.events import SMOOTHING, entry_to_exit
+from bearingsim.signals.spectra import band_pass
 
 DEPTH = 60e-6
 """m; largest floor depth assumed for early strikes of the far edge (docs/double_impulse.md, step 4)."""
-ENTRY_DROP = 1.5e-6
-"""m; drop behind the near rim at which the entry is detected: a ball of the 6205 has lost half of its force after
-0.12 mm (docs/double_impulse.md, step 1)."""
+APPROACH = {"ball": 3e-3, "roller": 1e-3}
+"""Largest approach of the races to each other at a rolling element, over its diameter: the element has lost all its
+force, and the entry is detected at the latest, after this drop behind the near rim. At a contact pressure it is
+proportional to the diameter. A ball of the 6205 reaches it (24 um) at a bearing load of a tenth of its dynamic load
+rating."""
 MAX_DIFFERENCE = 0.05
 """Largest relative difference between the estimates from both halves of a record."""
+
+MAX_STRONGER = 3.0
+"""Largest RMS of another channel relative to that of the channel of a width: across the load the vibration of a
+defect is 10 to 100 times weaker than along it, at 45 deg 1.4 times."""
 
 
 class Size(NamedTuple):
@@ -25,25 +34,43 @@ class Size(NamedTuple):
     spacing: float
 
 
-def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: float) -> Size | None:
+def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: float) -> Size | str:
     """Estimate the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: measured BPFO (Hz).
 
-    With s the spacing of entry and exit times the speed of the contact point, the width is from s to s + sqrt(2
-    R_eff d) + sqrt(2 R_eff a). A roller on the floor, at a depth d of up to 60 um, strikes the far edge the first
-    root earlier. The entry is detected the second root late, after a drop a of up to 1.5 um. Returns None without
-    two events, or if the estimates from both halves of the record differ by over 5 %.
+    With s the spacing of entry and exit times the speed of the contact point, the width is from s, less half the
+    width of the smoothing, within which a light roller may touch beyond the far edge, to s + sqrt(2 R_eff d) + sqrt(2 R_eff a). A roller on the floor, at a depth d of up to 60 um, strikes the far edge the first
+    root earlier. The entry is detected up to the second root late, after a drop a of up to the ``APPROACH``. Returns
+    the reason if an entry and an exit are not the only events of a pass, or if the estimates from both halves of the
+    record differ by over 5 %.
     """
     period = 1.0 / outer
     half = len(series) // 2
     try:
-        whole, *halves = (spacing(part, fs, period) for part in (series, series[:half], series[half:]))
-    except ValueError:  # fewer than 40 samples in a pass
-        return None
-    if not all(map(isfinite, (whole, *halves))) or abs(halves[0] - halves[1]) > MAX_DIFFERENCE * whole:
-        return None
+        spacings = [entry_to_exit(part, fs, period) for part in (series, series[:half], series[half:])]
+    except ValueError:
+        return "a pass has fewer than 40 samples"
+    for estimate in spacings:
+        if estimate.reason:
+            return estimate.reason
+    whole, *halves = (estimate.time for estimate in spacings)
+    if abs(halves[0] - halves[1]) > MAX_DIFFERENCE * whole:
+        return f"the estimates from both halves of the record differ by over {100.0 * MAX_DIFFERENCE:g} %"
     roller, cosine = parts.roller_diameter / 2.0, cos(parts.contact_angle)
     track = parts.pitch_diameter / 2.0 + roller * cosine  # radius of the circle of contact points
-    low = whole * 2.0 * pi * track * outer / parts.rollers
+    speed = 2.0 * pi * track * outer / parts.rollers
     race = track / cosine  # radius of curvature along the track, normal to the race (Meusnier)
     effective = roller * race / (race - roller)
-    return Size(low, low + sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * ENTRY_DROP), whole)
+    drop = APPROACH[parts.element] * parts.roller_diameter
+    low, high = (whole - 0.5 * period / SMOOTHING) * speed, whole * speed
+    return Size(low, high + sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * drop), whole)
+
+
+def stronger_channel(name: str, channels: Mapping[str, np.ndarray], fs: float) -> str | None:
+    """Return the channel in whose vibration that of a channel is weak, so that it is not along the load.
+
+    channels: series (n,) of one unit at ``fs`` (Hz), by name. None if none exceeds its RMS above 1 kHz
+    ``MAX_STRONGER`` times.
+    """
+    levels = {key: float(np.std(band_pass(series, fs, default_band(fs)))) for key, series in channels.items()}
+    strongest = max(levels, key=lambda key: levels[key])
+    return strongest if levels[strongest] > MAX_STRONGER * levels[name] else None

@@ -21,7 +21,7 @@ from bearingsim.diagnosis.detection import NONE, RHYTHM, Detection, detect
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import ELEMENTS, Lines
 from bearingsim.diagnosis.size import Size, outer_race_size
-from bearingsim.diagnosis.thresholds import clear, equivalent_turns, measured_turns, threshold
+from bearingsim.diagnosis.thresholds import CLEAR_DB, clear, equivalent_turns, measured_turns, threshold
 
 OUTER, INNER, ROLLER = ELEMENTS
 EITHER = "outer or roller"
@@ -60,18 +60,22 @@ class Finding(NamedTuple):
 class Diagnosis(NamedTuple):
     """Verdict, and its evidence: spectra, findings by element, and the detection of its line at the best one.
 
-    verdict: a name of ``ELEMENTS``, "outer or roller", "other rhythm" or "none"; loose: whether clearance alone
-    may give the line; turns: of the shaft.
+    verdict: a name of ``ELEMENTS``, "outer or roller", "other rhythm" or "none"; size: of a defect of the outer
+    race, or the reason why it is not estimated, None for other verdicts; turns: of the shaft.
     """
 
     verdict: str
     lines: Lines
     findings: dict[str, Finding]
     detection: Detection
-    size: Size | None
-    loose: bool
+    size: Size | str | None
     turns: float
     spectra: tuple[EnvelopeSpectrum, EnvelopeSpectrum]
+
+    @property
+    def loose(self) -> bool:
+        """True if clearance alone may give the line."""
+        return self.verdict in (OUTER, EITHER) and not isinstance(self.size, Size)
 
     @property
     def threshold(self) -> float:
@@ -173,10 +177,15 @@ def diagnose(
     comb = findings[best].comb
     detection = detect(spectra, lines, best, comb, tolerance, limit)
     verdict = detection.objection or _race(spectra, findings, best)
-    has_size = verdict == OUTER and comb.score >= clear(limit)
-    size = outer_race_size(series, fs, parts, comb.frequency) if has_size else None
-    loose = verdict in (OUTER, EITHER) and size is None
-    return Diagnosis(verdict, lines, findings, detection, size, loose, turns, spectra)
+    size = _size(series, fs, parts, comb, limit) if verdict == OUTER else None
+    return Diagnosis(verdict, lines, findings, detection, size, turns, spectra)
+
+
+def _size(series: np.ndarray, fs: float, parts: RollingParts, comb: Comb, limit: float) -> Size | str:
+    """Estimate the size of a defect of the outer race if its comb is clear, else return the reason."""
+    if comb.score < clear(limit):
+        return f"the line is not {CLEAR_DB:g} dB over the threshold"
+    return outer_race_size(series, fs, parts, comb.frequency)
 
 
 def _finding(spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, tolerance: float) -> Finding:

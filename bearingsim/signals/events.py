@@ -1,5 +1,8 @@
 """Entry of a roller into a defect and its exit, within a pass."""
 
+from math import nan
+from typing import NamedTuple
+
 import numpy as np
 
 from bearingsim.signals.spectra import analytic
@@ -7,13 +10,35 @@ from bearingsim.signals.spectra import analytic
 SMOOTHING = 40  # period over the smallest distance between two events
 WHITENING_HARMONICS = 20  # half width of the average for whitening, in harmonics of the pass frequency
 POWER_FLOOR = 1e-3  # relative to the mean power: weaker lines are not whitened
-MIN_ENTRY_HEIGHT = 0.08  # smallest prominence of an entry, relative to the exit
+MIN_ENTRY_HEIGHT = 0.2  # smallest prominence of an entry, relative to the exit: events of other rollers have less
+MAX_BEFORE, MAX_AFTER = 1 / 3, 1 / 2  # largest prominence of a third event before and after the exit, relative to the
+# entry: landings and neighbours reach 0.27 along the load, ringing after the exit of a measured bearing 0.45
+MIN_THIRD = 1 / 5  # prominence, relative to the entry, from which an event higher than the entry is a third one
 MIN_VARIATION = 1e-6  # relative to the mean envelope: smaller variations are rounding errors
+MIN_SPACING = 0.05  # of the period: twice the width of the smoothing
 MAX_SPACING = 0.4  # of the period: in a smooth oscillation the other half wave is half a period before the highest
 MIN_SIGNIFICANCE = 7.0  # smallest prominence of an event, in standard errors of the mean over passes
 
 
+ONE_EVENT = "there is no second event per pass of at least a fifth of the strongest"
+THIRD_EVENT = "a third event per pass is about as strong as the entry, as in acceleration across the load"
+TOO_CLOSE = f"the two events are less than {MIN_SPACING:g} of a pass apart"
+TOO_FAR = f"the two events are over {MAX_SPACING:g} of a pass apart, as in the motion of a healthy bearing"
+
+
+class Spacing(NamedTuple):
+    """Time (s) from entry to exit of a defect; nan, and the reason, if the events are not those two."""
+
+    time: float
+    reason: str = ""
+
+
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
+    """Measure the time (s) from entry to exit of a defect, as ``entry_to_exit``; nan if there is none."""
+    return entry_to_exit(series, fs, period).time
+
+
+def entry_to_exit(series: np.ndarray, fs: float, period: float) -> Spacing:
     """Measure the time (s) from entry to exit of a defect from all passes of a series (n,) sampled at ``fs`` (Hz).
 
     period: of the passes (s). The spectrum is whitened, so that the entry (weak, low frequency) and the exit
@@ -22,12 +47,12 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
     root averaged over all passes, aligned at their highest value, the exit, so that variations of the period have
     no effect. The spacing is measured to the most prominent maximum in the half pass before the exit.
 
-    Returns nan if its prominence is less than 0.08 of the exit or less than seven standard errors of the mean
-    there, which means at most one event per pass, or if the spacing exceeds 0.4 of the period, as in the periodic
-    motion of a healthy bearing. Limits: spacings from 0.1 to 0.4 of the period, and the exit
-    must be the stronger event. The position of an event is that of its energy: an entry that rises over 0.3 ms
-    before a sudden exit is measured 0.2 ms late. Raises ValueError if the record has fewer than two passes, or a
-    pass fewer than 40 samples.
+    There is none if its prominence is less than 0.2 of the exit or less than seven standard errors of the mean
+    there, which means at most one event per pass; if the spacing is not within 0.05 to 0.4 of the period; or if a
+    third event is about as strong: before the exit a landing on the floor, or in acceleration across the load
+    rollers that enter the load zone and beats of the ringing. The exit must be the strongest event. The position of
+    an event is that of its energy: an entry that rises over 0.3 ms before a sudden exit is measured 0.2 ms late.
+    Raises ValueError if the record has fewer than two passes, or a pass fewer than 40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHING:
         raise ValueError(
@@ -37,18 +62,34 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
     envelope = smooth(whitened_envelope(series, fs, WHITENING_HARMONICS / period), period * fs / SMOOTHING)
     passes = passes_around_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
     if len(passes) < 2:
-        return float("nan")
+        return Spacing(nan, ONE_EVENT)
     mean, error = passes.mean(axis=0), passes.std(axis=0) / np.sqrt(len(passes) - 1)
     if np.ptp(mean) <= MIN_VARIATION * mean.mean():
-        return float("nan")
+        return Spacing(nan, ONE_EVENT)
     centre = len(mean) // 2
     entry = most_prominent(
         mean[: centre + 1], np.maximum(MIN_ENTRY_HEIGHT * np.ptp(mean), MIN_SIGNIFICANCE * error)
     )
     if not entry:
-        return float("nan")
+        return Spacing(nan, ONE_EVENT)
+    if has_third_event(mean, entry):
+        return Spacing(nan, THIRD_EVENT)
     time = (interpolate_peak(mean, centre) - interpolate_peak(mean, entry)) / fs
-    return time if time <= MAX_SPACING * period else float("nan")
+    if not MIN_SPACING * period <= time <= MAX_SPACING * period:
+        return Spacing(nan, TOO_CLOSE if time < MIN_SPACING * period else TOO_FAR)
+    return Spacing(time)
+
+
+def has_third_event(mean: np.ndarray, entry: int) -> bool:
+    """Check whether a mean pass (n,), with the exit in its middle, has an event as strong as that at ``entry``."""
+    exit_, reference = len(mean) // 2, prominence(mean, entry)
+    for peak in map(int, maxima(mean)):
+        share = prominence(mean, peak) / reference
+        is_third = share > (MAX_BEFORE if peak < exit_ else MAX_AFTER)
+        is_third |= share > MIN_THIRD and mean[peak] > mean[entry]
+        if peak not in (entry, exit_) and is_third:
+            return True
+    return False
 
 
 def passes_around_exits(envelope: np.ndarray, half: int) -> np.ndarray:

@@ -14,6 +14,7 @@ import numpy as np
 
 from bearingsim.config import Case
 from bearingsim.diagnosis import diagnose
+from bearingsim.diagnosis.size import Size
 from bearingsim.simulation import simulate
 from bearingsim.study import load_rolling_parts
 from benchmarks.diagnosis import bases, chain
@@ -44,7 +45,7 @@ def row_of(seed: int) -> dict[str, object]:
     signal = chain.through(chain.read(series, instants), resonance, damping)
     signal += chain.noise(len(signal), resonance, rng) * signal.std() * 10.0 ** (noise_db / 20.0)
     result = diagnose(signal, bases.RATE, load_rolling_parts(bearing), rpm / 60.0)
-    size = result.size
+    size = result.size if isinstance(result.size, Size) else None
     return {
         "bearing": bearing, "width_mm": f"{1e3 * width:.3f}", "depth_um": f"{1e6 * depth:.1f}", "length": share,
         "rpm": f"{rpm:.0f}", "noise_db": f"{noise_db:.1f}", "verdict": result.verdict,

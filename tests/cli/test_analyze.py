@@ -18,7 +18,7 @@ from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
 KEYS = BAND_KEYS | {
     "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "threshold_extrapolated", "races",
-    "rival", "width_mm", "spacing_ms", "clearance_may_cause", "speed_may_be_doubled",
+    "rival", "width_mm", "width_missing", "spacing_ms", "clearance_may_cause", "speed_may_be_doubled",
 }  # fmt: skip
 RACE_KEYS = {
     "expected_hz", "found_hz", "deviation", "score_db", "envelope_db", "levelled_db", "shaft_sidebands_db",
@@ -41,7 +41,8 @@ def test_the_verdict_comes_with_its_evidence(file):
     assert "unit of acc: g (the file)" in out
     assert "6205 at 1500 rpm (the variable `rpm`), lines within 2 %" in out
     assert "verdict: outer race, or a healthy bearing with clearance, 89.6" in out
-    assert "clearance alone causes BPFO as well, and no width was found" in out
+    assert "no width is estimated: there is no second event per pass" in out
+    assert "clearance alone causes BPFO as well" in out
     for line in ("BPFO", "BPFI", "2 BSF"):
         assert line in out
 
@@ -53,7 +54,22 @@ def test_the_verdict_is_of_one_race_where_a_width_is_read(tmp_path):
     out = type_("analyze", tmp_path / "a.npz", "--bearing", "6205")[0]
     assert "verdict: outer race, 89.6" in out
     assert "width along the race" in out
+    assert "mm if the acceleration is along the load and the depth up to 60 um (entry to exit" in out
     assert "clearance" not in out
+
+
+@pytest.mark.parametrize(("share", "unit", "is_stated"), [(0.1, "g", False), (0.5, "g", True), (0.1, "V", True)])
+def test_no_width_is_read_where_another_channel_vibrates_much_more_strongly(tmp_path, share, unit, is_stated):
+    impact = impacts(LINES.outer, noise=0.02, slip=0.002)
+    signal = impact + 0.5 * np.roll(impact, -round(0.2 / LINES.outer * RATE))
+    signals = {"a": signal, "b": share * signal, "a_unit": unit, "b_unit": "g"}
+    np.savez(tmp_path / "a.npz", **signals, fs=RATE, rpm=1500.0)
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205"]
+    channels = json.loads(type_(*words, "--json")[0])["channels"]
+    assert channels["a"]["width_mm"] is not None
+    assert (channels["b"]["width_mm"] is not None) == is_stated
+    assert channels["b"]["clearance_may_cause"] is not is_stated
+    assert ("`a` vibrates over 3 times as strongly" in type_(*words)[0]) is not is_stated
 
 
 def test_a_request_that_contradicts_the_file_is_printed(file):
