@@ -22,6 +22,7 @@ from bearingsim.config.library import library_names
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis import EITHER, ELEMENTS, NONE, RHYTHM, Diagnosis, Lines, diagnose
 from bearingsim.diagnosis.kurtogram import kurtogram
+from bearingsim.diagnosis.size import Size
 from bearingsim.study import load_rolling_parts
 from benchmarks.diagnosis import bases, chain
 from benchmarks.rows import write_csv
@@ -139,8 +140,8 @@ def row_of(level: str, cases: Sequence[Judged]) -> dict[str, object]:
             case.sample.defect.race == case.diagnosis.verdict for case in pairs if case.sample.defect
         ),
         "pairs": len(pairs),
-        "sizes": sum(case.diagnosis.size is not None for case in cases),
-        "sizes_of_narrow": sum(case.diagnosis.size is not None for case in narrow),
+        "sizes": sum(isinstance(case.diagnosis.size, Size) for case in cases),
+        "sizes_of_narrow": sum(isinstance(case.diagnosis.size, Size) for case in narrow),
         "narrow": len(narrow),
     }
 
