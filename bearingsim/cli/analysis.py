@@ -137,8 +137,8 @@ def show(
         except Unsuitable as error:
             raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
         results[name] = diagnose(values, fs, parts, shaft, tolerance, chosen), image, chosen
-    for name, (diagnosis, *others) in results.items():
-        results[name] = _without_width_across(recording, name, diagnosis), *others
+    for name, (diagnosis, image, chosen) in results.items():
+        results[name] = _without_width_across(recording, name, diagnosis), image, chosen
     clearest = max(results, key=lambda name: _margin(results[name][0]))
     if figure is not None:
         canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
@@ -176,7 +176,9 @@ def _without_width_across(recording: "Recording", name: str, diagnosis: "Diagnos
     stronger = stronger_channel(name, channels, recording.rate.value)
     if stronger is None:
         return diagnosis
-    reason = f"`{stronger}` vibrates over {MAX_STRONGER:g} times as strongly, so this channel is not along the load"
+    reason = (
+        f"`{stronger}` vibrates over {MAX_STRONGER:g} times as strongly, so this channel is not along the load"
+    )
     return diagnosis._replace(size=reason)
 
 

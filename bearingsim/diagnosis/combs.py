@@ -159,23 +159,23 @@ def _is_near(fundamentals: np.ndarray, relatives: Sequence[float], step: float) 
 def comb_of_shaft(
     spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, comb: Comb, threshold: float
 ) -> Comb | None:
-    """Return the comb of an order of the shaft that explains the comb of a race; None if there is none.
+    """Return the strongest comb of an order of the shaft that explains the comb of a race; None if there is none.
 
     A knock once per revolution raises all orders of the shaft, of which a line within the tolerance may be one.
     The order scores about as high as the race's comb, which is not over the threshold without the harmonics that
     both share. A defect of the inner race raises orders of the shaft itself, so there the order must score higher.
+    Each order is searched itself: knocks four times per revolution have no line at the lower orders.
     """
-    fundamental = refined(spectra, best_comb(spectra, lines.shaft, SHAFT_SHARE)).frequency
     least = max(threshold, comb.score - (0.0 if race == "inner" else SCORE_SCATTER))
-    numbers = np.arange(1, HARMONICS + 1)
-    for order in range(1, round(comb.frequency / fundamental)):
-        candidate = comb_at(spectra, order * fundamental)
+    numbers, explanations = np.arange(1, HARMONICS + 1), []
+    for order in range(1, round(comb.frequency / lines.shaft)):
+        candidate = refined(spectra, best_comb(spectra, order * lines.shaft, SHAFT_SHARE))
         multiples = numbers * comb.frequency / candidate.frequency
         distances = np.abs(multiples - np.round(multiples)) * candidate.frequency
         own = np.log1p(comb.heights) * (distances > RELATIVE_BINS * spectra[0].step)
         if candidate.score > least and own.sum(axis=1).min() <= threshold:
-            return candidate
-    return None
+            explanations.append(candidate)
+    return max(explanations, key=lambda candidate: candidate.score, default=None)
 
 
 def share_at_score(others: OtherPeriodicities, score: float, tolerance: float) -> float:

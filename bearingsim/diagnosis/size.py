@@ -14,13 +14,11 @@ from bearingsim.signals.spectra import band_pass
 DEPTH = 60e-6
 """m; largest floor depth assumed for early strikes of the far edge (docs/double_impulse.md, step 4)."""
 APPROACH = {"ball": 3e-3, "roller": 1e-3}
-"""Largest approach of the races to each other at a rolling element, over its diameter: the element has lost all its
-force, and the entry is detected at the latest, after this drop behind the near rim. At a contact pressure it is
-proportional to the diameter. A ball of the 6205 reaches it (24 um) at a bearing load of a tenth of its dynamic load
-rating."""
+"""Largest approach of the races to each other at a rolling element, over its diameter: after this drop behind the
+near rim the element has lost all its force, and its entry is detected. At a given contact pressure it is
+proportional to the diameter. A ball of the 6205 reaches it (24 um) at a tenth of the dynamic load rating."""
 MAX_DIFFERENCE = 0.05
 """Largest relative difference between the estimates from both halves of a record."""
-
 MAX_STRONGER = 3.0
 """Largest RMS of another channel relative to that of the channel of a width: across the load the vibration of a
 defect is 10 to 100 times weaker than along it, at 45 deg 1.4 times."""
@@ -38,10 +36,10 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
     """Estimate the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: measured BPFO (Hz).
 
     With s the spacing of entry and exit times the speed of the contact point, the width is from s, less half the
-    width of the smoothing, within which a light roller may touch beyond the far edge, to s + sqrt(2 R_eff d) + sqrt(2 R_eff a). A roller on the floor, at a depth d of up to 60 um, strikes the far edge the first
-    root earlier. The entry is detected up to the second root late, after a drop a of up to the ``APPROACH``. Returns
-    the reason if an entry and an exit are not the only events of a pass, or if the estimates from both halves of the
-    record differ by over 5 %.
+    width of the smoothing, to s + sqrt(2 R_eff d) + sqrt(2 R_eff a). A roller in the air lands beyond the far edge.
+    One on the floor, at a depth d of up to 60 um, strikes it the first root before the defect's end. The entry is
+    detected up to the second root late, after a drop a of up to the ``APPROACH``. Returns the reason if an entry and
+    an exit are not the only events of a pass, or if the estimates from both halves of the record differ by over 5 %.
     """
     period = 1.0 / outer
     half = len(series) // 2

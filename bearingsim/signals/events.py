@@ -11,8 +11,8 @@ SMOOTHING = 40  # period over the smallest distance between two events
 WHITENING_HARMONICS = 20  # half width of the average for whitening, in harmonics of the pass frequency
 POWER_FLOOR = 1e-3  # relative to the mean power: weaker lines are not whitened
 MIN_ENTRY_HEIGHT = 0.2  # smallest prominence of an entry, relative to the exit: events of other rollers have less
-MAX_BEFORE, MAX_AFTER = 1 / 3, 1 / 2  # largest prominence of a third event before and after the exit, relative to the
-# entry: landings and neighbours reach 0.27 along the load, ringing after the exit of a measured bearing 0.45
+MAX_BEFORE = 1 / 3  # largest prominence of a third event before the exit, relative to the entry
+MAX_AFTER = 1 / 2  # the same after the exit: in a measured signal ringing reaches 0.45
 MIN_THIRD = 1 / 5  # prominence, relative to the entry, from which an event higher than the entry is a third one
 MIN_VARIATION = 1e-6  # relative to the mean envelope: smaller variations are rounding errors
 MIN_SPACING = 0.05  # of the period: twice the width of the smoothing
@@ -50,8 +50,8 @@ def entry_to_exit(series: np.ndarray, fs: float, period: float) -> Spacing:
     There is none if its prominence is less than 0.2 of the exit or less than seven standard errors of the mean
     there, which means at most one event per pass; if the spacing is not within 0.05 to 0.4 of the period; or if a
     third event is about as strong: before the exit a landing on the floor, or in acceleration across the load
-    rollers that enter the load zone and beats of the ringing. The exit must be the strongest event. The position of
-    an event is that of its energy: an entry that rises over 0.3 ms before a sudden exit is measured 0.2 ms late.
+    rollers that enter the load zone and beats of the ringing. The exit must be the strongest event. The position
+    of an event is that of its energy: an entry that rises over 0.3 ms before a sudden exit is measured 0.2 ms late.
     Raises ValueError if the record has fewer than two passes, or a pass fewer than 40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHING:

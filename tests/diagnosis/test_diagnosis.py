@@ -271,6 +271,23 @@ def test_a_knock_of_the_shaft_names_no_race_with_a_line_at_one_of_its_orders(bea
     assert orders == pytest.approx(np.round(orders), rel=0.01)
 
 
+@pytest.mark.parametrize("bearing", ["6205", "nf308", "nu209"])
+def test_knocks_four_times_per_revolution_name_no_race(bearing):
+    """At 100 Hz of a shaft at 25 Hz; 400 Hz is the third harmonic of BPFI or BPFO, 200 Hz is BPFI of the NU209."""
+    t = np.arange(400) / RATE
+    ring = np.exp(-2000.0 * t) * np.sin(2.0 * np.pi * 3000.0 * t)
+    for seed in (4, 7):
+        rng = np.random.default_rng(seed)
+        pulses = np.zeros(51200)
+        instants = np.arange(1, 400) / (4.0 * SHAFT) + rng.normal(0.0, 2e-5, 399)
+        pulses[(instants * RATE).astype(int)] = 1.0
+        series = np.convolve(pulses, ring)[: len(pulses)] + 0.1 * rng.standard_normal(len(pulses))
+        result = diagnosis(series, parts=load_rolling_parts(bearing))
+        assert result.verdict == "other rhythm"
+        assert result.is_of_shaft
+        assert result.strongest_other.frequency == pytest.approx(4.0 * SHAFT, rel=2e-3)
+
+
 @pytest.mark.parametrize("order", [2.31, 3.23])
 def test_an_order_of_the_shaft_hides_no_stronger_periodicity(order):
     """A knock explains the line of the 6309 at 3.04 orders; another part of the machine is 11 dB stronger."""
@@ -394,7 +411,8 @@ def test_no_width_from_acceleration_across_the_load(bearing, width):
     }  # fmt: skip
     series = simulate(Case.model_validate(values)).series
     along, across = (
-        diagnose(np.asarray(series[f"ring.acceleration.{axis}"], float), 40960.0, parts, 25.0).size for axis in "xy"
+        diagnose(np.asarray(series[f"ring.acceleration.{axis}"], float), 40960.0, parts, 25.0).size
+        for axis in "xy"
     )
     assert across in (ONE_EVENT, THIRD_EVENT, TOO_FAR)
     assert along.low <= width <= along.high if width > 1e-3 else along == ONE_EVENT
