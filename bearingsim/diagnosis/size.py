@@ -35,11 +35,12 @@ class Size(NamedTuple):
 def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: float) -> Size | str:
     """Estimate the width of an outer-race defect from a series (n,) at ``fs`` (Hz); outer: measured BPFO (Hz).
 
-    With s the spacing of entry and exit times the speed of the contact point, the width is from s, less half the
-    width of the smoothing, to s + sqrt(2 R_eff d) + sqrt(2 R_eff a). A roller in the air lands beyond the far edge.
-    One on the floor, at a depth d of up to 60 um, strikes it the first root before the defect's end. The entry is
-    detected up to the second root late, after a drop a of up to the ``APPROACH``. Returns the reason if an entry and
-    an exit are not the only events of a pass, or if the estimates from both halves of the record differ by over 5 %.
+    With s the spacing of entry and exit times the speed of the contact point, the width is from s, less half
+    the width of the smoothing, to s + sqrt(2 R_eff d) + sqrt(2 R_eff a). A roller in the air lands beyond the far
+    edge. One on the floor, at a depth d of up to 60 um, strikes it the first root before the defect's end. The
+    entry is detected up to the second root late, after a drop a of up to the ``APPROACH``. Returns the reason if
+    an entry and an exit are not the only events of a pass, or if the estimates from both halves of the record
+    differ by over 5 %.
     """
     period = 1.0 / outer
     half = len(series) // 2

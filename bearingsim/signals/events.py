@@ -51,7 +51,8 @@ def entry_to_exit(series: np.ndarray, fs: float, period: float) -> Spacing:
     there, which means at most one event per pass; if the spacing is not within 0.05 to 0.4 of the period; or if a
     third event is about as strong: before the exit a landing on the floor, or in acceleration across the load
     rollers that enter the load zone and beats of the ringing. The exit must be the strongest event. The position
-    of an event is that of its energy: an entry that rises over 0.3 ms before a sudden exit is measured 0.2 ms late.
+    of an event is that of its energy: an entry that rises over 0.3 ms before a sudden exit is measured 0.2 ms
+    late.
     Raises ValueError if the record has fewer than two passes, or a pass fewer than 40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHING:
