@@ -6,7 +6,7 @@ and 3.09 ms at 900. The depth of these spalls is not known. Impact by geometry: 
 """
 
 from functools import lru_cache, partial
-from math import radians
+from math import isnan, radians
 
 import numpy as np
 import pytest
@@ -59,8 +59,13 @@ def test_measured_spacing_corresponds_to_a_depth_of_10_to_50_um(rpm, measured):
 
 def test_spacing_from_the_ring_velocity_agrees_with_that_of_forces():
     """The velocity is evaluated like a measured signal, in which an event is at its centre of energy."""
-    case = scene("nf308", 900, 4e-3, 30e-6)
-    assert spacing_of_ring(case, "velocity") == pytest.approx(reading("nf308", 4e-3, 30e-6, 900).spacing, rel=0.05)
+    case = scene("nf308", 900, 2e-3, 30e-6)
+    assert spacing_of_ring(case, "velocity") == pytest.approx(reading("nf308", 2e-3, 30e-6, 900).spacing, rel=0.05)
+
+
+def test_a_landing_is_not_taken_for_the_entry():
+    """From the landing to the strike the crossing took 0.46 of its time, 0.83 by forces."""
+    assert isnan(spacing_of_ring(scene("nf308", 1800, 4e-3, 30e-6), "velocity"))
 
 
 @pytest.mark.parametrize(
