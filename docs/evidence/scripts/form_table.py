@@ -25,7 +25,7 @@ def quantities(load: str, defect: dict | None, amplitude: str | None, seed: int,
     surfaces: dict = {"outer": spectrum, "inner": spectrum, "seed": seed} if amplitude else {}
     if scatter:
         surfaces["rollers"] = {"diameter": {"scatter": "0.5 um"}}
-    fields = {"bearing": "nf308", "speed": "1800 rpm", "load": load, "surfaces": surfaces, "settle": "0.1 s"}
+    fields: dict = {"bearing": "nf308", "speed": "1800 rpm", "load": load, "surfaces": surfaces, "settle": "0.1 s"}
     fields |= {"record": ["sensor.velocity"], "step_check": False} | ({"defect": defect} if defect else {})
     record = simulate(Case.model_validate(fields))
     velocity = 1e6 * np.asarray(record.series["sensor.velocity"], float)

@@ -1,16 +1,15 @@
 """The models and the steppers of touch_down.py."""
 
+from collections import namedtuple
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import own_cache  # noqa: F401  (before the core is imported)
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.jumps import next_jump
+from bearingsim.core.defects.jumps import JUMP_GAP, next_jump
 from bearingsim.core.defects.on_roller import roller_at_defect
-from bearingsim.core.defects.pairs import Defects
 from bearingsim.core.jit import jit
-from bearingsim.core.methods.adaptive import JUMP_GAP
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.methods.interface import prepare, step
@@ -19,8 +18,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
 from bearingsim.core.models.rollers import Rollers
-from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.parts.bending import RigidRing
+from bearingsim.core.parameters import Bearing
 
 NAMES = {
     "verlet": Verlet,
@@ -101,33 +99,17 @@ next_jump.register(LocatedContact)(
 # 2. The bearing
 
 
-class LocatedRollers(NamedTuple):
-    """``Rollers`` whose contacts are known to open and close."""
-
-    bearing: Bearing
-    support: Support
-    outer: Any
-    inner: Any
-    pits: Defects
-
-
-class BlindRollers(NamedTuple):
-    """``Rollers`` of which nothing is known ahead, not even when they pass a cusp."""
-
-    bearing: Bearing
-    support: Support
-    outer: Any
-    inner: Any
-    pits: Defects
-
-
+LocatedRollers = namedtuple("LocatedRollers", Rollers._fields)  # type: ignore[misc]
+"""``Rollers`` whose contacts are known to open and close."""
+BlindRollers = namedtuple("BlindRollers", Rollers._fields)  # type: ignore[misc]
+"""``Rollers`` of which nothing is known ahead, not even when they pass a cusp."""
 KNOWN: dict[str, Any] = {"nothing": BlindRollers, "cusps": Rollers, "contacts": LocatedRollers}
 
 
 @jit
 def plain(model):
     """The model as the package has it."""
-    return Rollers(model.bearing, model.support, model.outer, model.inner, model.defects, RigidRing())
+    return Rollers(*model)
 
 
 for _model in (LocatedRollers, BlindRollers):
