@@ -1,6 +1,6 @@
 """Flexible outer ring: effect of harmonics, cap and step in random scenes, and cost of a step.
 
-    python -m benchmarks.ring [--seed 1] [--harmonics 30] [--steps 50] [--chaos 11] [--cost] [--jobs 2]
+    python -m benchmarks.ring --harmonics 30 | --steps 50 | --chaos 11 | --cost [--seed 1] [--jobs 2]
 
 harmonics  changes of line and RMS (below 10 kHz, sampled at 51.2 kHz) if harmonics and cap are doubled, relative
            to the largest defect contribution of the slot from 0 to 60 deg in static equilibrium, and to the RMS;
@@ -227,6 +227,8 @@ def main() -> None:
     parser.add_argument("--cost", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
+    if not (options.cost or options.harmonics or options.steps or options.chaos):
+        parser.error("nothing requested: --harmonics, --steps, --chaos or --cost")
     if options.cost:
         cost()
     for compare, count in (
