@@ -13,6 +13,7 @@ from bearingsim.cli.screen import print_table
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
+    from bearingsim.config.sections.machine import RollingParts
     from bearingsim.diagnosis import Diagnosis
     from bearingsim.diagnosis.kurtogram import Kurtogram
     from bearingsim.measured import Recording, Request
@@ -107,12 +108,8 @@ def show(
 
     Raises MissingError with all that is stated neither by the file nor by options, the bearing included.
     """
-    from bearingsim.diagnosis import Lines, diagnose
-    from bearingsim.diagnosis.envelopes import default_band
-    from bearingsim.diagnosis.kurtogram import kurtogram
-    from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
-    from bearingsim.measured import MeasuredError, MissingError, read
-    from bearingsim.measured.checks import dropout, refuse_unusable
+    from bearingsim.measured import MissingError, read
+    from bearingsim.measured.checks import dropout
     from bearingsim.study import load_rolling_parts
 
     if figure is not None:
@@ -126,23 +123,12 @@ def show(
     if bearing is None:
         raise MissingError(file, dict([BEARING]))
     parts = load_rolling_parts(bearing)
-    fs, shaft = recording.rate.value, recording.shaft
-    results: dict[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]] = {}
-    for name, values in recording.channels.items():
-        refuse_unusable(file, name, values, fs)
-        image = kurtogram(values, fs)
-        chosen = image.best if band == KURTOGRAM else band if isinstance(band, tuple) else default_band(fs)
-        try:
-            refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), chosen)
-        except Unsuitable as error:
-            raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
-        results[name] = diagnose(values, fs, parts, shaft, tolerance, chosen), image, chosen
-    for name, (diagnosis, image, chosen) in results.items():
-        results[name] = _without_width_across(recording, name, diagnosis), image, chosen
+    results = _diagnose_channels(file, recording, parts, tolerance, band)
     clearest = max(results, key=lambda name: _margin(results[name][0]))
     if figure is not None:
         canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
         measured.write(canvas, figure)
+    fs = recording.rate.value
     dropouts = (dropout(name, values, fs) for name, values in recording.channels.items())
     for text in (*recording.remarks, *filter(None, dropouts)):
         say(text, err=True)
@@ -156,6 +142,32 @@ def show(
         _print_evidence(diagnosis, chosen)
     if figure is not None:
         say(f"\n{short_path(figure)}")
+
+
+def _diagnose_channels(
+    file: Path, recording: "Recording", parts: "RollingParts", tolerance: float, band: Band
+) -> "dict[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]]":
+    """Return diagnosis, kurtogram and band (Hz) of each channel. Raises MeasuredError for one that is unsuitable."""
+    from bearingsim.diagnosis import Lines, diagnose
+    from bearingsim.diagnosis.envelopes import default_band
+    from bearingsim.diagnosis.kurtogram import kurtogram
+    from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
+    from bearingsim.measured import MeasuredError
+    from bearingsim.measured.checks import refuse_unusable
+
+    fs, shaft = recording.rate.value, recording.shaft
+    results = {}
+    for name, values in recording.channels.items():
+        refuse_unusable(file, name, values, fs)
+        image = kurtogram(values, fs)
+        chosen = image.best if band == KURTOGRAM else band if isinstance(band, tuple) else default_band(fs)
+        try:
+            refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), chosen)
+        except Unsuitable as error:
+            raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
+        diagnosis = diagnose(values, fs, parts, shaft, tolerance, chosen)
+        results[name] = _without_width_across(recording, name, diagnosis), image, chosen
+    return results
 
 
 def _other_channel(recording: "Recording", name: str) -> str:

@@ -155,7 +155,9 @@ def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: Stan
     halves = [motion.part(n * half, (n + 1) * half) for n in range(2)]
     earlier, later = (_changes(means[n], means[n + 2], record) for n in range(2))
     max_ratio = exp(-slowest_decay(case) / DECAY_RATIO * half / rate)
-    before, after, change = (np.array(changes) for changes in (earlier, later, _changes(*halves, record)))
+    before, after, change = (
+        np.array(changes) for changes in (earlier, later, _changes(halves[0], halves[1], record))
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         r = np.fmin((after / before) ** 2, max_ratio)
         remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)

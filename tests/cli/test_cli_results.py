@@ -8,7 +8,7 @@ import sys
 from io import BytesIO, StringIO
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -229,7 +229,7 @@ def test_numbers_of_a_path_with_words_are_numbers_in_matlab(done):
     results._parameters["settle"] = pd.Series(names)
     results._parameters["bearing.name"] = "6205"
     content = exporting._mat({job: results.series(job) for job in (first, second)}, results)
-    structs = loadmat(BytesIO(content), simplify_cells=True)
+    structs = loadmat(cast(Any, BytesIO(content)), simplify_cells=True)
     assert structs[f"job_{first}"]["parameters"]["settle"] == "auto"
     assert structs[f"job_{second}"]["parameters"]["settle"] == 0.05
     assert structs[f"job_{second}"]["parameters"]["bearing_name"] == "6205"

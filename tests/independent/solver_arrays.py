@@ -3,8 +3,10 @@
 The pages of docs/ name each quantity: bearings.md, contact.md (C2), defects.md (M4), excitations.md, form.md (F3).
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq, root
@@ -31,10 +33,11 @@ def laws(s: Scene) -> tuple:
         )
     if name == "point":
         return tuple(solver.Law(point(s, side)[0], 1.5, 0.0) for side in (OUTER, INNER))
-    coefficient, exponent = {
+    named: dict[str, tuple[float, float]] = {
         "palmgren": (8.06e4 * length ** (8 / 9), 10 / 9),
         "iso16281": (2 ** (10 / 9) * 35948 * length ** (8 / 9), 10 / 9),
-    }.get(name, name)
+    }
+    coefficient, exponent = named[name] if isinstance(name, str) else name
     return (solver.Law(coefficient * 1e3**exponent, exponent, 0.0),) * 2
 
 
@@ -180,7 +183,8 @@ def at_rest(b: solver.Bearing, c: solver.Contacts, turns: np.ndarray, guess: com
 def prepare(s: Scene) -> tuple:
     """Bearing with its anchor, contacts, and the position of ring and rollers at rest at t = 0."""
     b, mean = bearing(s), np.mean(s.diameters or (0.0,)) / 2
-    of_scene, form = laws(s), {"waves": np.zeros((0, 6)), "radii": np.full(b.Z, mean)}
+    of_scene = laws(s)
+    form: dict[str, Any] = {"waves": np.zeros((0, 6)), "radii": np.full(b.Z, mean)}
     damping = solver.Damping(0, 0.0, 0.0, 0.0)
     smooth = solver.Contacts(of_scene, damping, *tables(replace(s, defects=()), (0, 0), (0, 0)), **form)
     guess = -b.load / abs(b.load) * (1e-6 + max(s.clearance, 0.0) / 2)
@@ -201,12 +205,13 @@ def prepare(s: Scene) -> tuple:
         turns = [2 * np.pi * np.mod(k * steps, 1.0) for k in range(TRIPLES)]
         anchor = np.mean([at_rest(b, uneven, turn, anchor, 0.0)[0] for turn in turns])
     law, *parameters = s.damping
-    damping = {
+    dampings: dict[str, Callable[..., solver.Damping]] = {
         "kraemer": lambda beta: solver.Damping(solver.KRAEMER, beta, 0.0, 0.0),
         "loss-factor": lambda psi, f: solver.Damping(solver.KRAEMER, psi / (2 * np.pi * f), 0.0, 0.0),
         "hunt-crossley": lambda chi: solver.Damping(solver.HUNT_CROSSLEY, chi, 0.0, 0.0),
         "general": lambda c, m2, m3: solver.Damping(solver.GENERAL, c * 1e3 ** (m2 + m3), m2, m3),
-    }[law](*parameters)
+    }
+    damping = dampings[law](*parameters)
     contacts = solver.Contacts(of_scene, damping, *tables(s, half_axes, half_widths), **form)
     b = b._replace(anchor=complex(anchor))
     return b, contacts, *at_rest(b, contacts, np.zeros(3), b.anchor, b.k_b)[:2]

@@ -77,7 +77,7 @@ def planar_rates(t, y, b, c, s, dy, out, forces):
     y: u, du, psi, dpsi, cage angle and speed, centre and velocity of cage and inner ring, then q, dq, theta,
     dtheta, beta, dbeta of each roller; forces: (5, Z) of the races, slips at them, of the pocket.
     """
-    theta_i, omega_i, alpha_i = shaft_motion(t, b, s)
+    theta_i, omega_i, _ = shaft_motion(t, b, s)
     centre = (complex(y[0], y[1]), complex(y[12], y[13]))
     velocity = (complex(y[2], y[3]), complex(y[14], y[15]))
     turn, speed = (y[4], theta_i), (y[5], omega_i)
@@ -128,6 +128,19 @@ def planar_rates(t, y, b, c, s, dy, out, forces):
         dy[k + 1] = r * dtheta**2 + radial / b.m_r
         dy[k + 3] = (tangential / b.m_r - 2 * dq * dtheta) / r
         dy[k + 5] = torque / b.I_r
+    body_rates(t, y, dy, b, s, on_ring, torques, on_cage, cage_torque)
+
+
+@njit
+def body_rates(t, y, dy, b, s, on_ring, torques, on_cage, cage_torque):
+    """(P2), (P3), (P10), (P11): rates of rings and cage under the forces and moments of the rollers.
+
+    on_ring, torques: of the outer and inner ring.
+    """
+    theta_i, omega_i, alpha_i = shaft_motion(t, b, s)
+    centre = (complex(y[0], y[1]), complex(y[12], y[13]))
+    velocity = (complex(y[2], y[3]), complex(y[14], y[15]))
+    cage, w_cage, cage_speed, speed = complex(y[8], y[9]), complex(y[10], y[11]), y[7], (y[5], omega_i)
     cage_torque += s.film * ((omega_i if s.film_inner else 0.0) - cage_speed)
     if s.guide >= 2:
         side = s.guide - 2
@@ -139,7 +152,7 @@ def planar_rates(t, y, b, c, s, dy, out, forces):
     turned = s.unbalance * np.exp(1j * theta_i)
     on_inner = on_ring[1] - k_i * centre[1] - c_i * velocity[1] + turned * (omega_i**2 - 1j * alpha_i)
     dy[0:16] = 0.0
-    dy[0], dy[1], dy[6] = y[2], y[3], cage_speed
+    dy[0], dy[1], dy[6] = y[2], y[3], y[7]
     dy[2], dy[3] = on_ring[0].real / b.m_o, on_ring[0].imag / b.m_o
     dy[7] = cage_torque / s.I_c
     if s.torsion[2] > 0.0:

@@ -140,7 +140,7 @@ def damping_of(s: Scene) -> dict[str, Any]:
 
 def defect_of(d: Defect) -> dict[str, Any]:
     lengths = {name: f"{getattr(d, name)} m" for name in ("length", "width", "depth", "offset")}
-    fields = {"race": d.race, "shape": d.shape, "angle": f"{d.angle} deg"} | lengths
+    fields: dict[str, Any] = {"race": d.race, "shape": d.shape, "angle": f"{d.angle} deg"} | lengths
     if d.roller:
         fields["roller"] = d.roller
     return fields | ({"edge": {"radius": f"{d.edge} m"}} if d.edge else {})
@@ -190,8 +190,13 @@ def planar_fields(s: Scene, fields: dict[str, Any]) -> None:
 UM, MM = 1e-6, 1e-3
 SLOT = Defect("rectangular", 12 * MM, 0.8 * MM, 50 * UM)
 UNEQUAL = tuple(0.2 * UM * (5 * k % 7 - 3) for k in range(13))
-SHAFT = {"shaft": (2e7, 1.2, 300.0), "unbalance": (50e-6, 30.0), "torsion": (1e4, 0.3), "friction": TRACTION}
-FORM = {
+SHAFT: dict[str, Any] = {
+    "shaft": (2e7, 1.2, 300.0),
+    "unbalance": (50e-6, 30.0),
+    "torsion": (1e4, 0.3),
+    "friction": TRACTION,
+}
+FORM: dict[str, Any] = {
     "waves": (
         Wave("outer", 13, 0.3 * UM, 20.0), Wave("outer", 150, 0.02 * UM), Wave("inner", 9, 0.2 * UM, 50.0),
         Wave("roller", 2, 0.1 * UM, 10.0), Wave("roller", 7, 0.1 * UM, 100.0, 1),

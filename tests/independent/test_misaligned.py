@@ -120,7 +120,11 @@ def at_rest(s: Scene, theta_0: float, z: np.ndarray) -> tuple:
         guess[3 + 2 * Z + 3 * side : 5 + 2 * Z + 3 * side] = (
             1e4 * tilt * np.array([np.cos(s.direction), np.sin(s.direction)])
         )
-    solution = root(lambda x: residuals(s, x, e_r, z), guess, tol=1e-13)
+
+    def residuals_at(x: np.ndarray) -> np.ndarray:
+        return residuals(s, x, e_r, z)
+
+    solution = root(residuals_at, guess, tol=1e-13)
     assert np.abs(solution.fun).max() < 1e-7 * abs(s.load), solution.message
     return solution.x, e_r
 

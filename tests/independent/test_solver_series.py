@@ -18,7 +18,7 @@ SAMPLING = 2e-6
 """Time (s) between compared samples."""
 
 
-def names(s: Scene) -> dict[str, slice]:
+def names(s: Scene) -> dict[str, list[int]]:
     """Rows of each recorded quantity; those of all rollers share a range."""
     Z, position, velocity = s.size.Z, lay.POSITION, lay.VELOCITY
     cells = {

@@ -156,7 +156,8 @@ def test_scatter_between_the_quarters_of_a_record_is_the_standard_error_of_their
     """Quarters of 1, 5, 4 and 2 um/s have the mean 3 um/s in both halves, so nothing decays; RMS 10 um/s."""
     monkeypatch.setattr(start_error, "slowest_decay", lambda _: 1e6)
     quarters, ones = np.array([1.0, 5.0, 4.0, 2.0]), np.ones(48)
-    passes = start_error.Passes(np.repeat(1e-6 * quarters, 12)[np.newaxis], 1e-10 * ones, ones)
+    velocity = np.repeat(1e-6 * quarters, 12 * 20) * np.cos(phase := 0.1 * np.pi * np.arange(48 * 20))
+    passes = start_error.Motion(velocity, np.full(48 * 20, 1e-5), phase[np.newaxis], ones, False)
     unknown = StandardErrors(nan, nan)
     result = start_error._decay_errors(case(defect=SLOT), passes, RATE, unknown)
     assert result.line == pytest.approx(np.std(quarters, ddof=1) / 2.0 / 3.0)

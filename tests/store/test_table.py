@@ -138,7 +138,7 @@ def test_jobs_outside_the_plan_have_no_effect_on_the_table(tmp_path: Path, was_p
     store.write_units(tmp_path / "new", [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     expected = store.build_table(tmp_path / "new")
     root = tmp_path / "edited"
-    store.write_plan(root, study, [*jobs, wavy] if was_planned else jobs)  # type: ignore[arg-type]
+    store.write_plan(root, study, [*jobs, wavy] if was_planned else jobs)  # type: ignore[arg-type, list-item]
     store.write_units(root, [(wavy, record)], PROVENANCE)  # type: ignore[list-item]
     store.write_units(root, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     assert ("features/velocity.rms@10-1000Hz" in store.build_table(root)) == was_planned
