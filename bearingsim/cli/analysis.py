@@ -147,7 +147,7 @@ def show(
 def _diagnose_channels(
     file: Path, recording: "Recording", parts: "RollingParts", tolerance: float, band: Band
 ) -> "dict[str, tuple[Diagnosis, Kurtogram, tuple[float, float]]]":
-    """Return diagnosis, kurtogram and band (Hz) of each channel. Raises MeasuredError for one that is unsuitable."""
+    """Return diagnosis, kurtogram and band (Hz) of each channel. Raises MeasuredError for an unsuitable one."""
     from bearingsim.diagnosis import Lines, diagnose
     from bearingsim.diagnosis.envelopes import default_band
     from bearingsim.diagnosis.kurtogram import kurtogram
