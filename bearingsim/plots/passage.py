@@ -140,6 +140,13 @@ class Passage(NamedTuple):
         width = max(self.defect.s[1] - self.defect.s[0], MIN_WIDTH)
         return self.time - BEFORE * width / self.speed, self.time + AFTER * width / self.speed
 
+    @property
+    def crossing(self) -> tuple[float, float]:
+        """Times (s) at which the contact enters and leaves the defect; it moves towards -s on the inner race."""
+        low, high = self.defect.s
+        first, last = (-high, -low) if self.defect.race == "inner" else (low, high)
+        return self.time + first / self.speed, self.time + last / self.speed
+
     def samples(self, rate: float) -> float:
         """Compute the number of samples, at ``rate`` (Hz), during the crossing of the defect."""
         return rate * (self.defect.s[1] - self.defect.s[0]) / self.speed

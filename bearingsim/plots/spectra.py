@@ -103,7 +103,7 @@ def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Shee
             top = row is panels.axes[0]
             with_orders = figure.view.orders and top
             if with_orders:
-                _add_orders(ax, jobs_of_row[0])
+                _add_orders(ax, [job for row in panels.jobs for job in row])
             if share_lines(jobs_of_row):
                 mark_lines(ax, jobs_of_row[0], named=top, above=ORDERS_POINTS if with_orders else 0.0)
     panels.share_scales()
@@ -190,9 +190,14 @@ def _limit_range(ax: "Axes", figure: "Figure") -> None:
         ax.set_ylim(max(low, high - RANGE_DB - 2.0 * MARGIN_DB), high)
 
 
-def _add_orders(ax: "Axes", job: Job) -> None:
-    """Add an axis in orders of the shaft's speed above the axes."""
-    shaft = lines.frequency(lines.SHAFT, job.parameters)
+def _add_orders(ax: "Axes", jobs: Sequence[Job]) -> None:
+    """Add an axis in orders of the shaft's speed above the axes. Raises PlotError if jobs differ in speed, or one
+    changes."""
+    speeds = {lines.frequency(lines.SHAFT, job.parameters) for job in jobs}
+    if len(speeds) > 1 or any(recorded.has_ramp(job) for job in jobs):
+        reason = "the speed changes in a ramp" if len(speeds) == 1 else "the jobs differ in speed"
+        raise PlotError(f"a frequency has no single order, because {reason}: omit `orders`")
+    shaft = speeds.pop()
     functions = (partial(np.multiply, 1.0 / shaft), partial(np.multiply, shaft))
     axis = ax.secondary_xaxis("top", functions=functions)
     axis.set_xlabel(f"Order of the shaft frequency, {labels.number_text(shaft)} Hz", fontsize=8.0)

@@ -108,8 +108,7 @@ def impact_time(
     passage = passage_of(results, name, job, channel, span)
     if passage is None:
         raise PlotError(f"no roller passes the defect of job {name} completely within its record")
-    low, high = passage.defect.s
-    return passage.time, (passage.time + low / passage.speed, passage.time + high / passage.speed)
+    return passage.time, passage.crossing
 
 
 def passage_of(results: "Results", name: str, job: Job, channel: str, span: float = 0.0) -> Passage | None:

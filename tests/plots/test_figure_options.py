@@ -236,6 +236,18 @@ def test_option_beyond_the_records_is_refused(make_results, kind, options, messa
         drawn(make_results(), kind=kind, **options)
 
 
+SPEEDS = STUDY.replace("speed: 1800 rpm\n", "").replace("load: [150 N, 300 N]", "speed: [1200 rpm, 1800 rpm]")
+RAMP = STUDY.replace("model: rollers", "model: planar\nramp: {to: 2400 rpm, time: 1 s}")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"), [(SPEEDS, "the jobs differ in speed"), (RAMP, "the speed changes in a ramp")]
+)
+def test_orders_of_more_than_one_speed_are_refused(make_results, text, reason):
+    with pytest.raises(PlotError, match=f"no single order, because {reason}"):
+        drawn(make_results(text), kind="spectrum", orders=True)
+
+
 def test_impact_of_healthy_bearing_is_refused(make_results):
     text = STUDY.replace("defect: {race", "# {race").replace("  defect.length: [3 mm, 6 mm, 9 mm]\n", "")
     with pytest.raises(PlotError, match="has no defect, so there is no impact"):

@@ -110,6 +110,20 @@ def test_caption_explains_the_grey_band_if_it_is_drawn(make_results, where, coun
     assert ("grey" in canvas.get_supxlabel()) == bool(count)
 
 
+@pytest.mark.parametrize(("race", "sense"), [("outer", 1.0), ("inner", -1.0)])
+def test_grey_band_of_a_growing_spall_lies_where_the_contact_crosses_it(make_results, race, sense):
+    """It begins at the edge that rollers meet first; on the inner race they move towards -s."""
+    shape = f"race: {race}, shape: spall, grown: 30 %"
+    stored = make_results(STUDY.replace("race: outer, shape: circular", shape) + "settle: 0 ms\n")
+    name = stored.jobs[0]
+    job = load_jobs(stored, [name])[name]
+    passage = passage_of(stored, name, job, "ring.acceleration")
+    low, high = passage.defect.s
+    assert abs(low + high) > 0.2 * (high - low)
+    ends = sorted(passage.time + sense * s / passage.speed for s in (low, high))
+    assert passage.crossing == pytest.approx(ends)
+
+
 def test_passage_of_a_turning_defect_is_the_most_loaded(make_results):
     """The defect meets a roller at any angle to the load; the figure shows the one nearest the load line."""
     stored = make_results(STUDY.replace("race: outer", "race: inner") + "settle: 0 ms\n")
