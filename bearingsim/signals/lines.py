@@ -46,17 +46,37 @@ def derivative_lines(
     return 2j * pi * rate * k * by_pass + 2.0 * rate * np.exp(-1j * k * Z_theta) * np.diff(borders)
 
 
+def lines_across_borders(
+    fine: np.ndarray, M: int, rate: float | np.ndarray, harmonics: Sequence[int], start: int, Z_theta_0: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the lines of a series and of its derivative in Hann windows of two passes, centred on their borders.
+
+    Arguments as for ``lines_by_pass`` and ``derivative_lines``. The windows overlap by one pass and sum to 1, so
+    a mean over them, with weights that change slowly, contains each impact once, also at a border. Of lines by
+    pass with such weights the two halves of that impact would not cancel. As in a pass, there is no leakage from
+    other harmonics. The slopes of the windows cancel in the mean and are left out of the derivative's lines.
+    Returns (harmonics, passes - 1) complex for both.
+    """
+    rise = np.tile(np.sin(0.5 * pi * np.arange(M) / M) ** 2, len(fine) // M)
+    before, after = (lines_by_pass(weight * fine, M, harmonics, start, Z_theta_0) for weight in (rise, 1.0 - rise))
+    speed = 2j * pi * np.asarray(harmonics)[:, np.newaxis] * np.broadcast_to(rate, before.shape[1])
+    return before[:, :-1] + after[:, 1:], (speed * before)[:, :-1] + (speed * after)[:, 1:]
+
+
 def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, float]:
     """Compute amplitude, phase (rad) and standard error of the amplitude of a line from its values in each pass.
 
-    With ``neighbours`` (lines that are not periodic in the passes, such as 2 BSF next to BPFO) the passes are
-    weighted by a Hann window, which has no leakage from two bins on. The error is the standard deviation over
-    passes divided by the root of their number, including the effect of neighbours; nan with fewer than two passes.
+    With ``neighbours`` (lines that are not periodic in the passes, such as 2 BSF next to BPFO) the values are
+    those of ``lines_across_borders``, weighted by a Hann window, which has no leakage from two bins on. The error
+    is that of the mean of independent passes, from the standard deviation of the values: divided by the root of
+    their number, or of half their number for windows of two passes and these weights. It includes the effect of
+    neighbours; nan with fewer than two values.
     """
     n = len(by_pass)
     weights = pass_weights(n, neighbours)
     mean = (weights * by_pass).sum() / weights.sum()
-    standard_error = np.sqrt(np.mean(np.abs(by_pass - mean) ** 2) / (n - 1)) if n > 1 else np.nan
+    variance = (2.0 if neighbours else 1.0) * np.mean(np.abs(by_pass - mean) ** 2)
+    standard_error = np.sqrt(variance / (n - 1)) if n > 1 else np.nan
     return float(abs(mean)), float(np.angle(mean)), float(standard_error)
 
 

@@ -132,9 +132,9 @@ def has_unequal_passes(case: Case) -> bool:
 
 
 def lines_of_passes(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes) of each quantity.
+    """Return the lines (harmonics, passes) of each quantity; besides other lines, in windows of two passes.
 
-    Empty if passes differ in duration and the record is too short for them.
+    Empty if the record is too short for passes of unequal duration, or for these windows.
     """
     return (_lines_at_equal_angles if has_unequal_passes(case) else _lines_at_equal_times)(case, model, grid, raw)
 
@@ -146,7 +146,10 @@ def _lines_at_equal_times(case: Case, model: Any, grid: Grid, raw: RawRecord) ->
     position, speed = (
         sensor_samples(case, raw, quantity, start, record_windows.distinct * M + 1) for quantity in MOTION[:2]
     )
-    lines = _lines_from_samples(position, speed, M, start, grid.rate, case.bearing.rollers * model.bearing.theta_0)
+    samples = position, speed, M, start, grid.rate, case.bearing.rollers * model.bearing.theta_0
+    if has_other_lines(case):
+        return _lines_across_borders(*samples)
+    lines = _lines_by_pass(*samples)
     return {quantity: amplitudes[:, record_windows.index] for quantity, amplitudes in lines.items()}
 
 
@@ -165,11 +168,23 @@ def _lines_at_equal_angles(case: Case, model: Any, grid: Grid, raw: RawRecord) -
     (position, speed), first_pass = signals.at_equal_angles(motion, pass_angle, M)
     passes = first_pass + np.arange((len(position) - 1) // M + 1)
     rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, pass_angle, np.arange(length) / grid.fine_rate))
-    return _lines_from_samples(position, speed, M, 0, rate, angle)
+    return _lines_across_borders(position, speed, M, 0, rate, angle)
 
 
-def _lines_from_samples(
+def _lines_across_borders(
     position: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
+) -> dict[str, np.ndarray]:
+    """Return the lines (harmonics, passes - 1) of each quantity, as ``signals.lines_across_borders``; arguments as
+    for ``_lines_by_pass``. Empty for fewer than two passes."""
+    if len(position) <= 2 * M:
+        return {}
+    displacement, _ = signals.lines_across_borders(position[:-1], M, rate, HARMONICS, start, Z_theta_0)
+    velocity, acceleration = signals.lines_across_borders(speed[:-1], M, rate, HARMONICS, start, Z_theta_0)
+    return dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
+
+
+def _lines_by_pass(
+    position: np.ndarray, speed: np.ndarray, M: int, start: int, rate: float, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
     """Return the lines (harmonics, passes) of each quantity; position, speed: whole passes plus one sample."""
     displacement, velocity = (

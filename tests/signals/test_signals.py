@@ -14,6 +14,7 @@ from bearingsim.signals import (
     envelope_spectrum,
     line,
     line_at,
+    lines_across_borders,
     lines_at,
     lines_by_pass,
     lines_of_windows,
@@ -61,6 +62,43 @@ def test_a_source_at_phi_turns_the_phase_by_minus_k_Z_phi(k: int) -> None:
     shift = 0.4  # Z phi
     (by_pass,) = lines_by_pass(periodic(3, 1.0 - shift, {k: (1.0, 0.0)}), M, [k], 3, 1.0)
     assert line(by_pass)[1] == pytest.approx(-k * shift, abs=1e-12)
+
+
+@pytest.mark.parametrize("k", [1, 3])
+@pytest.mark.parametrize("position", [0.0, 0.3])
+def test_an_impact_at_the_border_of_passes_is_not_divided(k: int, position: float) -> None:
+    """An odd pulse whose height and rate double over the record: mean of its line with weights by sample."""
+    M, n, width, x = 400, 40, 0.02, np.arange(40 * 400) / 400
+    distance = x - position - np.round(x - position)
+    series = -distance / width * np.exp(-0.5 * (distance / width) ** 2) * (1.0 + x / n)
+    rate = 100.0 * (1.5 + np.arange(n)) / n
+    lines = lines_across_borders(series, M, rate, [k], 0, 0.0)
+    weights = np.sin(np.pi * x / n) ** 2
+    carrier = 2.0 * weights * np.exp(-2j * np.pi * k * x) / weights.sum()
+    expected = carrier @ series
+    derivative = 2j * np.pi * k * (carrier * np.repeat(rate, M)) @ series
+    for by_pass, value in zip(lines, (expected, derivative), strict=True):
+        amplitude, phase, _ = line(by_pass[0], neighbours=True)
+        assert amplitude * np.exp(1j * phase) == pytest.approx(value, abs=0.01 * abs(value))
+
+
+def test_lines_across_borders_do_not_leak() -> None:
+    series = 3.0 + periodic(5, 0.4, LINES)
+    lines, derivatives = lines_across_borders(series, M, 159.0, HARMONICS, 5, 0.4)
+    assert lines.shape == derivatives.shape == (5, PASSES - 1)
+    for k, by_pass, rates in zip(HARMONICS, lines, derivatives, strict=True):
+        A, phase = LINES.get(k, (0.0, 0.0))
+        assert np.abs(by_pass - A * np.exp(1j * phase)).max() < 1e-12
+        assert np.abs(rates - 2j * np.pi * 159.0 * k * A * np.exp(1j * phase)).max() < 1e-8
+
+
+def test_scatter_of_windows_is_the_error_of_their_mean() -> None:
+    """White noise: of 1000 weighted means the standard deviation is what each states."""
+    noise = np.random.default_rng(3).standard_normal((1000, 40 * 8))
+    values = [lines_across_borders(row, 8, 1.0, [1], 0, 0.0)[0][0] for row in noise]
+    amplitudes, phases, errors = np.array([line(by_pass, neighbours=True) for by_pass in values]).T
+    scatter = np.sqrt(np.mean(np.abs(amplitudes * np.exp(1j * phases)) ** 2))
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(scatter, rel=0.1)
 
 
 def test_lines_of_a_derivative_are_exact_when_the_series_drifts_too() -> None:

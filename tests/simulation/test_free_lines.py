@@ -68,6 +68,19 @@ def test_acceleration_line_on_a_ramp_is_that_of_the_acceleration():
     assert record.features["acceleration@fr"] == pytest.approx(direct, rel=0.03)
 
 
+@pytest.mark.parametrize("ramp", [None, {"to": "2400 rpm", "time": "0.3 s"}])
+def test_an_impact_at_the_border_of_passes_is_counted_once(ramp):
+    """A slot under the load, crossed in the middle or at the end of passes: equal lines, a = omega v."""
+    settings = {"model": "planar", "defect": SLOT, "load": "500 N", "settle": "50 ms", "duration": "0.25 s"}
+    first, second = (
+        simulate(case(start_angle=angle, ramp=ramp, **settings)).features for angle in ("13.846 deg", "0 deg")
+    )
+    assert second["velocity@BPFO"] == pytest.approx(first["velocity@BPFO"], rel=0.005)
+    assert second["velocity@BPFO.phase"] == pytest.approx(first["velocity@BPFO.phase"], abs=0.02)
+    assert second["acceleration@BPFO"] == pytest.approx(first["acceleration@BPFO"], rel=0.01)
+    assert second["velocity@BPFO-scatter"] < 2.0 * first["velocity@BPFO-scatter"]
+
+
 def test_race_defect_acts_on_a_roller_with_a_defect_turned_away():
     """The roller over an outer defect has a defect itself, turned away by 1 rad of slip."""
     outer, on_roller = SLOT, SLOT | {"race": "roller", "width": "1.2 mm"}
