@@ -24,7 +24,7 @@ def lagged_friction(k_o, k_i, s_o, s_i, a, b):
     new s. However steep the friction curve, the decay time of slip exceeds the lag, so an explicit step as long as
     the lag is stable; without lag the force is k s.
 
-    Equation (P9) of docs/planar.md, the solution of (P8).
+    Equation (P9) of docs/planar.md, the solution of (P8); t is the lag times the rate (P7), or more.
     """
     t = a * (k_o + k_i)
     D, a, b = 1.0 + t, t * a, t * b  # the fraction is t/D, multiplied by D for one division instead of two
