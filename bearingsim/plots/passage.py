@@ -144,8 +144,8 @@ class Passage(NamedTuple):
     def crossing(self) -> tuple[float, float]:
         """Times (s) at which the contact enters and leaves the defect; it moves towards -s on the inner race."""
         low, high = self.defect.s
-        first, last = (-high, -low) if self.defect.race == "inner" else (low, high)
-        return self.time + first / self.speed, self.time + last / self.speed
+        entry, exit_ = (-high, -low) if self.defect.race == "inner" else (low, high)
+        return self.time + entry / self.speed, self.time + exit_ / self.speed
 
     def samples(self, rate: float) -> float:
         """Compute the number of samples, at ``rate`` (Hz), during the crossing of the defect."""
