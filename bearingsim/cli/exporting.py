@@ -34,8 +34,7 @@ def targets(
     one file for both, because the series would replace the table.
     """
     study = results.plan["study"]
-    table = None if jobs else Path(f"{study}-features.{file_format or 'csv'}")
-    table = features or table
+    table = features or (None if jobs else Path(f"{study}-features.{file_format or 'csv'}"))
     series = out or Path(f"{study}-series.{file_format or 'csv'}") if jobs else None
     if table and series and table.resolve() == series.resolve():
         raise UserError(f"{series} is named for the table and for the time series; name two files")

@@ -31,8 +31,8 @@ CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width (inches) of a character of the legend
 HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.22, 0.1  # width of a line, height of an entry, space below the legend
 TITLE_IN = 0.28  # height of the title
-NO_VALUE = "no value above zero"
-"""Remark in a logarithmic axes without values."""
+NONE_ABOVE_ZERO = "no value above zero"
+"""Remark in logarithmic axes without a value to draw."""
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 """Ring around a point of a chaotic motion, whose value has statistical scatter."""
@@ -263,7 +263,7 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
             ax.set_ylim(0.1, 1.0)  # else matplotlib warns
             ax.set_yscale("log")
             ax.yaxis.set_tick_params(which="both", left=False, labelleft=False)
-            note(ax, NO_VALUE, 0.5)
+            note(ax, NONE_ABOVE_ZERO, 0.5)
             return
         ax.set_yscale("log", nonpositive="mask")
         log_ticks(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)

@@ -13,7 +13,7 @@ from bearingsim.plots.axes import (
     BAND_ALPHA,
     BASELINE,
     MODEL_MARK,
-    NO_VALUE,
+    NONE_ABOVE_ZERO,
     STATUS_MARKS,
     Curve,
     axis_label,
@@ -246,7 +246,7 @@ def _value_axis(stack: Sequence["Axes"], name: str, is_log: bool) -> None:
             ax.set_xlim(0.1, 1.0)  # else matplotlib warns
             ax.set_xscale("log")
             ax.xaxis.set_tick_params(which="both", bottom=False, labelbottom=False)
-            note(ax, NO_VALUE, 0.5)
+            note(ax, NONE_ABOVE_ZERO, 0.5)
             return
         ax.set_xscale("log", nonpositive="mask")
         log_ticks(ax.xaxis, smallest, max(panel.dataLim.x1 for panel in stack))

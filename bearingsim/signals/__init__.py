@@ -2,6 +2,7 @@
 
 from bearingsim.signals.events import spacing
 from bearingsim.signals.lines import (
+    RESOLVED_DISTANCE,
     derivative_lines,
     line,
     line_at,
@@ -29,6 +30,7 @@ from bearingsim.signals.spectra import (
 )
 
 __all__ = [
+    "RESOLVED_DISTANCE",
     "PickedLine",
     "at_equal_angles",
     "band_pass",

@@ -7,6 +7,9 @@ import numpy as np
 
 BLOCK = 1 << 16  # samples per block of computation
 
+RESOLVED_DISTANCE = 2.0
+"""Smallest distance of lines that a Hann window resolves, over 1/duration: half its main lobe."""
+
 
 def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int, Z_theta_0: float) -> np.ndarray:
     """Compute the complex amplitudes of spectral lines in each whole ball pass of a series with M samples per
@@ -196,4 +199,4 @@ def resolvable(frequencies: Sequence[float] | np.ndarray, duration: float) -> np
     distances = np.abs(np.subtract.outer(values, values))
     np.fill_diagonal(distances, np.inf)
     nearest = np.minimum(np.nan_to_num(distances, nan=np.inf).min(axis=1, initial=np.inf), np.abs(values))
-    return np.isfinite(values) & (nearest * duration >= 2.0 * (1.0 - 1e-9))
+    return np.isfinite(values) & (nearest * duration >= RESOLVED_DISTANCE * (1.0 - 1e-9))

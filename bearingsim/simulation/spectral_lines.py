@@ -28,9 +28,6 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 3
 """Smallest number of ball passes for lines of unequal passes, because interpolation uses up the ends."""
 
-RESOLVED_DISTANCE = 2.0
-"""Distance of neighbouring lines that a record resolves, over 1/duration (``signals.resolvable``)."""
-
 ROW_OF = {cell: row for row, cell in enumerate(FEATURE_CELLS + SENSOR_CELLS)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
@@ -226,14 +223,13 @@ def reason_unresolved(case: Case, name: str) -> str:
     own = frequencies.pop(name)
     nearest = min(frequencies, key=lambda line: abs(frequencies[line] - own))
     distance = min(abs(frequencies[nearest] - own), abs(own))
-    is_far = distance * case.duration >= RESOLVED_DISTANCE
+    is_far = distance * case.duration >= signals.RESOLVED_DISTANCE
     if case.ramp is not None or LINES[name].outer or is_far:
         return "the record is too short"
     if distance == 0.0:
         return f"its frequency is that of {nearest}"
-    return (
-        f"a `duration` of {1.005 * RESOLVED_DISTANCE / distance:.3g} s separates it from {nearest} (docs/lines.md)"
-    )
+    duration = 1.005 * signals.RESOLVED_DISTANCE / distance  # rounded up
+    return f"a `duration` of {duration:.3g} s separates it from {nearest} (docs/lines.md)"
 
 
 def _lines_at_constant_speed(
