@@ -155,7 +155,7 @@ def map_unordered(function: Callable, arguments: Iterable[tuple], workers: int) 
     """Yield the result of a function for each tuple of arguments, in order of completion.
 
     workers: number of processes; 1 means this process. After a signal the running calls finish, then Signalled is
-    raised.
+    raised, also if a worker dies meanwhile. Raises BrokenProcessPool if a worker dies before a stop is requested.
     """
     with defer_signals():
         if workers == 1:
@@ -163,7 +163,11 @@ def map_unordered(function: Callable, arguments: Iterable[tuple], workers: int) 
             for values in _until_stop(arguments):
                 yield function(*values)
         else:
-            yield from _map_in_workers(function, arguments, workers)
+            try:
+                yield from _map_in_workers(function, arguments, workers)
+            except BrokenProcessPool:
+                if not stop_requested():  # otherwise the interrupted calls are not repeated
+                    raise
 
 
 def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:

@@ -72,6 +72,21 @@ def test_signals_end_a_pool_cleanly(tmp_path: Path, name: str) -> None:
     assert_tidy(tmp_path)
 
 
+def test_signal_ends_a_run_although_a_worker_dies_then(tmp_path: Path) -> None:
+    """The jobs of a dead worker are repeated, but not after a signal."""
+    with other_process(tmp_path, jobs=2, count=600, seconds=0.3) as process:
+        wait_for(lambda: any(path.read_text() for path in tmp_path.glob("units/??/*.started")))
+        worker = int(next(tmp_path.glob("units/??/*.started")).stem.split("-")[-2])
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.1)
+        os.kill(worker, signal.SIGKILL)
+        output, _ = process.communicate(timeout=20)
+    assert process.returncode == 128 + signal.SIGTERM
+    assert "of 601 jobs done" in output
+    assert not list(tmp_path.glob("failed/*"))
+    assert_tidy(tmp_path)
+
+
 def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
     with other_process(tmp_path, jobs=2, count=2, seconds=30.0) as process:
         wait_for(lambda: len([*tmp_path.glob("units/??/*.started")]) == 2)
