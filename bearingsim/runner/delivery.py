@@ -86,8 +86,7 @@ def _provide_scans(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
     for name, content in scans.items():
         path = folder / "scans" / name
         if not path.exists():
-            path.parent.mkdir(exist_ok=True)
-            path.write_bytes(content)
+            store.write_bytes(path, content)  # complete or absent: a later unit uses the same file
         TRANSFERRED_FILES[path.stem] = path
     try:
         yield

@@ -1,5 +1,6 @@
 """A run and the answers of a scheduler, with a substitute for the client, without processes."""
 
+import resource
 import sys
 from collections import Counter
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from bearingsim import store
 from bearingsim.runner.work import Outcome, Work
 from bearingsim.store.marker import mark
 from tests.scenes.commands import type_
@@ -177,6 +179,20 @@ def test_lost_unit_is_awaited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert list(outcomes) == [make_delivery(work).outcome for work in works]
     assert counts["rounds"] < 100
     assert not client.answers
+
+
+def test_scan_on_a_full_disk_of_a_worker_is_written_again(tmp_path: Path) -> None:
+    """A part of it would fail the jobs of the next run, as a scan that has changed."""
+    name, content = f"{'0' * 16}.csv", b"s [mm],z [mm],depth [um]\n" * 100
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises((OSError, store.DiskFull)), delivery._provide_scans({name: content}, tmp_path):
+            pass
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    with delivery._provide_scans({name: content}, tmp_path):
+        assert (tmp_path / "scans" / name).read_bytes() == content
 
 
 def test_delivery_of_unsent_jobs_is_refused(tmp_path: Path) -> None:
