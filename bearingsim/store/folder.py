@@ -104,20 +104,22 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
 
 
 def refuse_own_study_file(root: Path, study: "Study") -> None:
-    """Raise ForeignFolder if ``study.yaml`` in the folder is the study file of an earlier run, not of this one.
+    """Raise ForeignFolder if ``study.yaml`` in the folder may be the study file of an earlier run, not of this one.
 
     The plan states whether it is: a path as typed would depend on the working folder, and on the folder's place.
     """
     copy = (root / STUDY_FILE).resolve()
     try:
         is_own_file = open_results(root).plan.get(OWN_FILE, False)
+        state = "is the study file of an earlier run"
     except ResultsError:
-        return
+        is_own_file = (root / "plan.json").is_file()
+        state = "may be the study file of an earlier run (the damaged plan.json would tell)"
     if is_own_file and _is_lost(copy, study):
         suggestion = _suggested_folder(root, study.name, bool(study.quick))
         raise ForeignFolder(
-            f"{copy} is the study file of an earlier run and would be overwritten: use another folder, such as"
-            f" --out {suggestion}, or move the file"
+            f"{copy} {state} and would be overwritten: use another folder, such as --out {suggestion},"
+            " or move the file"
         )
 
 

@@ -302,6 +302,23 @@ def test_study_file_in_its_results_folder_is_unchanged_from_any_place(tmp_path, 
     type_("run", "other.yaml", "--out", "../moved", "--jobs", "1", "--quick")
 
 
+def test_study_file_beside_a_damaged_plan_is_unchanged(tmp_path, monkeypatch, done):
+    """Only the plan tells whether it is the user's."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(done, "ours")
+    mine = STUDY + "# my notes\n"
+    Path("ours/study.yaml").write_text(mine)
+    type_("run", "ours/study.yaml", "--out", "ours", "--jobs", "1", "--quick")
+    plan = Path("ours/plan.json").read_bytes()
+    Path("ours/plan.json").write_bytes(plan[: len(plan) // 2])
+    Path("other.yaml").write_text(STUDY)
+    stderr = type_("run", "other.yaml", "--out", "ours", "--jobs", "1", "--quick", code=2)[1]
+    assert "may be the study file of an earlier run" in " ".join(stderr.split())
+    assert Path("ours/study.yaml").read_text() == mine
+    type_("run", "ours/study.yaml", "--out", "ours", "--jobs", "1", "--quick")
+    assert Path("ours/plan.json").read_bytes() == plan
+
+
 def test_existing_figure_is_replaced(done, tmp_path):
     for file_format in ("png", "svg", "pdf"):
         first = type_("plot", done, "--out", tmp_path, "--format", file_format)[0]
