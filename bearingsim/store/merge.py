@@ -24,8 +24,8 @@ from bearingsim.store.own_files import TRIALS, UNITS
 from bearingsim.store.regular import digest, read_regular
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.scans import check_scans, copy_scans
-from bearingsim.store.sealed import UNREADABLE, read_json
-from bearingsim.store.table import OWN_FILE, build_table
+from bearingsim.store.sealed import UNREADABLE, read_json, write_json
+from bearingsim.store.table import OWN_FILE, STUDY_FILE, build_table
 from bearingsim.store.units import DamagedUnit, check_unit, result_digests, unit_path
 
 RUN_ENTRIES = {"file", OWN_FILE, "made_of", "notes"}
@@ -78,13 +78,13 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     units = {folder: UNITS.find(folder) for folder in (out, *folders)}
     sealed = _check_units([path for paths in units.values() for path in paths])
     scans = [path for folder in folders for path in check_scans(folder)]
-    choices, plans = _merge_choices(sources)
+    choices, plans = _merge_choices([out, *folders] if out.is_dir() else folders)
     claim_results(out, results[0].plan["study"], results[0].plan["quick"])
     refuse_links(out)
     sweep(out)
     if out not in sources:
-        for name in ("study.yaml", "plan.json"):
-            copy(folders[0] / name, out / name)
+        copy(folders[0] / STUDY_FILE, out / STUDY_FILE)
+        write_json(out / "plan.json", results[0].plan | {OWN_FILE: False})
     if choices != read_choices(out):
         write_choices(out, choices, plans)
     copy_scans(scans, out)

@@ -256,7 +256,7 @@ def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytes
     copy, copied = store.merge.__globals__["copy"], []
 
     def copy_a_few(path: Path, target: Path) -> None:
-        if len(copied) == 5:
+        if len(copied) == 4:  # the study file and three units
             raise KeyboardInterrupt
         copied.append(path)
         copy(path, target)
@@ -313,6 +313,35 @@ def test_scans_trials_and_choices_are_merged(tmp_path: Path) -> None:
     _, message = type_("merge", first, "--out", out, code=2)
     assert f"{scan.name}` has been changed" in message
     assert not out.exists()
+
+
+def test_choices_in_the_output_folder_are_kept(tmp_path: Path) -> None:
+    """`check --pilots --out DIR` chooses models before the shards, and `merge --out DIR` collects these."""
+    first, out = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]]), tmp_path / "out"
+    choices = {name: Choice("ring", "ring", "cheap", {}) for name in ("one", "two")}
+    store.claim_results(out, "fake", quick=False)
+    store.write_choices(out, choices, {"one": "p", "two": "q"})
+    store.write_choices(first, {"one": choices["one"]}, {"one": "p"})
+    store.merge([first], out)
+    assert store.read_choices(out) == choices
+    assert store.read_plans(out) == {"one": "p", "two": "q"}
+    store.write_choices(first, {"two": Choice("planar", "planar", "near", {})})
+    with pytest.raises(store.Unmergeable, match="chose different models"):
+        store.merge([first], out)
+
+
+def test_study_file_of_a_merged_folder_is_a_copy(tmp_path: Path) -> None:
+    """The user's own study file stays where it is, so that an edited study may use the merged folder."""
+    folder, out = tmp_path / "a", tmp_path / "out"
+    study = FakeStudy(WIDTHS, path=folder / "study.yaml")
+    store.claim_results(folder, study.name, quick=False)
+    (folder / "study.yaml").write_text(study.text)
+    run(study, folder, jobs=1, progress=False, engine=ENGINE)
+    store.merge([folder], out)
+    edited = FakeStudy(WIDTHS[:3], text="study: fake\nload: 170 N\n")
+    assert run(edited, out, jobs=1, progress=False, engine=ENGINE).resumed == 4
+    assert (out / "study.yaml").read_text() == edited.text
+    assert (folder / "study.yaml").read_text() == study.text
 
 
 def test_journal_records_a_merge_once(tmp_path: Path) -> None:
