@@ -193,7 +193,7 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
     with the processes that run in the folder. Raises filelock.Timeout if another process has the lock and ``wait``
     is False, and LinkInFolder if the lock file is a link.
     """
-    _refuse_link(root / LOCK)
+    refuse_link(root / LOCK)
     folder_lock = FileLock(root / LOCK, timeout=LOCK_REPORT_S if wait else 0)
     try:
         with full_disk_errors(root / LOCK):
@@ -227,10 +227,11 @@ def is_writable(root: Path) -> bool:
 def refuse_links(root: Path) -> None:
     """Raise LinkInFolder if a subfolder or the lock file is a link: it may point outside the results folder."""
     for path in (path for name in (*FOLDERS, LOCK) for path in root.glob(name)):
-        _refuse_link(path)
+        refuse_link(path)
 
 
-def _refuse_link(path: Path) -> None:
+def refuse_link(path: Path) -> None:
+    """Raise LinkInFolder if an entry of a results folder is a link."""
     if path.is_symlink():
         raise LinkInFolder(
             f"{path} is a link out of the results folder: remove it, or replace it by a copy of its target"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from bearingsim.errors import ResultsError, UserError
 from bearingsim.store import own_files
 from bearingsim.store.checked_units import check_units
-from bearingsim.store.files import full_disk_errors, lock, lock_leftover, temporary
+from bearingsim.store.files import full_disk_errors, lock, lock_leftover, refuse_link, temporary
 from bearingsim.store.journal import Failure, load_failures, log
 from bearingsim.store.marker import ForeignFolder, OtherStudy, claim, mark, owner
 from bearingsim.store.results import open_results, results_folder
@@ -47,13 +47,16 @@ class Holdings:
 def holdings(root: Path, verify: bool = False) -> Holdings:
     """Check all units and failures; rename unreadable files to ``.damaged`` and record them in the journal.
 
-    verify: also read the units whose rows are in the table.
+    verify: also read the units whose rows are in the table. Raises LinkInFolder if one of the files is a link, as
+    in a folder of git-annex or DVC: its results are not lost.
     """
     frame = read_frame(root, groups=())
     units = own_files.UNITS.find(root)
     checked = check_units(units, frame, {}, verify)
     failures, unreadable = load_failures(root)
     damaged = checked.damaged | unreadable
+    for path in damaged:
+        refuse_link(path)
     for path, reason in damaged.items():
         mark_damaged(path)
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)

@@ -106,13 +106,29 @@ def make_sparse(path: Any) -> None:
         file.truncate(1 << 43)
 
 
-@pytest.mark.parametrize("change", [make_link, make_pipe, make_sparse])
-def test_link_or_special_file_counts_as_a_damaged_unit(tmp_path: Any, change: Any) -> None:
+@pytest.mark.parametrize("pattern", ["units/*/*.h5", "failed/*.json"])
+def test_link_to_a_result_is_refused(tmp_path: Any, pattern: str) -> None:
+    """In a folder of git-annex or DVC every file is a link, and its results are not to be computed again."""
+    study, root = FakeStudy(actions={1: "raise"}), tmp_path / "results"
+    run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    [path] = root.glob(pattern)
+    target = tmp_path / "elsewhere"
+    path.rename(target)
+    path.symlink_to(target)
+    (root / "study.h5").unlink()
+    with pytest.raises(LinkInFolder, match=f"{path} is a link.*cp -rL"):
+        run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    assert path.readlink() == target
+    assert not [*root.rglob("*.damaged")]
+
+
+@pytest.mark.parametrize("change", [make_pipe, make_sparse])
+def test_special_file_counts_as_a_damaged_unit(tmp_path: Any, change: Any) -> None:
     study, root = FakeStudy(), tmp_path / "results"
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     [unit] = root.glob("units/*/*.h5")
     change(unit)
-    with pytest.warns(DamageWarning, match="is a link|is not a file|more than the memory"):
+    with pytest.warns(DamageWarning, match="is not a file|more than the memory"):
         assert set(store.open_results(root).table()["status"]) == {"missing"}
     summary = run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     assert (summary.done, summary.resumed) == (4, 0)
