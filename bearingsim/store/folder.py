@@ -107,7 +107,7 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
 
 
 def refuse_own_study_file(root: Path, study: "Study") -> None:
-    """Raise ForeignFolder if ``study.yaml`` in the folder may be the study file of an earlier run, not of this one.
+    """Raise ForeignFolder if ``study.yaml`` in the folder may be the study file of an earlier run, not this one.
 
     The plan states whether it is: a path as typed would depend on the working folder, and on the folder's place.
     """
