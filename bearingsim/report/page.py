@@ -223,11 +223,11 @@ def _runs(count: int) -> str:
 
 
 def _study_text(results: "Results") -> str:
-    """Read the study file in the folder; "" if there is none that can be read."""
+    """Return the text of the study that was run; "" if there is none that can be read."""
     from bearingsim.store import UNREADABLE, read_study_text
 
     try:
-        text = read_study_text(results.path)
+        text = results.plan.get("text") or read_study_text(results.path)  # plans of earlier versions have no text
     except UNREADABLE:
         return ""
     return text if len(text) <= MAX_TEXT else f"{text[:MAX_TEXT]}\n# ... {len(text) - MAX_TEXT} characters omitted"

@@ -146,6 +146,7 @@ class Plan(Layout):
     figures: list[Figure]
     jobs: Annotated[list[Job], Field(min_length=1)]
     file: str | None = None
+    text: str | None = None
     own_study_file: bool = False
     overrides: dict[str, str] = {}
     model_version: int = 0

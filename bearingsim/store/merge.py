@@ -28,7 +28,7 @@ from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 from bearingsim.store.table import OWN_FILE, STUDY_FILE, build_table
 from bearingsim.store.units import DamagedUnit, check_unit, result_digests, unit_path
 
-RUN_ENTRIES = {"file", OWN_FILE, "made_of", "notes"}
+RUN_ENTRIES = {"file", "text", OWN_FILE, "made_of", "notes"}
 """Entries of a plan that may differ between runs of one study."""
 REPORTED_FIRST = ("study", "model_version", "quick", "overrides", "jobs")
 """Entries of a plan whose differences are reported first."""

@@ -64,6 +64,7 @@ def make_plan(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) 
     return {
         "study": study.name,
         "file": str(study.path) if study.path else None,
+        "text": study.text,
         "overrides": dict(study.overrides),
         "quick": bool(study.quick),
         "model_version": MODEL_VERSION,
@@ -120,7 +121,10 @@ def read_plan(root: Path) -> dict[str, Any]:
 
 
 def read_study_text(root: Path) -> str:
-    """Read the copy of the study file in a folder. Raises one of UNREADABLE if it is missing or not text."""
+    """Read the study file in a folder, which may have been edited since the run.
+
+    Raises one of UNREADABLE if it is missing or not text.
+    """
     return regular.read_regular(root / STUDY_FILE).decode()
 
 

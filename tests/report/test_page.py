@@ -14,6 +14,8 @@ from bearingsim.report.figures import collect
 from bearingsim.report.headline import feature_results
 from bearingsim.report.page import page_of
 from bearingsim.report.render import embedded, html, policy
+from bearingsim.store import open_results, read_plan
+from bearingsim.store.sealed import write_json
 from bearingsim.study import Figure
 from tests.plots.test_plot_designs import SOBOL
 from tests.scenes.figure_results import FIGURES, STUDY, record, results
@@ -156,6 +158,16 @@ def test_error_bound_of_a_case_is_the_largest_of_its_features_in_per_cent(result
     }  # fmt: skip
     columns = dict(page_of(opened).table.columns)
     assert set(columns["error bound (%)"]) == {"4"}
+
+
+def test_study_is_that_of_the_results(results):
+    """An edited study.yaml in the results folder describes the next run."""
+    finished = results()
+    (finished.path / "study.yaml").write_text("study: another\n")
+    assert page_of(finished, []).text == STUDY + FIGURES
+    plan = {name: entry for name, entry in read_plan(finished.path).items() if name != "text"}
+    write_json(finished.path / "plan.json", plan)  # as an earlier version wrote it
+    assert page_of(open_results(finished.path), []).text == "study: another\n"
 
 
 def test_phases_are_points(results):
