@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import combinations
 from math import pi, remainder, sqrt
 from typing import Any, NamedTuple
 
@@ -43,6 +44,7 @@ from bearingsim.core.defects.pairs import (
     outer_reduced_radius,
     pack_defects,
 )
+from bearingsim.core.defects.profile import MIN_SPACING
 from bearingsim.core.defects.spall import Spall
 from bearingsim.core.defects.traced import (
     burr_height,
@@ -86,7 +88,8 @@ def packed_defects(case: Case, middles: Positions | None = None) -> Defects:
     """Pack the case's defects for the core, one pair for each contact that crosses them.
 
     middles: positions (m) of the middles of a roller's slices, which give one group of weight 1 per slice, in
-    their order. Raises Refused for a defect without effect, and for one wider than the spacing of the rollers.
+    their order. Raises Refused for a defect without effect, for one wider than the spacing of the rollers, and for
+    dents that share a contact.
     """
     model_excitation, pairs = excitation(case), roller_defect_pairs(case, middles)
     if any(pair.paths for pair in pairs):
@@ -95,8 +98,29 @@ def packed_defects(case: Case, middles: Positions | None = None) -> Defects:
 
 
 def roller_defect_pairs(case: Case, middles: Positions | None = None) -> list[RollerDefectPair]:
-    """Pair every defect with each contact that crosses it; all have a closed form, or all are traced."""
-    return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, middles)]
+    """Pair every defect with each contact that crosses it; all have a closed form, or all are traced.
+
+    Raises Refused for defects that would take shares of the pressure of one contact at the same time.
+    """
+    pairs = [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, middles)]
+    if case.excitation == "pressure-share":
+        for pair, other in combinations(pairs, 2):
+            _refuse_common_contact(pair, other)
+    return pairs
+
+
+def _refuse_common_contact(a: RollerDefectPair, b: RollerDefectPair) -> None:
+    """Raise Refused for two dents of one surface so close that a contact covers parts of both.
+
+    The contact would lose the sum of both shares, but only one pair acts on a contact.
+    """
+    distance = abs(remainder(b.angle - a.angle, 2.0 * pi)) * a.radius
+    if (a.side, a.carrier) == (b.side, b.carrier) and distance < a.half_width + b.half_width - MIN_SPACING:
+        angles = " and ".join(f"{np.degrees(pair.angle):.4g}" for pair in (a, b))
+        raise Refused(
+            f"the dents at {angles} deg are {1e6 * distance:.4g} um apart, so a contact may cover parts of both",
+            f"place them {1e6 * (a.half_width + b.half_width):.4g} um apart, or use `excitation: envelope`",
+        )
 
 
 def excitation(case: Case, side: int = OUTER) -> Any:
@@ -198,7 +222,8 @@ def _overlap(case: Case, a: config.Defect, b: config.Defect) -> bool:
         return False
     distance = remainder(b.angle - a.angle, 2.0 * pi) * carrier_radius(case, a)
     low_a, high_a, low_b, high_b = *_response_range(case, a), *_response_range(case, b)
-    return low_a < distance + high_b and distance + low_b < high_a
+    # touching defects overlap, too: a ridge without width between them carries no roller
+    return max(low_a - (distance + high_b), distance + low_b - high_a) <= MIN_SPACING
 
 
 def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:

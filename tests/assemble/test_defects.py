@@ -13,7 +13,7 @@ from bearingsim.assemble.rest import largest_load
 from bearingsim.core.defects.closed_forms import groups_of, roller_drop
 from bearingsim.core.defects.depth import Circular, Rectangular, Triangular
 from bearingsim.core.defects.excitations import Envelope, TracedPath, defect_response
-from bearingsim.core.defects.on_roller import force_over_defect, mean_roller_drop
+from bearingsim.core.defects.on_roller import force_over_defect, is_masked, mean_response
 from bearingsim.core.defects.pairs import (
     ANGLE,
     CUSP,
@@ -40,7 +40,7 @@ R_O = 0.0385
 
 def mean_drop(defects, s, d=0):
     """Return the mean drop (m) of a roller at ``s`` (m) from the middle of one roller-defect pair."""
-    return mean_roller_drop(defects, d, s)
+    return mean_response(defects, d, s)[0]
 
 
 @pytest.mark.parametrize("shape", ["rectangular", "triangular", "circular"])
@@ -106,6 +106,17 @@ def test_touching_slots_equal_one_slot():
     assert np.degrees(merged.head[0, ANGLE]) == pytest.approx(5 + spacing / 2)
     assert mean_drop(merged, 0.0) == pytest.approx(mean_drop(single, 0.0), rel=1e-3)
     assert merged.head[0, CUSP] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("gap", [0.0, 2e-18, -2e-18])
+@pytest.mark.parametrize("angle", [0.0, 0.7, 3.1, 6.2])
+def test_rounding_of_an_angle_leaves_no_ridge_between_touching_slots(angle, gap):
+    """Two slots of 0.4 mm, touching but for rounding: a ridge would carry a roller at s = 0. The drop by hand."""
+    half = SLOT | {"width": "0.4 mm"}
+    pair = [half | {"angle": angle}, half | {"angle": angle + (4e-4 + gap) / R_O}]
+    packed, R = packed_defects(case(defects=pair)), 6e-3 * R_O / (R_O - 6e-3)
+    for s in (0.0, 1e-4, -3e-4):
+        assert mean_drop(packed, s) == pytest.approx((4e-4 - abs(s)) ** 2 / (2 * R), rel=1e-9)
 
 
 def test_merging_does_not_depend_on_the_order():
@@ -315,6 +326,30 @@ def test_pressure_share_has_the_contact_of_the_damaged_race(bearing, race):
     shares = [defect_response(packed.excitation, group, 0.0, packed.head[0, REDUCED_RADIUS]) for group in groups]
     over_dent = [share for share, drop, _ in shares if drop > 0.0]
     assert over_dent == pytest.approx([2.0 * (asin(x) + x * sqrt(1.0 - x * x)) / pi], rel=1e-6)
+
+
+def test_dents_that_share_a_contact_are_rejected():
+    """Two dents of 8 um, touching, would have the share of one instead of that of a dent of 16 um."""
+    dent = SLOT | {"width": "8 um", "depth": "5 um"}
+    near, far = ([dent, dent | {"angle": distance / R_O}] for distance in (8e-6, 1e-4))
+    with pytest.raises(Refused, match=r"dents at 0 and 0.01191 deg are 8 um apart, so a contact may cover parts"):
+        packed_defects(case(defects=near, excitation="pressure-share"))
+    assert len(packed_defects(case(defects=far, excitation="pressure-share")).head) == 2
+    other_race = [dent, dent | {"race": "inner"}]
+    assert len(packed_defects(case(defects=other_race, excitation="pressure-share")).head) == 2
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_softer_of_two_edges_acts_on_a_ridge(order):
+    """Two slots with a ridge of 20 um: 4 um from the rim of one, 16 um from that of the other."""
+    slot = SLOT | {"width": "0.2 mm"}
+    fields = {"defects": [slot, slot | {"angle": 2.2e-4 / R_O}][::order], "excitation": "elastic-edge"}
+    for s, acting in ((1.04e-4, 0), (1.16e-4, 1)):
+        model = assemble.model(case(start_angle=s / R_O, **fields))
+        positions = (s, s - 2.2e-4)[::order]
+        y = assemble.empty_buffer(model)
+        masked = [is_masked(model, d, 0, position, 0.0, y) for d, position in enumerate(positions)]
+        assert masked[::order] == [acting == 1, acting == 0]
 
 
 def hertz_half_width(Q, E_star, steep, flat):

@@ -155,14 +155,21 @@ def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
 
 
 @jit
-def mean_roller_drop(defects, d, s):
-    """Return the mean drop (m) over the roller's length."""
-    mean = 0.0
+def mean_response(defects, d, s):
+    """Return the mean drop (m) over the roller's length, and the share of the stiffness that remains (1)."""
+    drop, total_share = 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
-        mean += share * group[GROUP_WEIGHT] * h
-    return mean
+        drop += share * group[GROUP_WEIGHT] * h
+        total_share += share * group[GROUP_WEIGHT]
+    return drop, total_share
+
+
+@inlined
+def prevails(drop, share, other_drop, other_share):
+    """Check if the first of two responses acts at a contact: the deeper one, of equally deep ones the softer."""
+    return drop > other_drop or (drop == other_drop and share < other_share)
 
 
 @generic
@@ -179,14 +186,17 @@ def roller_at_defect_without_slip(model, d, t, y):
 
 @jit
 def is_masked(model, d, j, s, t, y):
-    """Check if another pair acts at this contact of roller ``j``, because its defect is deeper, or equally deep
-    and first."""
+    """Check if another pair acts at this contact of roller ``j``, because its response prevails, or is equal and
+    first."""
     defects = model.defects
     for e in range(len(defects.head)):
         if e != d and defects.head[e, SIDE] == defects.head[d, SIDE]:
             other, other_s = roller_at_defect(model, e, t, y)
             if other == j and abs(other_s) < defects.head[e, HALF_WIDTH]:
-                drop, other_drop = mean_roller_drop(defects, d, s), mean_roller_drop(defects, e, other_s)
-                if other_drop > drop or (other_drop == drop and e < d):
+                drop, share = mean_response(defects, d, s)
+                other_drop, other_share = mean_response(defects, e, other_s)
+                if prevails(other_drop, other_share, drop, share) or (
+                    e < d and not prevails(drop, share, other_drop, other_share)
+                ):
                     return True
     return False

@@ -10,6 +10,7 @@ from math import atan2, sqrt
 
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.excitations import defect_response
+from bearingsim.core.defects.on_roller import prevails
 from bearingsim.core.defects.pairs import (
     CARRIER,
     GROUP_HALF_WIDTH,
@@ -101,8 +102,8 @@ def slice_defect_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
     tilt_factor: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the
-    defects within reach the deepest acts, as in ``on_roller.is_masked``; the first of equal ones, and a burr only
-    where no other defect reaches.
+    defects within reach the deepest acts, as in ``on_roller.is_masked``, of equally deep ones the softest, of equal
+    ones the first, and a burr only where no other defect reaches.
     """
     defects, zeta, middle = (
         model.defects,
@@ -119,7 +120,9 @@ def slice_defect_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
             s += head[RADIUS] * angle
             if abs(s) < group[GROUP_HALF_WIDTH]:
                 share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
-                if y[side + lay.DEFECT_REACH + j] == ROLLER_REACHED or h > y[side + lay.ROLLER_DROP + j]:
+                is_first = y[side + lay.DEFECT_REACH + j] == ROLLER_REACHED
+                acting_drop, acting_share = y[side + lay.ROLLER_DROP + j], 1.0 - y[side + lay.STIFFNESS_LOSS + j]
+                if is_first or prevails(h, share, acting_drop, acting_share):
                     y[side + lay.DEFECT_REACH + j] = SLICE_REACHED
                     normal_slope = tilt_factor * slope * head[RADIUS] / rho
                     (
