@@ -179,7 +179,8 @@ def test_channels_of_fixed_rings_are_refused(name: str) -> None:
 def test_kinematic_cage_has_no_skew_and_no_own_motion() -> None:
     kinematic = {"motion": "kinematic"}
     assert isinstance(space.cage_in_space(case(cage=kinematic)), CageInPlane)
-    for name in ("roller.skew", "cage.axial"):
+    assert isinstance(space.flanges(case(cage=kinematic)), NoFlanges)
+    for name in ("roller.skew", "cage.axial", "roller.flange_force"):
         assert refusal(record=[name], cage=kinematic)[0] == f"`{name}` stays zero: the cage is kinematic"
 
 

@@ -68,3 +68,19 @@ def test_the_line_load_adds_up_to_the_force() -> None:
     total = sum(result.series[f"roller.10.outer_line_load.{k + 1}"] * width for k, width in enumerate(widths))
     assert len(loads) == len(widths)
     assert total == pytest.approx(result.series["roller.10.outer_force"], rel=1e-6, abs=1e-6)
+
+
+def test_no_flange_wedges_misaligned_rollers_with_a_kinematic_cage() -> None:
+    """At 1 mrad the inner flanges run out by more than their play of 25 um. Rollers take up half of the lean, and
+    16 ms later the fourth has the static force of its new angle."""
+    turned = 0.016 * 60.0 * np.pi * (1.0 - 12.0 / 65.0) / 2.0
+    fields = SHORT | {"model": "spatial", "load": "1 kN", "settle": "0 s", "cage": {"motion": "kinematic"}}
+    fields |= {"misalignment": {"inner": "1 mrad", "direction": 0.4}, "record": ["roller.4.outer_force"]}
+    later, start = (
+        simulate(Case.model_validate(fields | {"start_angle": angle, "sampling": "10 kHz"}))
+        for angle in (0.2, 0.2 + turned)
+    )
+    force, static = later.series["roller.4.outer_force"][160], start.series["roller.4.outer_force"][0]
+    assert static == pytest.approx(80.0, rel=0.1)
+    assert force == pytest.approx(static, rel=0.03)
+    assert later.features["tilt.max"] == pytest.approx(0.5e-3, rel=0.02)

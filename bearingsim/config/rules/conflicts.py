@@ -32,7 +32,15 @@ MAX_HOOP_STRESS = 2.5e9
 """Pa; limit of the hoop stress rho v^2 of a thin ring with surface speed v: the tensile strength of hardened
 bearing steel, 2.0 to 2.5 GPa. A steel ring reaches it at 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
-KINEMATIC_CHANNELS = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
+KINEMATIC_CHANNELS = (
+    "cage.slip",
+    "cage.axial",
+    "cage.lean",
+    "roller.cage_force",
+    "roller.skew",
+    "roller.axial",
+    "roller.flange_force",
+)
 
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
