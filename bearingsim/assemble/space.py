@@ -97,8 +97,8 @@ def mount(case: Case, support: config.Rig | config.Shaft | None, ring: str, m: f
 def flanges(case: Case) -> Any:
     """Build the flanges of both rings; a single flange of a ring is on the side of +z.
 
-    With a kinematic cage there are none: the axial position of a roller is prescribed, so a flange of a tilted ring
-    could not push it aside and would wedge it instead.
+    With a kinematic cage there are none: the axial position of a roller is prescribed, so a flange of a tilted
+    ring could not push it aside and would wedge it instead.
     """
     f, b = case.bearing.flanges, case.bearing
     if f is None or f.inner + f.outer == 0 or isinstance(free.cage(case), KinematicCage):

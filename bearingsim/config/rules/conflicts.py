@@ -32,15 +32,6 @@ MAX_HOOP_STRESS = 2.5e9
 """Pa; limit of the hoop stress rho v^2 of a thin ring with surface speed v: the tensile strength of hardened
 bearing steel, 2.0 to 2.5 GPa. A steel ring reaches it at 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
-KINEMATIC_CHANNELS = (
-    "cage.slip",
-    "cage.axial",
-    "cage.lean",
-    "roller.cage_force",
-    "roller.skew",
-    "roller.axial",
-    "roller.flange_force",
-)
 
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -216,7 +207,7 @@ def _zero_reason(name: str, case: "CaseFields") -> tuple[str, str] | None:
     if name == "inner.displacement" and case.shaft is None:
         return "the inner ring is rigid", "give `shaft`"
     kinematic = case.cage is not None and case.cage.motion == "kinematic"
-    if kinematic and without_numbers(name) in KINEMATIC_CHANNELS:
+    if kinematic and without_numbers(name) in hierarchy.KINEMATIC_CHANNELS:
         return "the cage is kinematic", "use `motion: free`"
     if name in ("ring.axial", "ring.lean") and case.rig.tilting_stiffness is None:
         return "the bracket fixes the ring axially", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"

@@ -22,6 +22,17 @@ if TYPE_CHECKING:
 STRIBECK = 4.08  # largest roller load over F/Z, for line contacts without clearance; also used for balls (4.37)
 MIN_CENTRIFUGAL_SHARE = 0.1  # least centrifugal force, over the largest roller load, that needs roller inertia
 
+KINEMATIC_CHANNELS = (
+    "cage.slip",
+    "cage.axial",
+    "cage.lean",
+    "roller.cage_force",
+    "roller.skew",
+    "roller.axial",
+    "roller.flange_force",
+)
+"""Channels that stay zero with a kinematic cage."""
+
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
 """Reason to advise a model with roller mass if a run stalls: without it, a ring that has lifted off closes its
 contacts in ever smaller and more frequent impacts (docs/stability.md)."""
@@ -71,11 +82,12 @@ def omitted_needs(case: "CaseFields") -> list[Need]:
 
 
 def specifies_slip(case: "CaseFields") -> bool:
-    """Check if a case specifies cage, drag or friction (other than `none`), or records slip or cage motion."""
+    """Check if a case specifies cage, drag or friction (other than `none`), or records slip, cage motion, or a
+    motion or force that a kinematic cage prevents."""
     is_specified = any(_is_specified(case, name) for name in ("cage", "friction", "drag"))
-    slips = ("slip", "cage")
+    slips, channels = ("slip", "cage"), [without_numbers(name) for name in case.record]
     return is_specified or any(
-        _RECORD_ABILITIES.get(without_numbers(name), ("", ""))[0] in slips for name in case.record
+        name in KINEMATIC_CHANNELS or _RECORD_ABILITIES.get(name, ("", ""))[0] in slips for name in channels
     )
 
 

@@ -102,8 +102,8 @@ def slice_defect_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
     tilt_factor: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the
-    defects within reach the deepest acts, as in ``on_roller.is_masked``, of equally deep ones the softest, of equal
-    ones the first, and a burr only where no other defect reaches.
+    defects within reach the deepest acts, as in ``on_roller.is_masked``, of equally deep ones the softest, of
+    equal ones the first, and a burr only where no other defect reaches.
     """
     defects, zeta, middle = (
         model.defects,
