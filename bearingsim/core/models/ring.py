@@ -1,7 +1,7 @@
 """``ring``: the ring moves in x and y; rollers are massless, so a roller's two contacts are in series.
 
-Over undamaged races the contacts share the approach in elastic balance, and its rate equally. With the same
-stiffness law at both races
+The contacts share the approach in elastic balance, and its rate so that their damping forces are equal, too. With
+the same law at both races, over undamaged races,
 
     Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate.
 
@@ -10,11 +10,12 @@ Over a defect of the outer race, divided along the roller into groups k of weigh
 
     sum_k w_k E(delta - delta_i - h_k) = E(delta_i).
 
-A defect of the inner race changes the right-hand side in the same way. Each group's closing rate is halved, which
-is exact for damping proportional to the elastic force, and for one group with any law if both contacts are equal.
-A massless roller between dashpots would relax to this balance within a few microseconds. Neglecting that causes an
-RMS difference of the force of 0.1 to 0.8 % over circular defects, and of 2.7 % over a slot of half the roller's
-length at chi = 200 s/m. The rollers' inertia and centrifugal load are neglected, too.
+A defect of the inner race changes the right-hand side in the same way. Each group's closing rate is divided as over
+undamaged races under the same elastic force. This is exact for damping proportional to the elastic force, and for
+one group with any damping proportional to the rate. A massless roller between dashpots would relax to this balance
+within a few microseconds. Neglecting that causes an RMS difference of the force of 0.1 to 0.8 % over circular
+defects, and of 2.7 % over a slot of half the roller's length at chi = 200 s/m. The rollers' inertia and centrifugal
+load are neglected, too.
 """
 
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump, next_jump_without_slip
 from bearingsim.core.defects.on_roller import (
     derivatives_over_defect,
+    elastic_over_defect,
     force_over_defect,
     roller_at_defect,
     roller_at_defect_without_slip,
@@ -99,10 +101,24 @@ def _shared(model, t, y):
     return ring_motion(model, t, y)
 
 
+TINY = 1e-300  # N s/m: without damping each contact has half of the rate
+
+
+@inlined
+def outer_rate_part(model, outer, inner):
+    """Return the outer contact's part of the closing rate of a roller: c_i/(c_o + c_i), for equal damping forces.
+
+    outer, inner: approaches (m) of the two contacts to undamaged races under the same elastic force. The part is
+    exact for damping proportional to the rate, and 1/2 for equal laws.
+    """
+    c_o = damping_bound(model.outer, max(outer, 0.0), 0.0) + TINY
+    c_i = damping_bound(model.inner, max(inner, 0.0), 0.0) + TINY
+    return c_i / (c_o + c_i)
+
+
 @inlined
 def share_approach(model, common, c, s, y, j):
-    """Divide the approach of roller ``j`` between its two contacts over undamaged races; each has half of the
-    rate.
+    """Divide approach and closing rate of roller ``j`` between its two contacts over undamaged races.
 
     Equation (M9) of docs/model.md; with form (F1) of docs/form.md.
     """
@@ -112,7 +128,8 @@ def share_approach(model, common, c, s, y, j):
     rate = -(common.w_x * c + common.w_y * s) - recess(form, RECESS_V_O, y, j) - recess(form, RECESS_V_I, y, j)
     inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
-    y[lay.V_O + j] = y[lay.V_I + j] = 0.5 * rate
+    part = outer_rate_part(model, delta - inner, inner)
+    y[lay.V_O + j], y[lay.V_I + j] = part * rate, (1.0 - part) * rate
 
 
 @load_roller.register(Ring)
@@ -125,6 +142,18 @@ def _load_roller(model, common, y, j):
 
 
 @jit
+def outer_rate_part_over_defect(model, d_i, s_i, inner):
+    """Return ``outer_rate_part`` of a roller in roller-defect pair ``d_i`` of the inner race (-1: none).
+
+    s_i: distance (m) from the defect's middle; inner: approach (m) to the undamaged inner race. The mean approach
+    of the inner contact is that of an undamaged race if the defect is as long as the roller.
+    """
+    _, _, mean = elastic_over_defect(model.inner.stiffness, model.defects, d_i, s_i, inner)
+    share = series_share(model.outer.stiffness, model.inner.stiffness, 2.0 * mean)
+    return outer_rate_part(model, mean * ((2.0 * mean - share) / max(share, TINY)), mean)
+
+
+@jit
 def correct_for_defect(model, y, j):
     """Solve the two contacts in series of roller ``j``, with at least one contact over a defect.
 
@@ -133,25 +162,26 @@ def correct_for_defect(model, y, j):
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r, 0.0)
-    outer, inner, half_rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
+    outer, inner, rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j] + y[lay.V_I + j]
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = outer, inner
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
+    part = outer_rate_part_over_defect(model, d_i, s_i, inner)
     if d >= 0:
-        speed = passing_speed(defects, d, bearing)
         if d_i >= 0:
-            half_rate -= 0.5 * roller_drop_rate(
+            rate -= roller_drop_rate(
                 model.inner.stiffness, defects, d_i, s_i, passing_speed(defects, d_i, bearing), inner
             )
+        speed = part * passing_speed(defects, d, bearing)
         y[lay.Q_O + j], _, y[lay.DELTA_O + j], y[lay.V_O + j] = force_over_defect(
-            model.outer, defects, d, s, 0.5 * speed, outer, half_rate
+            model.outer, defects, d, s, speed, outer, part * rate
         )
     else:
-        speed = passing_speed(defects, d_i, bearing)
+        speed = (1.0 - part) * passing_speed(defects, d_i, bearing)
         y[lay.Q_O + j], _, y[lay.DELTA_I + j], y[lay.V_I + j] = force_over_defect(
-            model.inner, defects, d_i, s_i, 0.5 * speed, inner, half_rate
+            model.inner, defects, d_i, s_i, speed, inner, (1.0 - part) * rate
         )
-        y[lay.V_O + j] = y[lay.V_I + j]
+        y[lay.V_O + j] = y[lay.V_I + j] * (part / max(1.0 - part, TINY))
 
 
 @inlined
@@ -228,45 +258,47 @@ def derivatives_in_series(model, y, n):
     """Fill tangent stiffness and damping of every roller over undamaged races, with two contacts in series.
 
     By the elastic balance E_o(delta_o) = E_i(delta_i) the outer contact has the share E_i'/(E_o' + E_i') of a
-    change in approach, and half of the rate.
+    change in approach, and by equal damping forces the part ``outer_rate_part`` of one in the rate. These forces
+    remain equal as the approach changes, so that K is the mean of both contacts weighted by their parts.
     """
     for j in range(n):
-        K, C = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        part = outer_rate_part(model, y[lay.DELTA_O + j], y[lay.DELTA_I + j])
+        K_o, C = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        K_i, _ = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
         k_o = tangent(model.outer.stiffness, max(y[lay.DELTA_O + j], 0.0))
         k_i = tangent(model.inner.stiffness, max(y[lay.DELTA_I + j], 0.0))
-        y[K_RING + j] = K * k_i / max(k_o + k_i, 1e-300)
-        y[C_RING + j] = 0.5 * C
+        y[K_RING + j] = (part * K_o * k_i + (1.0 - part) * K_i * k_o) / max(k_o + k_i, 1e-300)
+        y[C_RING + j] = part * C
 
 
 @jit
 def derivatives_over_defect_in_series(model, y, j):
     """Return tangent stiffness (N/m) and damping (N s/m) of a roller with a contact over a defect.
 
-    Equations as in ``correct_for_defect``.
+    Equations as in ``correct_for_defect``, with a fixed ``outer_rate_part``.
     """
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r, 0.0)
-    outer, inner, half_rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
+    outer, inner, rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j] + y[lay.V_I + j]
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
+    part = outer_rate_part_over_defect(model, d_i, s_i, inner)
     k_o = stiffness_over_defect(model.outer.stiffness, defects, d, s, outer)
     k_i = stiffness_over_defect(model.inner.stiffness, defects, d_i, s_i, inner)
     share = k_i / max(k_o + k_i, 1e-300)
     if d < 0:
-        speed = 0.5 * passing_speed(defects, d_i, bearing)
-        K, C = derivatives_over_defect(model.inner, defects, d_i, s_i, speed, inner, half_rate)
-        return (1.0 - share) * K, 0.5 * C
-    # derivative (1/s) of half the drop rate over the inner defect with respect to the inner approach
-    drop_derivative = 0.0
+        speed = (1.0 - part) * passing_speed(defects, d_i, bearing)
+        K, C = derivatives_over_defect(model.inner, defects, d_i, s_i, speed, inner, (1.0 - part) * rate)
+        return (1.0 - share) * K, (1.0 - part) * C
+    drop_derivative = 0.0  # of the drop rate over the inner defect with respect to the inner approach (1/s)
     if d_i >= 0:
         speed, stiffness = passing_speed(defects, d_i, bearing), model.inner.stiffness
-        half_rate -= 0.5 * roller_drop_rate(stiffness, defects, d_i, s_i, speed, inner)
-        drop_derivative = 0.5 * roller_drop_rate_derivative(stiffness, defects, d_i, s_i, speed, inner)
-    K, C = derivatives_over_defect(
-        model.outer, defects, d, s, 0.5 * passing_speed(defects, d, bearing), outer, half_rate
-    )
-    return share * K - (1.0 - share) * drop_derivative * C, 0.5 * C
+        rate -= roller_drop_rate(stiffness, defects, d_i, s_i, speed, inner)
+        drop_derivative = roller_drop_rate_derivative(stiffness, defects, d_i, s_i, speed, inner)
+    speed = part * passing_speed(defects, d, bearing)
+    K, C = derivatives_over_defect(model.outer, defects, d, s, speed, outer, part * rate)
+    return share * K - (1.0 - share) * drop_derivative * part * C, part * C
 
 
 @interface.linearise.register(Ring)

@@ -161,6 +161,34 @@ def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
     assert expected > 1.0
 
 
+FILM = {"law": "film", "oil": "VG 68", "temperature": "55 C"}
+
+
+@pytest.mark.parametrize("race", ["", "outer", "inner"])
+@pytest.mark.parametrize(("bearing", "damping"), [("nf308", FILM), ("6205", {"law": "kraemer"})])
+def test_unlike_contacts_in_series_have_equal_forces(bearing, damping, race):
+    """A film damps the outer contact more than the inner one, and the two contacts of a ball differ in stiffness."""
+    defects = [SLOT | {"race": race, "depth": "0.5 um"}] if race else []
+    fields = {"bearing": bearing, "contact": {"damping": damping}, "load": "2 kN", "start_angle": "1.5e-3 rad"}
+    model = assemble.model(case(model="ring", defects=defects, **fields))
+    y = at_rest(model)
+    y[lay.VELOCITY : lay.VELOCITY + 2] = -0.02, 0.01
+    start_at_rest(model, 0.0, y)
+    b, u, w, theta = model.bearing, y[lay.POSITION : lay.POSITION + 2], y[lay.VELOCITY : lay.VELOCITY + 2], 1.5e-3
+    e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
+    Delta, rate = -u @ e_r - 2.0 * b.gap, -w @ e_r - b.omega_c * (u @ e_theta)
+    if race:
+        speed, radius = (b.omega_c, b.R_o) if race == "outer" else (b.omega_c - b.omega_i, b.R_i)
+        h, slope = roller_drop(model.defects.groups[0, 0], radius * theta, model.defects.head[0, REDUCED_RADIUS])
+        Delta, rate = Delta - h, rate - slope * radius * speed
+    static = [lambda d, law=law: normal_force(law, d, 0.0) for law in (model.outer, model.inner)]
+    d_i = brentq(lambda d: static[0](Delta - d) - static[1](d), 0.0, Delta, xtol=1e-22)
+    forces = lambda v: (normal_force(model.outer, Delta - d_i, rate - v), normal_force(model.inner, d_i, v))  # noqa: E731
+    v_i = brentq(lambda v: np.subtract(*forces(v)), -1.0, 1.0, xtol=1e-18)
+    assert y[lay.Q_O] == pytest.approx(forces(v_i)[0], rel=1e-8)
+    assert y[lay.Q_I] == y[lay.Q_O]
+
+
 def test_a_ring_balances_a_roller_over_a_bowl():
     """Elastic: the sum of the outer groups equals the inner contact; damping: half of each group's rate."""
     bowl = SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"}
