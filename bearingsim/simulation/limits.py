@@ -28,18 +28,19 @@ from bearingsim.assemble.scales import (
 )
 from bearingsim.catalogue import METHODS, MODELS, simplest_model
 from bearingsim.config import Case
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.excitations import STEP_EXCITATIONS
 from bearingsim.core.defects.pairs import DEPTH
 from bearingsim.core.defects.passage import free_impact, passage_peak
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import damping_per_mass, degrees_of_freedom, stiffness_per_mass
 from bearingsim.core.parts.bending import RigidRing
 from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
-from bearingsim.simulation.fastest import SEARCH_ITERATIONS, Rates, fastest_rate, rates_at_rest
+from bearingsim.simulation.fastest import SEARCH_ITERATIONS, Rates, rates_at_rest
 
 SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
 LONGEST_STEP = 20e-6  # s, longest step of models without a limit
@@ -52,7 +53,7 @@ class Limits:
     """Limits of a case's step. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
     The limits are those of the method on the linearised bearing; ``impact_force`` is an estimate of the peak.
-    damping_ratio: of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s): c/k of
+    damping_ratio: of the most loaded roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s): c/k of
     a contact under the largest static load, the larger of both races; fastest_rate (1/s): largest eigenvalue of
     the bearing at rest, of this body, of a flexible ring or of a body that is much lighter or more stiffly
     supported; wave: shortest time (s) in which a contact passes a wave of the surfaces' form; approach_bound (m),
@@ -104,8 +105,8 @@ def step_limits(case: Case) -> Limits:
 def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
     """Return the limits that do not depend on a method, and the rates from which those of a method follow."""
     rest_load, K, C = loads_at_rest(rest_case(case))
-    K_alone, _ = contact_rates(rest_case(case))
-    frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
+    alone = Rates(*contact_rates(rest_case(case)))
+    frequency = sqrt(alone.K) / (2.0 * pi) if alone.K > 0.0 else inf
     ratio, faster = damping_ratio_at_rest(case), fast_body_rates(rest_case(case))
     bending_rate = Rates(K, C).fastest if case.rig.ring is not None else 0.0
     K, C = max(K, faster.K), max(C, faster.C)
@@ -113,7 +114,7 @@ def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
         rest_load=rest_load,
         contact_frequency=frequency,
         damping_ratio=ratio,
-        fastest_rate=max(fastest_rate(2.0 * pi * frequency, ratio), bending_rate, faster.fastest),
+        fastest_rate=max(alone.fastest, bending_rate, faster.fastest),
         damping_time=damping_time(case, rest_load),
         at_rest=inf,
         closing_speed=0.0,
@@ -128,12 +129,42 @@ def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
 
 
 def damping_ratio_at_rest(case: Case) -> float:
-    """Return the largest damping ratio of a body on its contacts under static load, without friction."""
-    rest_load, *_ = loads_at_rest(rest_case(case))
-    K, C = contact_rates(rest_case(case))
-    if MODELS[case.model].slips:
-        return damping_ratio(case, rest_load)
-    return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
+    """Return the damping ratio of the most loaded roller on its contacts at rest, without friction.
+
+    For massless rollers it is the ratio of the ring, ``ring_damping_ratio``; 0 for models without motion.
+    """
+    healthy = rest_case(case)
+    if MODELS[healthy.model].memoryless:
+        return 0.0
+    if MODELS[healthy.model].has_inertia:
+        rest_load, *_ = loads_at_rest(healthy)
+        return damping_ratio(healthy, rest_load)
+    return ring_damping_ratio(healthy)
+
+
+def ring_damping_ratio(healthy: Case) -> float:
+    """Return the largest damping ratio of a ring on massless rollers and bracket, over a ball pass at rest.
+
+    It is that of motion along the principal directions of the stiffness.
+    """
+    model, ratio = assemble.model(healthy), 0.0
+    for _, y, _, _ in rest_states(model):
+        K, C = model.support.k_b * np.eye(2), model.support.c_b * np.eye(2)
+        for j in range(model.bearing.Z):
+            outer, inner = y[lay.DELTA_O + j], y[lay.DELTA_I + j]
+            if outer > 0.0 and inner > 0.0:
+                radial = np.array([y[lay.COS + j], y[lay.SIN + j]])
+                direction = np.outer(radial, radial)
+                k, c = (
+                    in_series(bound(model.outer, outer, 0.0), bound(model.inner, inner, 0.0))
+                    for bound in (stiffness_bound, damping_bound)
+                )
+                K, C = K + k * direction, C + c * direction
+        stiffness, axes = np.linalg.eigh(K)
+        damping = np.diag(axes.T @ C @ axes)[stiffness > 0.0]
+        ratios = damping / (2.0 * np.sqrt(stiffness[stiffness > 0.0] * model.bearing.m_o))
+        ratio = max(ratio, float(ratios.max(initial=0.0)))
+    return ratio
 
 
 def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, SpringRates]:
