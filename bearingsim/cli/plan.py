@@ -23,6 +23,8 @@ MAX_PRICED = 100
 UNEVEN_LOAD_WEIGHT = 5
 """Weight in MAX_PRICED of a job with uneven load along its rollers, which needs a 3D equilibrium."""
 SLIPS_PER_DECADE = 50  # slip speeds per decade at which a friction curve is searched for its maximum
+SLIP_DECADES = range(-9, 3)
+"""Decades (m/s) of this search. They are absolute, because the peak of dry friction does not move with the speed."""
 
 
 @dataclass(frozen=True)
@@ -252,7 +254,8 @@ def max_friction_coefficient(law: Any, u: float) -> float:
     """Compute the largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
     from bearingsim.core.laws.friction.interface import mu
 
-    return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
+    first, last = (SLIPS_PER_DECADE * decade for decade in (SLIP_DECADES.start, SLIP_DECADES.stop))
+    return max(float(mu(law, 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(first, last + 1))
 
 
 def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study", sample: str = "") -> Iterable[str]:

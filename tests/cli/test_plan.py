@@ -35,6 +35,16 @@ def test_slip_without_friction_does_not_decay() -> None:
     assert decay_time == inf
 
 
+@pytest.mark.parametrize(
+    ("speed", "static_speed", "dynamic_speed"), [("1 rpm", "20 mm/s", "0.1 m/s"), ("1800 rpm", "0.05 mm/s", "0.1 mm/s")]
+)
+def test_largest_friction_is_the_peak_of_the_curve(speed: str, static_speed: str, dynamic_speed: str) -> None:
+    """At any ratio of the curve's speeds and the rolling speed, here 1.6 mm/s and 2.9 m/s."""
+    curve = {"static": 0.3, "dynamic": 0.15, "static_speed": static_speed, "dynamic_speed": dynamic_speed}
+    slow = case(model="planar", friction={"law": "static-dynamic"} | curve, speed=speed, duration="200 s")
+    assert friction_scale(slow, FORCE)[0] == pytest.approx(0.3 * FORCE, rel=1e-2)
+
+
 def test_healthy_baseline_has_no_drop_into_a_defect(write: Write) -> None:
     defective, healthy = load_study(write(f"{BASE}model: rollers\n")).jobs()
     assert _price(defective).roller_drop > 0.0
