@@ -285,7 +285,7 @@ def _shaft_refusal(case: Case, has_models: bool) -> Refusal:
 
 
 def _ring_mass_refusal(case: Case, has_models: bool) -> Refusal:
-    if "damping" not in MODELS[case.model].abilities or not MODELS[case.model].loaded:
+    if not has_effect("ring_mass", case):
         return f"the results of {case.model} do not depend on it", "use another model, or remove `ring_mass`"
     if case.rig.ring is not None:
         return "a flexible ring has its own mass", "remove `ring_mass`"
@@ -340,7 +340,7 @@ def has_effect(name: str, case: Case) -> bool:
         return False
     if name == "bracket" and case.rig.bracket_stiffness == 0.0:
         return False
-    return model.loaded and (name != "damping" or "damping" in model.abilities)
+    return name not in ("damping", "ring_mass") or "damping" in model.abilities
 
 
 def variations(case: Case, parameters: Sequence[UncertainParameter]) -> list[tuple[str, float, Case]]:

@@ -71,6 +71,21 @@ def test_other_parameters_change_one_value_each(write: Write) -> None:
     assert {case.shaft.mass for _, _, case in cases} == {3.0}
 
 
+def test_impulses_depend_on_the_parameters_of_the_oscillator(write: Write) -> None:
+    """Its stiffness, damping and mass, and the load of the rollers by the clearance; each changes the RMS."""
+    from bearingsim import assemble
+
+    text = "{damping: [1 us, 4 us], clearance: [0 um, 10 um], bracket: [0.5, 2], ring_mass: [1 kg, 4 kg]}"
+    cases = varied_cases(write, text, "model: impulse\n")
+    assert [name for name, _, _ in cases] == sorted(3 * ["damping", "clearance", "bracket", "ring_mass"], key=text.index)
+    models = [assemble.model(case) for _, _, case in cases]
+    damping = [model.C_x - case.rig.bracket_damping for model, (*_, case) in zip(models[:3], cases, strict=False)]
+    assert damping == pytest.approx([0.5 * damping[1], damping[1], 2.0 * damping[1]], rel=1e-9)
+    assert models[5].K_x < 0.8 * models[3].K_x
+    assert models[8].K_x - models[6].K_x == pytest.approx(1.5 * cases[7][2].rig.bracket_stiffness, rel=1e-6)
+    assert [model.m for model in models[9:]] == pytest.approx([1.0, 2.0, 4.0])
+
+
 @pytest.mark.parametrize(
     ("text", "more", "caret", "message"),
     [
