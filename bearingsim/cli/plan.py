@@ -24,7 +24,7 @@ UNEVEN_LOAD_WEIGHT = 5
 """Weight in MAX_PRICED of a job with uneven load along its rollers, which needs a 3D equilibrium."""
 SLIPS_PER_DECADE = 50  # slip speeds per decade at which a friction curve is searched for its maximum
 SLIP_DECADES = range(-9, 3)
-"""Decades (m/s) of this search. They are absolute, because the peak of dry friction does not move with the speed."""
+"""Decades (m/s) of this search; absolute, because the peak of dry friction does not move with the speed."""
 
 
 @dataclass(frozen=True)

@@ -53,11 +53,12 @@ class Limits:
     """Limits of a case's step. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
     The limits are those of the method on the linearised bearing; ``impact_force`` is an estimate of the peak.
-    damping_ratio: of the most loaded roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s): c/k of
-    a contact under the largest static load, the larger of both races; fastest_rate (1/s): largest eigenvalue of
-    the bearing at rest, of this body, of a flexible ring or of a body that is much lighter or more stiffly
-    supported; wave: shortest time (s) in which a contact passes a wave of the surfaces' form; approach_bound (m),
-    energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not exceed.
+    damping_ratio: of the most loaded roller (in `ring`, of the ring) on its contacts, without friction;
+    damping_time (s): c/k of a contact under the largest static load, the larger of both races; fastest_rate (1/s):
+    largest eigenvalue of the bearing at rest, of this body, of a flexible ring or of a body that is much lighter
+    or more stiffly supported; wave: shortest time (s) in which a contact passes a wave of the surfaces' form;
+    approach_bound (m), energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not
+    exceed.
     """
 
     rest_load: float

@@ -36,7 +36,8 @@ def test_slip_without_friction_does_not_decay() -> None:
 
 
 @pytest.mark.parametrize(
-    ("speed", "static_speed", "dynamic_speed"), [("1 rpm", "20 mm/s", "0.1 m/s"), ("1800 rpm", "0.05 mm/s", "0.1 mm/s")]
+    ("speed", "static_speed", "dynamic_speed"),
+    [("1 rpm", "20 mm/s", "0.1 m/s"), ("1800 rpm", "0.05 mm/s", "0.1 mm/s")],
 )
 def test_largest_friction_is_the_peak_of_the_curve(speed: str, static_speed: str, dynamic_speed: str) -> None:
     """At any ratio of the curve's speeds and the rolling speed, here 1.6 mm/s and 2.9 m/s."""

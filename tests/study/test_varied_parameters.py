@@ -77,7 +77,8 @@ def test_impulses_depend_on_the_parameters_of_the_oscillator(write: Write) -> No
 
     text = "{damping: [1 us, 4 us], clearance: [0 um, 10 um], bracket: [0.5, 2], ring_mass: [1 kg, 4 kg]}"
     cases = varied_cases(write, text, "model: impulse\n")
-    assert [name for name, _, _ in cases] == sorted(3 * ["damping", "clearance", "bracket", "ring_mass"], key=text.index)
+    names = ["damping", "clearance", "bracket", "ring_mass"]
+    assert [name for name, _, _ in cases] == [name for name in names for _ in range(3)]
     models = [assemble.model(case) for _, _, case in cases]
     damping = [model.C_x - case.rig.bracket_damping for model, (*_, case) in zip(models[:3], cases, strict=False)]
     assert damping == pytest.approx([0.5 * damping[1], damping[1], 2.0 * damping[1]], rel=1e-9)

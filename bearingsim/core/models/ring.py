@@ -10,12 +10,12 @@ Over a defect of the outer race, divided along the roller into groups k of weigh
 
     sum_k w_k E(delta - delta_i - h_k) = E(delta_i).
 
-A defect of the inner race changes the right-hand side in the same way. Each group's closing rate is divided as over
-undamaged races under the same elastic force. This is exact for damping proportional to the elastic force, and for
-one group with any damping proportional to the rate. A massless roller between dashpots would relax to this balance
-within a few microseconds. Neglecting that causes an RMS difference of the force of 0.1 to 0.8 % over circular
-defects, and of 2.7 % over a slot of half the roller's length at chi = 200 s/m. The rollers' inertia and centrifugal
-load are neglected, too.
+A defect of the inner race changes the right-hand side in the same way. Each group's closing rate is divided as
+over undamaged races under the same elastic force. This is exact for damping proportional to the elastic force, and
+for one group with any damping proportional to the rate. A massless roller between dashpots would relax to this
+balance within a few microseconds. Neglecting that causes an RMS difference of the force of 0.1 to 0.8 % over
+circular defects, and of 2.7 % over a slot of half the roller's length at chi = 200 s/m. The rollers' inertia and
+centrifugal load are neglected, too.
 """
 
 from typing import Any, NamedTuple

@@ -167,7 +167,7 @@ FILM = {"law": "film", "oil": "VG 68", "temperature": "55 C"}
 @pytest.mark.parametrize("race", ["", "outer", "inner"])
 @pytest.mark.parametrize(("bearing", "damping"), [("nf308", FILM), ("6205", {"law": "kraemer"})])
 def test_unlike_contacts_in_series_have_equal_forces(bearing, damping, race):
-    """A film damps the outer contact more than the inner one, and the two contacts of a ball differ in stiffness."""
+    """A film damps the outer contact more than the inner one; a ball's two contacts differ in stiffness."""
     defects = [SLOT | {"race": race, "depth": "0.5 um"}] if race else []
     fields = {"bearing": bearing, "contact": {"damping": damping}, "load": "2 kN", "start_angle": "1.5e-3 rad"}
     model = assemble.model(case(model="ring", defects=defects, **fields))
