@@ -151,6 +151,7 @@ def _diagnose_channels(
     from bearingsim.diagnosis import Lines, diagnose
     from bearingsim.diagnosis.envelopes import default_band
     from bearingsim.diagnosis.kurtogram import kurtogram
+    from bearingsim.diagnosis.size import without_width_across
     from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
     from bearingsim.measured import MeasuredError
     from bearingsim.measured.checks import refuse_unusable
@@ -166,7 +167,10 @@ def _diagnose_channels(
         except Unsuitable as error:
             raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
         diagnosis = diagnose(values, fs, parts, shaft, tolerance, chosen)
-        results[name] = _without_width_across(recording, name, diagnosis), image, chosen
+        unit = recording.units[name].value
+        alike = {key: series for key, series in recording.channels.items() if recording.units[key].value == unit}
+        size = without_width_across(diagnosis.size, name, alike, fs)
+        results[name] = diagnosis._replace(size=size), image, chosen
     return results
 
 
@@ -175,23 +179,6 @@ def _other_channel(recording: "Recording", name: str) -> str:
     lengths = {channel: len(values) for channel, values in recording.channels.items()}
     longest = max(lengths, key=lambda channel: lengths[channel])
     return f"; or name a longer one, `--channel {longest}`" if lengths[longest] > lengths[name] else ""
-
-
-def _without_width_across(recording: "Recording", name: str, diagnosis: "Diagnosis") -> "Diagnosis":
-    """Return the diagnosis of a channel, without a width if another channel vibrates much more strongly."""
-    from bearingsim.diagnosis.size import MAX_STRONGER, Size, stronger_channel
-
-    if not isinstance(diagnosis.size, Size):
-        return diagnosis
-    unit = recording.units[name].value
-    channels = {key: values for key, values in recording.channels.items() if recording.units[key].value == unit}
-    stronger = stronger_channel(name, channels, recording.rate.value)
-    if stronger is None:
-        return diagnosis
-    reason = (
-        f"`{stronger}` vibrates over {MAX_STRONGER:g} times as strongly, so this channel is not along the load"
-    )
-    return diagnosis._replace(size=reason)
 
 
 def _margin(diagnosis: "Diagnosis") -> float:
@@ -276,7 +263,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
 def _print_remarks(diagnosis: "Diagnosis") -> None:
     """Print other causes of the strongest periodicities, and the width of the defect."""
     from bearingsim.diagnosis import NONE
-    from bearingsim.diagnosis.size import DEPTH, Size
+    from bearingsim.diagnosis.size import remark
     from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
 
     other, line = diagnosis.strongest_other, LINE_NAMES[diagnosis.best]
@@ -308,14 +295,9 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
     if diagnosis.may_be_doubled:
         half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
         say(f"half of this line ({half}) is about as strong: the true speed may be half of the stated one")
-    size = diagnosis.size
-    if isinstance(size, Size):
-        say(
-            f"width along the race: {1e3 * size.low:.2f} to {1e3 * size.high:.2f} mm if the acceleration is along "
-            f"the load and the depth up to {1e6 * DEPTH:g} um (entry to exit {1e3 * size.spacing:.3g} ms)"
-        )
-    elif size is not None:
-        say(f"no width is estimated: {size}")
+    width = remark(diagnosis.size)
+    if width is not None:
+        say(width)
     if diagnosis.loose:
         say("clearance alone causes BPFO as well: compare with a record of the healthy bearing")
 
@@ -372,10 +354,10 @@ def as_dict(
 def _channel_dict(
     recording: "Recording", name: str, diagnosis: "Diagnosis", image: "Kurtogram", band: tuple[float, float]
 ) -> dict[str, Any]:
-    from bearingsim.diagnosis.size import Size
+    from bearingsim.diagnosis.size import values_of
     from bearingsim.diagnosis.thresholds import decibels
 
-    size, unit, count = diagnosis.size, recording.units[name], len(recording.channels[name])
+    unit, count = recording.units[name], len(recording.channels[name])
     return {
         "verdict": diagnosis.verdict,
         "unit": unit.value or None,
@@ -405,9 +387,7 @@ def _channel_dict(
             "crowded": diagnosis.crowded,
             "is_sideband": diagnosis.is_sideband,
         },
-        "width_mm": [1e3 * size.low, 1e3 * size.high] if isinstance(size, Size) else None,
-        "width_missing": size if isinstance(size, str) else None,
-        "spacing_ms": 1e3 * size.spacing if isinstance(size, Size) else None,
+        **values_of(diagnosis.size),
         "clearance_may_cause": diagnosis.loose,
         "speed_may_be_doubled": diagnosis.may_be_doubled,
     }

@@ -13,6 +13,8 @@ from bearingsim.signals.spectra import band_pass
 
 DEPTH = 60e-6
 """m; largest floor depth assumed for early strikes of the far edge (docs/double_impulse.md, step 4)."""
+CONDITION = f"the acceleration is along the load and the depth up to {1e6 * DEPTH:g} um"
+"""Condition of every stated width: a signal across the load may have two events of other causes."""
 APPROACH = {"ball": 3e-3, "roller": 1e-3}
 """Largest approach of the races to each other at a rolling element, over its diameter: after this drop behind the
 near rim the element has lost all its force, and its entry is detected. At a given contact pressure it is
@@ -62,6 +64,41 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
     drop = APPROACH[parts.element] * parts.roller_diameter
     low, high = (whole - 0.5 * period / SMOOTHING) * speed, whole * speed
     return Size(low, high + sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * drop), whole)
+
+
+def remark(size: Size | str | None) -> str | None:
+    """Return the sentence that states a width with its condition, or why there is none; None without either."""
+    if isinstance(size, Size):
+        width = f"{1e3 * size.low:.2f} to {1e3 * size.high:.2f} mm"
+        return f"width along the race: {width} if {CONDITION} (entry to exit {1e3 * size.spacing:.3g} ms)"
+    return None if size is None else f"no width is estimated: {size}"
+
+
+def values_of(size: Size | str | None) -> dict[str, list[float] | float | str | None]:
+    """Return the values of `--json`: width (mm) and its condition, or the reason why there is none."""
+    if isinstance(size, Size):
+        width, spacing, reason = [1e3 * size.low, 1e3 * size.high], 1e3 * size.spacing, None
+    else:
+        width, spacing, reason = None, None, size
+    return {
+        "width_mm": width,
+        "width_condition": CONDITION if width else None,
+        "width_missing": reason,
+        "spacing_ms": spacing,
+    }
+
+
+def without_width_across(
+    size: Size | str | None, name: str, channels: Mapping[str, np.ndarray], fs: float
+) -> Size | str | None:
+    """Return the size of a channel, or the reason if another one vibrates much more strongly.
+
+    channels: series (n,) of one unit at ``fs`` (Hz), by name.
+    """
+    stronger = stronger_channel(name, channels, fs) if isinstance(size, Size) else None
+    if stronger is None:
+        return size
+    return f"`{stronger}` vibrates over {MAX_STRONGER:g} times as strongly, so this channel is not along the load"
 
 
 def stronger_channel(name: str, channels: Mapping[str, np.ndarray], fs: float) -> str | None:

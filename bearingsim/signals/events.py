@@ -14,6 +14,8 @@ MIN_ENTRY_HEIGHT = 0.2  # smallest prominence of an entry, relative to the exit:
 MAX_BEFORE = 1 / 3  # largest prominence of a third event before the exit, relative to the entry
 MAX_AFTER = 1 / 2  # the same after the exit: in a measured signal ringing reaches 0.45
 MIN_THIRD = 1 / 5  # prominence, relative to the entry, from which an event higher than the entry is a third one
+FAR = 0.3  # of the period before the exit, about where rollers enter the load zone across the load
+MAX_RISE = 0.03  # of the period, of an entry before that: over a rim 0.02, into the load zone 0.03 to 0.06
 MIN_VARIATION = 1e-6  # relative to the mean envelope: smaller variations are rounding errors
 MIN_SPACING = 0.05  # of the period: twice the width of the smoothing
 MAX_SPACING = 0.4  # of the period: in a smooth oscillation the other half wave is half a period before the highest
@@ -22,6 +24,9 @@ MIN_SIGNIFICANCE = 7.0  # smallest prominence of an event, in standard errors of
 
 ONE_EVENT = "there is no second event per pass of at least a fifth of the strongest"
 THIRD_EVENT = "a third event per pass is about as strong as the entry, as in acceleration across the load"
+SLOW_ENTRY = (
+    f"the event over {FAR:g} of a pass before the strongest rises slowly, as of rollers that enter the load zone"
+)
 TOO_CLOSE = f"the two events are less than {MIN_SPACING:g} of a pass apart"
 TOO_FAR = f"the two events are over {MAX_SPACING:g} of a pass apart, as in the motion of a healthy bearing"
 
@@ -50,9 +55,10 @@ def entry_to_exit(series: np.ndarray, fs: float, period: float) -> Spacing:
     There is none if its prominence is less than 0.2 of the exit or less than seven standard errors of the mean
     there, which means at most one event per pass; if the spacing is not within 0.05 to 0.4 of the period; or if a
     third event is about as strong: before the exit a landing on the floor, or in acceleration across the load
-    rollers that enter the load zone and beats of the ringing. The exit must be the strongest event. The position
-    of an event is that of its energy: an entry that rises over 0.3 ms before a sudden exit is measured 0.2 ms
-    late.
+    rollers that enter the load zone and beats of the ringing. An entry over 0.3 of the period before the exit must
+    rise from half its height within 0.03 of the period: rollers that enter the load zone take longer. The exit
+    must be the strongest event. The position of an event is that of its energy: an entry that rises over 0.3 ms
+    before a sudden exit is measured 0.2 ms late.
     Raises ValueError if the record has fewer than two passes, or a pass fewer than 40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHING:
@@ -78,7 +84,16 @@ def entry_to_exit(series: np.ndarray, fs: float, period: float) -> Spacing:
     time = (interpolate_peak(mean, centre) - interpolate_peak(mean, entry)) / fs
     if not MIN_SPACING * period <= time <= MAX_SPACING * period:
         return Spacing(nan, TOO_CLOSE if time < MIN_SPACING * period else TOO_FAR)
+    if time > FAR * period and rise_of(mean, entry) > MAX_RISE * period * fs:
+        return Spacing(nan, SLOW_ENTRY)
     return Spacing(time)
+
+
+def rise_of(values: np.ndarray, peak: int) -> float:
+    """Return the samples in which values (n,) rise from half the prominence of a maximum to it."""
+    level = values[peak] - 0.5 * prominence(values, peak)
+    below = int(np.flatnonzero(values[:peak] <= level).max(initial=0))
+    return float(peak - below - np.interp(level, values[below : below + 2], (0.0, 1.0)))
 
 
 def has_third_event(mean: np.ndarray, entry: int) -> bool:

@@ -18,7 +18,8 @@ from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
 KEYS = BAND_KEYS | {
     "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "threshold_extrapolated", "races",
-    "rival", "width_mm", "width_missing", "spacing_ms", "clearance_may_cause", "speed_may_be_doubled",
+    "rival", "width_mm", "width_condition", "width_missing", "spacing_ms", "clearance_may_cause",
+    "speed_may_be_doubled",
 }  # fmt: skip
 RACE_KEYS = {
     "expected_hz", "found_hz", "deviation", "score_db", "envelope_db", "levelled_db", "shaft_sidebands_db",
@@ -56,6 +57,9 @@ def test_the_verdict_is_of_one_race_where_a_width_is_read(tmp_path):
     assert "width along the race" in out
     assert "mm if the acceleration is along the load and the depth up to 60 um (entry to exit" in out
     assert "clearance" not in out
+    values = json.loads(type_("analyze", tmp_path / "a.npz", "--bearing", "6205", "--json")[0])
+    assert values["width_condition"] == "the acceleration is along the load and the depth up to 60 um"
+    assert values["width_condition"] in out
 
 
 @pytest.mark.parametrize(("share", "unit", "is_stated"), [(0.1, "g", False), (0.5, "g", True), (0.1, "V", True)])
@@ -68,6 +72,7 @@ def test_no_width_is_read_where_another_channel_vibrates_much_more_strongly(tmp_
     channels = json.loads(type_(*words, "--json")[0])["channels"]
     assert channels["a"]["width_mm"] is not None
     assert (channels["b"]["width_mm"] is not None) == is_stated
+    assert (channels["b"]["width_condition"] is None) is (channels["b"]["width_mm"] is None)
     assert channels["b"]["clearance_may_cause"] is not is_stated
     assert ("`a` vibrates over 3 times as strongly" in type_(*words)[0]) is not is_stated
 

@@ -14,7 +14,7 @@ from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.diagnosis.size import DEPTH, Size, outer_race_size
 from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
 from bearingsim.diagnosis.thresholds import decibels, threshold
-from bearingsim.signals.events import ONE_EVENT, THIRD_EVENT, TOO_FAR
+from bearingsim.signals.events import ONE_EVENT, SLOW_ENTRY, THIRD_EVENT, TOO_FAR
 from bearingsim.simulation import simulate
 from bearingsim.study import load_rolling_parts
 from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
@@ -396,6 +396,34 @@ def test_a_width_needs_an_entry_and_an_exit_and_no_third_event(heights, reason):
     )
     size = outer_race_size(series, RATE, PARTS, LINES.outer)
     assert size == reason if reason else isinstance(size, Size)
+
+
+@pytest.mark.parametrize(
+    ("share", "sigma", "reason"), [(0.33, 0.0, ""), (0.33, 0.05, SLOW_ENTRY), (0.25, 0.05, "")]
+)
+def test_an_entry_far_before_the_exit_must_rise_suddenly(share, sigma, reason):
+    """Entries with a standard deviation of ``sigma`` passes, as of rollers that enter the load zone."""
+    impact = impacts(LINES.outer, noise=0.02)
+    if sigma:
+        t = np.arange(len(impact)) / RATE * LINES.outer
+        phase = (t + share + 0.5) % 1.0 - 0.5
+        entry = np.exp(-0.5 * (phase / sigma) ** 2) * np.random.default_rng(1).standard_normal(len(t))
+        entry *= 0.5 * impact.std() / entry.std()
+    else:
+        entry = 0.5 * np.roll(impact, -round(share / LINES.outer * RATE))
+    size = outer_race_size(impact + entry, RATE, PARTS, LINES.outer)
+    assert size == reason if reason else isinstance(size, Size)
+
+
+def test_no_width_of_a_narrow_defect_from_rollers_that_enter_the_load_zone():
+    """6.59 to 8.16 mm were stated for 0.24 mm."""
+    values = {
+        "bearing": "nf308", "speed": "1470 rpm", "load": 170.0, "model": "rollers", "sampling": "20480 Hz",
+        "duration": "1.5 s", "record": ["ring.acceleration"],
+        "defect": {"race": "outer", "shape": "rectangular", "length": 12e-3, "width": 0.24e-3, "depth": 50e-6},
+    }  # fmt: skip
+    across = np.asarray(simulate(Case.model_validate(values)).series["ring.acceleration.y"], float)
+    assert outer_race_size(across, 20480.0, NF308, Lines.of(NF308, 24.5).outer) == SLOW_ENTRY
 
 
 @pytest.mark.parametrize(("bearing", "width"), [("6205", 0.5e-3), ("nf308", 0.5e-3), ("6205", 3e-3)])
