@@ -124,7 +124,7 @@ def show(
         raise MissingError(file, dict([BEARING]))
     parts = load_rolling_parts(bearing)
     results = _diagnose_channels(file, recording, parts, tolerance, band)
-    clearest = max(results, key=lambda name: _margin(results[name][0]))
+    clearest = max(results, key=lambda name: _clearness(results[name][0]))
     if figure is not None:
         canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
         measured.write(canvas, figure)
@@ -181,8 +181,10 @@ def _other_channel(recording: "Recording", name: str) -> str:
     return f"; or name a longer one, `--channel {longest}`" if lengths[longest] > lengths[name] else ""
 
 
-def _margin(diagnosis: "Diagnosis") -> float:
-    return diagnosis.findings[diagnosis.best].comb.score - diagnosis.threshold
+def _clearness(diagnosis: "Diagnosis") -> tuple[bool, float]:
+    """Return the order of channels: those with a named race first, then by the score over the threshold."""
+    score = diagnosis.findings[diagnosis.best].comb.score
+    return diagnosis.verdict in VERDICTS, score - diagnosis.threshold
 
 
 def verdict_text(diagnosis: "Diagnosis") -> str:
@@ -213,8 +215,9 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
     from bearingsim.plots.labels import pretty
 
     rate, speed, lines = recording.rate, recording.speed, diagnosis.lines
-    seconds = len(next(iter(recording.channels.values()))) / rate.value
-    say(f"{short_path(recording.path)}: {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
+    seconds = sorted({len(values) / rate.value for values in recording.channels.values()})
+    duration = " to ".join(f"{value:.4g}" for value in dict.fromkeys((seconds[0], seconds[-1])))
+    say(f"{short_path(recording.path)}: {duration} s at {rate.value:g} Hz ({rate.source})")
     units: dict[str, list[str]] = {}
     for name, unit in recording.units.items():
         units.setdefault(f"{pretty(unit.value) or 'no unit'} ({unit.source})", []).append(name)
@@ -235,10 +238,10 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     rows = []
     for race, finding in diagnosis.findings.items():
         envelope, levelled = (
-            ", ".join(_whole(db(height)) for height in heights) for heights in finding.comb.heights
+            ", ".join(f"{round(db(height))}" for height in heights) for heights in finding.comb.heights
         )
         sidebands = (
-            ", ".join(_whole(_db_of_log(value)) for value in values[1:])
+            ", ".join(f"{round(_db_of_log(value))}" for value in values[1:])
             for values in (finding.shaft_sidebands, finding.cage_sidebands)
         )
         rows.append(
@@ -281,6 +284,10 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
         say(
             "this periodicity is a sideband of BPFI: if bearing and speed are right, the inner race may be damaged"
         )
+    if diagnosis.other_race is not None:
+        say(f"it is {LINE_NAMES[diagnosis.other_race]}: the {VERDICTS[diagnosis.other_race]} may be damaged, too")
+    if diagnosis.shaft_may_cause:
+        say(f"orders of the shaft score about as high as {line}, so a knock once per revolution may be its cause")
     if diagnosis.is_of_shaft:
         say(
             f"a knock once per revolution raises {line}, too, and may hide a defect: "
@@ -306,11 +313,6 @@ def _equivalent(diagnosis: "Diagnosis") -> str:
     """Return a remark on the equivalent number of revolutions of a bearing with many rollers; empty for others."""
     turns = diagnosis.equivalent_turns
     return f", equal to {turns:.4g} for the orders of its lines" if turns > diagnosis.turns else ""
-
-
-def _whole(value: float) -> str:
-    """Format a number without decimals, and without the sign of zero."""
-    return f"{round(value)}"
 
 
 def db(height: float) -> float:
@@ -386,8 +388,11 @@ def _channel_dict(
             "score_db": decibels(diagnosis.strongest_other.score),
             "crowded": diagnosis.crowded,
             "is_sideband": diagnosis.is_sideband,
+            "is_of_shaft": diagnosis.is_of_shaft,
+            "race": diagnosis.other_race,
         },
         **values_of(diagnosis.size),
         "clearance_may_cause": diagnosis.loose,
+        "shaft_may_cause": diagnosis.shaft_may_cause,
         "speed_may_be_doubled": diagnosis.may_be_doubled,
     }

@@ -156,17 +156,14 @@ def _is_near(fundamentals: np.ndarray, relatives: Sequence[float], step: float) 
     return np.any([np.abs(fundamentals - relative) <= width for relative, width in pairs], axis=0)
 
 
-def comb_of_shaft(
-    spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, comb: Comb, threshold: float
-) -> Comb | None:
+def comb_of_shaft(spectra: Sequence[EnvelopeSpectrum], lines: Lines, comb: Comb, threshold: float) -> Comb | None:
     """Return the strongest comb of an order of the shaft that explains the comb of a race; None if there is none.
 
     A knock once per revolution raises all orders of the shaft, of which a line within the tolerance may be one.
     The order scores about as high as the race's comb, which is not over the threshold without the harmonics that
-    both share. A defect of the inner race raises orders of the shaft itself, so there the order must score higher.
-    Each order is searched itself: knocks four times per revolution have no line at the lower orders.
+    both share. Each order is searched itself: knocks four times per revolution have no line at the lower orders.
     """
-    least = max(threshold, comb.score - (0.0 if race == "inner" else SCORE_SCATTER))
+    least = max(threshold, comb.score - SCORE_SCATTER)
     numbers, explanations = np.arange(1, HARMONICS + 1), []
     for order in range(1, round(comb.frequency / lines.shaft)):
         candidate = refined(spectra, best_comb(spectra, order * lines.shaft, SHAFT_SHARE))

@@ -23,7 +23,8 @@ class Detection(NamedTuple):
     strongest_other: strongest other periodicity; unless it scores higher, the order of the shaft that explains the
     comb, or the comb itself if its peak lies beyond the tolerance;
     crowded: share of other periodicities with a score as high as the line's; is_of_shaft: whether strongest_other
-    is an order of the shaft, one of whose harmonics is the line.
+    is an order of the shaft, one of whose harmonics is the line; of_shaft: order of the shaft that explains a line
+    of the inner race nearly as well, None for other lines.
     """
 
     comb: Comb
@@ -31,6 +32,7 @@ class Detection(NamedTuple):
     strongest_other: Comb
     crowded: float
     is_of_shaft: bool = False
+    of_shaft: Comb | None = None
 
     @property
     def is_over(self) -> bool:
@@ -54,7 +56,11 @@ class Detection(NamedTuple):
 def detect(
     spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, comb: Comb, tolerance: float, threshold: float
 ) -> Detection:
-    """Compare the comb of a race, with its refined frequency, with the other periodicities of the spectra."""
+    """Compare the comb of a race, with its refined frequency, with the other periodicities of the spectra.
+
+    A defect of the inner race raises orders of the shaft itself, so there an order must score higher to be an
+    objection.
+    """
     others = other_periodicities(spectra, lines, race, comb, tolerance)
     other = comb_at(spectra, float(others.fundamentals[np.argmax(others.scores)]))
     if abs(comb.frequency / lines.of_race(race) - 1.0) > tolerance:  # the peak is beyond the searched range
@@ -62,7 +68,9 @@ def detect(
     detection = Detection(comb, threshold, other, share_at_score(others, comb.score, tolerance))
     if detection.objection == NONE:
         return detection
-    of_shaft = comb_of_shaft(spectra, lines, race, comb, threshold)
+    of_shaft = comb_of_shaft(spectra, lines, comb, threshold)
     if of_shaft is None or other.score > max(comb.score, of_shaft.score):  # the other is objection enough
         return detection
+    if race == "inner" and of_shaft.score <= comb.score:
+        return detection._replace(of_shaft=of_shaft)
     return detection._replace(strongest_other=of_shaft, is_of_shaft=True)

@@ -7,6 +7,7 @@ import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis.combs import (
+    HARMONICS,
     RELATIVE_BINS,
     RELATIVE_SHARE,
     SHAFT_SHARE,
@@ -131,6 +132,31 @@ class Diagnosis(NamedTuple):
     def is_of_shaft(self) -> bool:
         """True if the verdict is an order of the shaft, one of whose harmonics is the line of the best element."""
         return self.verdict == RHYTHM and self.detection.is_of_shaft
+
+    @property
+    def shaft_may_cause(self) -> bool:
+        """True if the inner race is named, and a knock once per revolution explains its line nearly as well."""
+        return self.verdict == INNER and self.detection.of_shaft is not None
+
+    @property
+    def other_race(self) -> str | None:
+        """Another element than the named one, whose line is the strongest other periodicity.
+
+        It is clear without the harmonics that both share: of 4/3 of a line the third is the fourth of that line.
+        """
+        other = self.strongest_other
+        if self.verdict not in ELEMENTS:
+            return None
+        numbers, named = np.arange(1, HARMONICS + 1), self.findings[self.verdict].comb.frequency
+        distances = np.abs(numbers * other.frequency - np.round(numbers * other.frequency / named) * named)
+        widths = np.maximum(RELATIVE_SHARE * numbers * other.frequency, RELATIVE_BINS * self.spectra[0].step)
+        own = np.log1p(other.heights) * (distances > widths)
+        if own.sum(axis=1).min() < clear(self.threshold):
+            return None
+        for race, finding in self.findings.items():
+            if race != self.verdict and abs(finding.comb.frequency - other.frequency) <= widths[0]:
+                return race
+        return None
 
     @property
     def best(self) -> str:

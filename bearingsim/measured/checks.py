@@ -13,7 +13,9 @@ MIN_LEVELS = 8
 """Different values of a signal, under which equal neighbours at its extremes are due to its resolution."""
 
 LONGEST_REST = 0.02
-"""Longest share of a record without change that gives no remark."""
+"""Largest share of a record without change that gives no remark."""
+SHORTEST_REST = 32
+"""Equal samples in a row that are no accident of a coarse resolution."""
 
 
 def refuse_unusable(
@@ -60,14 +62,16 @@ def clipped_share(values: np.ndarray) -> float:
 
 
 def dropout(channel: str, values: np.ndarray, rate: float) -> str | None:
-    """Return a remark on the longest part of a signal (n,) at ``rate`` (Hz) that does not change; None if it is
-    short."""
+    """Return a remark on the parts of a signal (n,) at ``rate`` (Hz) without change; None if they are short."""
     edges = np.concatenate([[0], 1 + np.flatnonzero(np.diff(values)), [len(values)]])
-    lengths = np.diff(edges)
-    begin, length = int(edges[np.argmax(lengths)]), int(lengths.max())
-    if length <= LONGEST_REST * len(values):
+    lengths, begins = np.diff(edges), edges[:-1]
+    rests = lengths >= min(SHORTEST_REST, LONGEST_REST * len(values))
+    total = int(lengths[rests].sum())
+    if total <= LONGEST_REST * len(values):
         return None
-    share = (
-        f"{length / rate:.4g} s from {begin / rate:.4g} s on, {100.0 * length / len(values):.0f} % of the record"
+    begin, count = float(begins[rests][0]) / rate, np.count_nonzero(rests)
+    parts, advice = (
+        (f", in {count} parts", "check cable and range") if count > 1 else ("", "export a part without it")
     )
-    return f"`{channel}` does not change for {share}: export a part without it"
+    share = f"{total / rate:.4g} s from {begin:.4g} s on{parts}, {100.0 * total / len(values):.0f} % of the record"
+    return f"`{channel}` does not change for {share}: {advice}"

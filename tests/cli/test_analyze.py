@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from bearingsim.diagnosis import diagnose
+from bearingsim.diagnosis import Lines, diagnose
 from bearingsim.diagnosis.kurtogram import kurtogram
 from bearingsim.diagnosis.thresholds import decibels
 from bearingsim.measured import read
 from bearingsim.plots import measured
+from bearingsim.study import load_rolling_parts
 from tests.scenes.commands import type_
 from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 
@@ -19,7 +20,7 @@ BAND_KEYS = {"band_hz", "kurtogram_band_hz"}
 KEYS = BAND_KEYS | {
     "verdict", "unit", "unit_source", "seconds", "turns", "threshold_db", "threshold_extrapolated", "races",
     "rival", "width_mm", "width_condition", "width_missing", "spacing_ms", "clearance_may_cause",
-    "speed_may_be_doubled",
+    "shaft_may_cause", "speed_may_be_doubled",
 }  # fmt: skip
 RACE_KEYS = {
     "expected_hz", "found_hz", "deviation", "score_db", "envelope_db", "levelled_db", "shaft_sidebands_db",
@@ -119,6 +120,36 @@ def test_a_dropout_is_printed(tmp_path):
         np.savez(tmp_path / "a.npz", acc=signal, fs=RATE, rpm=1500.0)
         err = type_(*words)[1]
         assert ("`acc` does not change for 2 s from 2 s on, 50 % of the record" in err) is (begin < len(signal))
+
+
+def test_many_short_dropouts_are_printed(tmp_path):
+    """Each lasts 1.5 % of the record, all 30 % of it."""
+    signal = impacts(LINES.outer, slip=0.005)
+    for begin in range(0, len(signal), len(signal) // 20):
+        signal[begin : begin + 768] = 0.0
+    np.savez(tmp_path / "a.npz", acc=signal, fs=RATE, rpm=1500.0)
+    err = type_("analyze", tmp_path / "a.npz", "--bearing", "6205", "--json")[1]
+    assert "`acc` does not change for 1.2 s from 0 s on, in 20 parts, 30 % of the record" in err
+
+
+def test_the_channel_with_a_named_race_comes_first(tmp_path):
+    """The knock scores higher, but names no race; the channels last 2 and 4 s."""
+    weak = impacts(Lines.of(load_rolling_parts("nu206"), SHAFT).outer, slip=0.005, noise=2.5)
+    savemat(tmp_path / "a.mat", {"knock": impacts(SHAFT, seconds=2.0, seed=3), "weak": weak, "fs": RATE})
+    words = ["analyze", tmp_path / "a.mat", "--bearing", "nu206", "--speed", "1500 rpm"]
+    values = json.loads(type_(*words, "--json")[0])
+    assert values["channels"]["knock"]["verdict"] == "other rhythm"
+    assert values["channels"]["knock"]["rival"]["is_of_shaft"]
+    assert (values["channel"], values["verdict"]) == ("weak", "outer")
+    assert "a.mat: 2 to 4 s at 12800 Hz" in type_(*words)[0]
+
+
+def test_a_second_damaged_race_is_printed(tmp_path):
+    both = impacts(LINES.outer, slip=0.005) + 0.5 * impacts(LINES.inner, LINES.shaft, slip=0.005, seed=5)
+    np.savez(tmp_path / "a.npz", acc=both, fs=RATE, rpm=1500.0)
+    words = ["analyze", tmp_path / "a.npz", "--bearing", "6205"]
+    assert "it is BPFI: the inner race may be damaged, too" in type_(*words)[0]
+    assert json.loads(type_(*words, "--json")[0])["rival"]["race"] == "inner"
 
 
 def test_json_has_fixed_keys(file):
