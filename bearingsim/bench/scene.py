@@ -136,7 +136,7 @@ def _label(case: Case) -> str:
 
 def _changed_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
     """Return the cases of a study with the automatic choice, other values at some paths, and shorter records."""
-    return [case and _shorten(case) for case in study.otherwise({**AUTO_VALUES, **changes})]
+    return [case and _shorten(case) for case in study.cases_with({**AUTO_VALUES, **changes})]
 
 
 def _shorten(case: Case) -> Case:

@@ -133,7 +133,7 @@ def candidate_case(study: Study, number: int, candidate: str) -> Case | None:
         return None
     if not changes:
         return case
-    return study.otherwise(changes)[number]
+    return study.cases_with(changes)[number]
 
 
 def candidate_changes(case: Case) -> dict[str, dict[str, str]]:

@@ -118,7 +118,7 @@ class Study:
     """Validated study: ``text`` of its file, and ``units`` of the swept paths as written in it.
 
     notes: remarks on the file for the user; goal: required accuracy, with which the swept cases have the reference
-    model; otherwise: function that returns these cases with changed values at some paths, None for invalid ones;
+    model; cases_with: function that returns these cases with changed values at some paths, None for invalid ones;
     sampled_design: swept design, by indices of cases (``design``: by ids of jobs);
     files: those read (``text/files_read.py``); left_out: parameters of `uncertainty` that `quick` omits.
     """
@@ -131,7 +131,7 @@ class Study:
     figures: tuple[Figure, ...]
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
-    otherwise: Callable[[Mapping[str, str]], list[Case | None]] = field(repr=False, compare=False)
+    cases_with: Callable[[Mapping[str, str]], list[Case | None]] = field(repr=False, compare=False)
     notes: tuple[str, ...] = ()
     uncertainty: tuple[UncertainParameter, ...] | None = None
     left_out: tuple[UncertainParameter, ...] = ()

@@ -13,12 +13,13 @@ from bearingsim.config import Case
 from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import describe_value
 from bearingsim.shipped import matching_studies
+from bearingsim.study.case_builder import SweptValues
 from bearingsim.study.figures import Figure, band_features, check_computed, check_recorded, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
 from bearingsim.study.measured_values import MeasuredSet
 from bearingsim.study.paths import intended_paths
-from bearingsim.study.plan import Plan, SweptValues
+from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
 from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse, problem, read_text
@@ -80,7 +81,7 @@ def load_study(
         files=file.files,
         sampled_design=plan.sampled_design,
         measured=measured,
-        otherwise=plan.otherwise,
+        cases_with=plan.cases_with,
     )
     return study if settings.goal is None else _with_goal(study, settings.goal, plan)
 
@@ -120,14 +121,16 @@ def _with_goal(study: Study, goal: Goal, plan: Plan) -> Study:
 
     variants: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}  # `otherwise` is called case by case
 
-    def otherwise(changes: Mapping[str, str]) -> list[Case | None]:
+    def cases_with(changes: Mapping[str, str]) -> list[Case | None]:
         key = tuple(changes.items())
         if key not in variants:
-            variants[key] = [case and add_early_end(case, goal, study.figures) for case in plan.otherwise(changes)]
+            variants[key] = [
+                case and add_early_end(case, goal, study.figures) for case in plan.cases_with(changes)
+            ]
         return variants[key]
 
     swept = tuple((add_early_end(case, goal, study.figures), values) for case, values in study.swept_cases)
-    return replace(study, swept_cases=swept, goal=goal, otherwise=otherwise)
+    return replace(study, swept_cases=swept, goal=goal, cases_with=cases_with)
 
 
 class _Settings(NamedTuple):

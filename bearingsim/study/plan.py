@@ -1,11 +1,11 @@
-"""Plan of a study: its base tree and its axes, and the cases built from them."""
+"""Plan of a study: its base tree and its axes."""
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import reduce
+from functools import cached_property, reduce
 from pathlib import Path as FilePath
 
 from bearingsim.catalogue import DEFAULT_MODEL, FEATURES
@@ -13,20 +13,21 @@ from bearingsim.config import Case
 from bearingsim.config.fields import Path
 from bearingsim.designs import KINDS
 from bearingsim.extensions import owner
+from bearingsim.study.case_builder import MAX_INVALID_CASES, CaseBuilder, SweptValues, swept_values
 from bearingsim.study.design import BLOCK_DESIGNS, SampledDesign, block_conflicts, draw_design
-from bearingsim.study.diagnose import STUDY_KEYS, Problems, Sections, case_of, check_replaced, mark_of
+from bearingsim.study.diagnose import STUDY_KEYS, Problems, check_replaced
 from bearingsim.study.expand import expand_tree
 from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
-from bearingsim.study.paths import LIST_VALUED, dimension, normal_form, parse_path, put, value_at
-from bearingsim.study.relations import Relations, Row, UndefinedValue, parse_relations
+from bearingsim.study.paths import LIST_VALUED, dimension, normal_form, parse_path, put
+from bearingsim.study.quick import quick_problems, quick_values
+from bearingsim.study.relations import Relations, parse_relations
 from bearingsim.study.sweep import (
     Axis,
     drop_paths,
     is_list_of_lists,
     is_sweep,
-    is_word,
     named_paths,
     parse_sweep,
     repeat_axes,
@@ -46,16 +47,12 @@ from bearingsim.study.sweep_settings import (
     update_setting,
 )
 from bearingsim.study.used import is_random
-from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
 
 MAX_CASES = 1_000_000
 """Limit of the cases of a study."""
-MAX_INVALID_CASES = 500
-"""Limit of the invalid cases that are reported: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
 """Limit of the paths that a study sweeps: with more, the search for suggestions takes too long."""
-SweptValues = dict[str, float | str]
 
 
 @dataclass
@@ -65,7 +62,7 @@ class Plan:
     settings: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
     case_problems: problems of single cases; repeated: numbers of combinations, by the paths in which they differ
     from the first one with an equal case; named_paths: paths named by a sweep, valid or not; key_paths: locations
-    of the valid ones in a case; notes: remarks on the sweep; variants: cache of ``otherwise``.
+    of the valid ones in a case; notes: remarks on the sweep; variants: cache of ``cases_with``.
     """
 
     base: Node
@@ -79,7 +76,6 @@ class Plan:
     repeated: Counter[tuple[str, ...]] = field(default_factory=Counter)
     named_paths: set[str] = field(default_factory=set)
     key_paths: dict[str, Path] = field(default_factory=dict)
-    sections: Sections = field(default_factory=Sections)
     notes: list[str] = field(default_factory=list)
     variants: dict[tuple, list[Case | None]] = field(default_factory=dict)
 
@@ -127,13 +123,9 @@ class Plan:
 
     def apply_quick(self, quick: Node) -> None:
         """Apply the entries of the section `quick`."""
-        if not isinstance(quick.value, dict):
-            message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
-            self.problems.append(problem(quick.mark, message))
         sweep = quick.mapping.get("sweep")
         axes = [] if sweep is None else self.read_sweep(sweep)
-        values = {key: node for key, node in quick.mapping.items() if key != "sweep"}
-        self.check_given_once(values, axes, sweep)
+        self.problems += quick_problems(quick, axes)
         if any(axis.zipped for axis in axes):
             self.axes = [axis for axis in self.axes if not axis.zipped]
         if sweep is not None:
@@ -141,25 +133,8 @@ class Plan:
         for axis in axes:
             self.sweep_over(axis)
         # Sections before their parts, because the order of the keys in a file must not matter.
-        for key, node in sorted(values.items(), key=lambda item: len(normal_form(item[0]))):
+        for key, node in sorted(quick_values(quick).items(), key=lambda item: len(normal_form(item[0]))):
             self.set_value(key, node, node.key or node.mark)
-
-    def check_given_once(self, values: Mapping[str, Node], axes: Iterable[Axis], sweep: Node | None) -> None:
-        """Add a problem for each path that `quick` sets or sweeps twice, in any spelling."""
-        swept = [(path, node) for axis in axes for path, node in zip(axis.paths, axis.keys, strict=True)]
-        settings = {} if sweep is None else sweep.mapping
-        assigned = [
-            entry
-            for name, node in settings.items()
-            if name in SWEEP_SETTINGS
-            for entry in assigned_entries(name, node).items()
-        ]
-        places: set[Path] = set()
-        for path, node in (*swept, *assigned, *values.items()):
-            place = normal_form(path)
-            if place in places:
-                self.problems.append(problem(node.key or node.mark, f"quick: `{path}` is given twice"))
-            places.add(place)
 
     def sweep_over(self, axis: Axis) -> None:
         """Replace all sweeps of an axis' paths by the axis; note a `zip` that this takes apart."""
@@ -291,6 +266,13 @@ class Plan:
                 value = row[axis.paths.index(path)]
                 expand_tree(put(self.base, self.key_paths[path], value), self.folder, [])
 
+    @cached_property
+    def builder(self) -> CaseBuilder:
+        """Builder of the cases of a complete plan, which adds their problems to those of the plan."""
+        return CaseBuilder(
+            self.base, self.folder, self.key_paths, self.relations, self.problems, self.case_problems
+        )
+
     @property
     def count(self) -> int:
         """Number of combinations of the axes."""
@@ -314,7 +296,7 @@ class Plan:
     def sample_cases(self) -> list[Case]:
         """Build a sample of the cases, which reveals most problems."""
         check_replaced(self.base, frozenset(self.key_paths.values()), self.case_problems)
-        sample = (self.case(row) for row in self.rows(one_at_a_time(self.axes)))
+        sample = (self.builder.case(row) for row in self.builder.rows(one_at_a_time(self.axes)))
         return [case for case in sample if case is not None]
 
     def cases(self) -> list[tuple[Case, SweptValues]]:
@@ -323,10 +305,10 @@ class Plan:
         numbers: dict[str, int] = {}
         indices: list[int] = []
         invalid = 0
-        for row in self.rows(rows_of(self.axes)):
-            case = self.case(row)
+        for row in self.builder.rows(rows_of(self.axes)):
+            case = self.builder.case(row)
             if case is not None:
-                key, values = identity(case), self.swept(case, row)
+                key, values = identity(case), swept_values(case, row, self.key_paths)
                 _, first_values = cases.setdefault(key, (case, values))
                 self.repeated[tuple(path for path in values if values[path] != first_values[path])] += 1
                 indices.append(numbers.setdefault(key, len(numbers)))
@@ -351,7 +333,7 @@ class Plan:
         self.relations.excluded.clear()
         reads_seed = self.relations.reads("seed")
         axes = self.axes if reads_seed else list(map(with_one_seed, self.axes))
-        cases = filter(None, map(self.case, self.rows(rows_of(axes))))
+        cases = filter(None, map(self.builder.case, self.builder.rows(rows_of(axes))))
         example = next(cases, None)
         if example is None and self.relations.excluded:
             self.problems.append(self.relations.no_cases_problem())
@@ -363,70 +345,24 @@ class Plan:
             advice = "only `excitation: random-impulses` and rollers with play in a free cage (`model: planar`) do"
             self.problems.append(problem(node.key or node.mark, message, advice))
 
-    def otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
+    def cases_with(self, values: Mapping[str, str]) -> list[Case | None]:
         """Build the same cases with other values at some paths; None for an invalid case. The result is cached."""
         key = tuple(values.items())
         if key not in self.variants:
-            self.variants[key] = self._otherwise(values)
+            self.variants[key] = self._cases_with(values)
         return self.variants[key]
 
-    def _otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
-        plan = Plan(self.base, self.folder, key_paths=dict(self.key_paths))
-        mark = self.base.mark
-        key_paths = {path: plan.key_path(path, mark) for path in values}
-        plan.key_paths |= {path: key_path for path, key_path in key_paths.items() if key_path is not None}
-        changes = [(path, Node(text, mark)) for path, text in values.items()]
+    def _cases_with(self, values: Mapping[str, str]) -> list[Case | None]:
+        key_paths = {path: self.locate(path) for path in values}
+        changed = CaseBuilder(self.base, self.folder, self.key_paths | key_paths)
+        changes = [(path, Node(text, self.base.mark)) for path, text in values.items()]
         cases: dict[str, Case | None] = {}
-        for row in self.rows(rows_of(self.axes)):
-            case = self.case(row)
+        for row in self.builder.rows(rows_of(self.axes)):
+            case = self.builder.case(row)
             if case is not None:
                 unchanged = [pair for pair in row if self.key_paths[pair[0]] not in key_paths.values()]
-                cases.setdefault(identity(case), plan.case(unchanged + changes))
+                cases.setdefault(identity(case), changed.case(unchanged + changes))
         return list(cases.values())
-
-    def rows(self, combinations: Iterable[Row]) -> Iterator[Row]:
-        """Yield the combinations that `where` keeps, with their derived values; add problems of formulas."""
-        invalid = 0
-        for row in combinations:
-            try:
-                derived = self.relations.complete(self.tree(row)) if self.relations else []
-            except UndefinedValue as error:
-                self.case_problems.setdefault((mark_of(error.problem), "", "no value"), error.problem)
-                if (invalid := invalid + 1) == MAX_INVALID_CASES:
-                    return
-                continue
-            if derived is not None:
-                yield row + derived
-
-    def tree(self, row: Row) -> Node:
-        """Return the base tree with the values of one combination."""
-        tree = self.base
-        for path, value in sorted(row, key=lambda pair: len(self.key_paths[pair[0]])):  # sections before parts
-            tree = put(tree, self.key_paths[path], value)
-            if dimension(path) is None:
-                tree = expand_tree(tree, self.folder, self.problems)
-        return tree
-
-    def case(self, row: Row) -> Case | None:
-        """Build the case of one combination of values. If it is invalid, add its problems and return None."""
-        tree = self.tree(row)
-        try:
-            swept = frozenset(self.key_paths[path] for path, _ in row)
-            return case_of(tree, swept, self.case_problems, self.sections)
-        except StudyError as error:  # invalid YAML in a file named by the row
-            self.problems += error.problems
-            return None
-
-    def swept(self, case: Case, row: list[tuple[str, Node]]) -> SweptValues:
-        """Return the swept values of a case by path: numbers in SI, all others as written."""
-        values: SweptValues = {}
-        for path, node in row:
-            value, kind = value_at(case, self.key_paths[path]), dimension(path)
-            if value is None and kind and not is_word(path, node):
-                value = quantity(node.text, kind)  # in an omitted section, as at zero misalignment
-            is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            values[path] = float(value) if is_number and not is_word(path, node) else node.text
-        return values
 
     def entries(self) -> dict[str, Node]:
         """Return the swept and derived paths, each with its entry in the file."""

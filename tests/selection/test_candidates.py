@@ -207,13 +207,13 @@ def test_study_is_expanded_once_per_candidate(
     from bearingsim.study.plan import Plan
 
     calls: list[Any] = []
-    once = Plan._otherwise
+    once = Plan._cases_with
 
     def counted(plan: Plan, values: Mapping[str, str]) -> list[Case | None]:
         calls.append(values)
         return once(plan, values)
 
-    monkeypatch.setattr(Plan, "_otherwise", counted)
+    monkeypatch.setattr(Plan, "_cases_with", counted)
     study = accuracy_study(write)
     result = run_trials(study, trials_by_model(FAR | {"rollers": 1.01}))
     selection.apply_choices(study, selection.ModelSelector(study, range(3)).decide(result).choices)

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from bearingsim.simulation import choice
-from bearingsim.study import StudyError, diagnose, load_study, plan
+from bearingsim.study import StudyError, case_builder, diagnose, load_study
 from benchmarks.crossed_blocks import SLOW_STUDIES
 from tests.scenes.study_text import BASE, Write
 
@@ -23,7 +23,7 @@ def built_cases(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         built_cases.append(arguments)
         return diagnose.case_of(*arguments)
 
-    monkeypatch.setattr(plan, "case_of", count_case)
+    monkeypatch.setattr(case_builder, "case_of", count_case)
     return built_cases
 
 

@@ -50,17 +50,17 @@ def test_accuracy_has_a_bound_and_features(write: Write, text: str, within: floa
 def test_study_without_accuracy_has_no_goal(write: Write) -> None:
     study = load_study(write(BASE))
     assert study.goal is None
-    assert [case.model for case in study.otherwise({"model": "ring"}) if case] == ["ring"] * len(study.cases())
+    assert [case.model for case in study.cases_with({"model": "ring"}) if case] == ["ring"] * len(study.cases())
 
 
 def test_cases_have_the_reference_model(write: Write) -> None:
     study = load_study(write(BASE + MODELS))
     assert [case.model for case in study.cases()] == ["planar", "planar"]
-    lower = study.otherwise({"model": "static"})
+    lower = study.cases_with({"model": "static"})
     named = load_study(write(BASE + MODELS.replace("accuracy: 2 %", "model: static\nrecord: []\nuntil: 0.5 %")))
     assert lower == named.cases()
-    assert study.otherwise({"excitation": "nonsense"}) == [None, None]
-    fixed = [case.load if case else None for case in study.otherwise({"load": "100 N"})]
+    assert study.cases_with({"excitation": "nonsense"}) == [None, None]
+    fixed = [case.load if case else None for case in study.cases_with({"load": "100 N"})]
     assert fixed == [100.0, 100.0]  # though it is swept
 
 
@@ -224,7 +224,7 @@ def test_accuracy_needs_the_step_check(write: Write, text: str) -> None:
 )
 def test_compatible_settings_are_accepted_with_accuracy(write: Write, text: str) -> None:
     study = load_study(write(f"{BASE}{MODELS}{text}"))
-    assert all(study.otherwise({"model": "static"}))
+    assert all(study.cases_with({"model": "static"}))
 
 
 @pytest.mark.parametrize("rig", ["", BENDS, "rig: {ring: {bends: false}}\n"])

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from bearingsim.study import StudyError, diagnose, load_study, plan
+from bearingsim.study import StudyError, case_builder, diagnose, load_study
 from bearingsim.text import yamlfile
 from bearingsim.text.yamlfile import MAX_CHARACTERS, MAX_ECHO, MAX_LINE, MAX_PROBLEMS
 from benchmarks import altered_studies, check_limits, crossed_blocks, hostile, malformed
@@ -80,7 +80,7 @@ def test_studies_with_crossed_blocks_load_or_are_refused_soon(
         built.append(path)
         return diagnose.case_of(*arguments)
 
-    monkeypatch.setattr(plan, "case_of", count_case)
+    monkeypatch.setattr(case_builder, "case_of", count_case)
     refused = {}
     for _, path in crossed_blocks.write_crossed(tmp_path, 40, seed):
         try:

@@ -9,7 +9,7 @@ import pytest
 
 from bearingsim.config import CHANNELS
 from bearingsim.config.fields import alternatives
-from bearingsim.study import Problem, StudyError, load_rolling_parts, load_study, plan
+from bearingsim.study import Problem, StudyError, case_builder, load_rolling_parts, load_study, plan
 from bearingsim.study.diagnose import case_of
 from tests.scenes.study_text import BASE, Write
 
@@ -347,7 +347,7 @@ def test_few_invalid_combinations_of_a_large_sweep_are_built(
     durations = ["1 s", *(f"{3.0 + 0.1 * n} ms" for n in range(20)), "2 s"]
     speeds = ["6000 rpm", *(f"{500 + n} rpm" for n in range(20)), "6100 rpm"]
     path = write(BASE + f"sweep: {{duration: [{', '.join(durations)}], speed: [{', '.join(speeds)}]}}\n")
-    with mock.patch.object(plan, "case_of", wraps=case_of) as build:
+    with mock.patch.object(case_builder, "case_of", wraps=case_of) as build:
         assert "is shorter than one ball pass" in str(problems(path)[0])
     assert build.call_count < 100 < len(durations) * len(speeds)
 
