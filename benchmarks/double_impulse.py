@@ -17,7 +17,8 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.signals import spacing
-from bearingsim.simulation.simulate import Record, simulate
+from bearingsim.simulation.record import Record
+from bearingsim.simulation.simulate import simulate
 from benchmarks.rows import write_csv
 
 OUTER_6205 = 0.02349  # m, radius of the outer race

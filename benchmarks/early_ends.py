@@ -24,7 +24,7 @@ from typing import Any
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.core.jit import compilation_callbacks
 from bearingsim.simulation import SimulationError, simulate
-from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.record import Record
 from bearingsim.study import case_id
 from benchmarks.friction import AutomaticRun, draw, study_of
 from benchmarks.rows import rounded, write_csv

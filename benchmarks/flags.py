@@ -20,8 +20,8 @@ from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, simulate
 from bearingsim.simulation.features import statistics
 from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.record import Record
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.simulate import Record
 from bearingsim.simulation.spectral_lines import ball_pass_lines, lines_of_passes
 from bearingsim.store import NOTABLE_ERROR, is_uncertain
 from bearingsim.store.spread import BLOCK_ERRORS

@@ -31,7 +31,7 @@ from bearingsim.config.names import FAULT_LINES
 from bearingsim.selection.candidates import reference, with_friction
 from bearingsim.selection.choices import key
 from bearingsim.simulation import SimulationError, simulate, try_out, warm
-from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.record import Record
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, case_id, load_study
 from benchmarks.promise import standard_error

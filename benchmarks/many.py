@@ -26,7 +26,7 @@ from bearingsim import runner
 from bearingsim.config import Case
 from bearingsim.runner import Engine
 from bearingsim.simulation import simulate
-from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.record import Record
 from bearingsim.study import load_study
 from bearingsim.study.jobs import identity
 

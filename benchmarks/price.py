@@ -29,8 +29,8 @@ from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.simulation import choice, simulate, time_grid, warm
+from bearingsim.simulation.record import Record
 from bearingsim.simulation.run_setup import SimulationError
-from bearingsim.simulation.simulate import Record
 from bearingsim.store import write_units
 
 FIELDS = ["model", "method", "duration_s", "sampling_Hz", "repeats", "step_held", "cpu_s", "priced_s", "cpu_ratio"]

@@ -36,8 +36,9 @@ from bearingsim.core.geometry.kinematics import (
 )
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.comparison import fault_lines
+from bearingsim.simulation.record import Record
 from bearingsim.simulation.run_setup import TooChaotic
-from bearingsim.simulation.simulate import Record, SimulationError, simulate
+from bearingsim.simulation.simulate import SimulationError, simulate
 
 MAX_CHANGE = 0.01
 RESOLUTION = 2.1  # duration times spacing of lines, to separate them despite some slip

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 from bearingsim.config import Case
 from bearingsim.simulation import settling, simulate
 from bearingsim.simulation.comparison import fault_lines
+from bearingsim.simulation.record import Record
 from bearingsim.simulation.settling import SlowModes
-from bearingsim.simulation.simulate import Record
 from benchmarks.campaign import table
 
 SETTLE_FACTOR = 10.0  # times the settling time, for the other run

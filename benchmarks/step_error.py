@@ -24,7 +24,8 @@ from joblib import Parallel, delayed
 from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, choice, simulate
 from bearingsim.simulation.comparison import fault_lines
-from bearingsim.simulation.simulate import Record, Usage, _simulate
+from bearingsim.simulation.record import Record, Usage
+from bearingsim.simulation.simulate import _simulate
 
 QUANTITIES = ("line", "rms", "force")
 STEP_FACTOR = 1 / 8

@@ -23,7 +23,7 @@ from bearingsim.runner.work import Outcome, Work, compute
 from bearingsim.store.provenance import versions
 
 if TYPE_CHECKING:
-    from bearingsim.simulation.simulate import Record
+    from bearingsim.simulation.record import Record
     from bearingsim.store.columns import Value
     from bearingsim.study import Job
 

@@ -25,7 +25,7 @@ from bearingsim.text.announcer import announcer
 
 if TYPE_CHECKING:
     from bearingsim.selection import Choice, Choices, TrialRequest
-    from bearingsim.simulation.simulate import Record
+    from bearingsim.simulation.record import Record
     from bearingsim.simulation.trial import Trial
     from bearingsim.study import Job, Study
 

@@ -23,7 +23,7 @@ from bearingsim.store import DiskFull, Failure, full_disk_errors, start_marker, 
 from bearingsim.store.columns import Value
 
 if TYPE_CHECKING:
-    from bearingsim.simulation.simulate import Record
+    from bearingsim.simulation.record import Record
     from bearingsim.study import Job
 
 

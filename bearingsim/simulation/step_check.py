@@ -15,7 +15,7 @@ A step given by the case is used for the run. An automatic step is refined (``re
 the finer of the two runs that agree.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
@@ -27,6 +27,15 @@ from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
+from bearingsim.simulation.chaos import (
+    CONFIDENCE,
+    DECAY,
+    MIN_CHANGE_RATIO,
+    MIN_DIVERGENCE,
+    PERTURBATION,
+    is_chaotic_motion,
+    scatter,
+)
 from bearingsim.simulation.comparison import (
     MIN_SAMPLES,
     RunSignals,
@@ -67,15 +76,6 @@ COARSE_BOUNDS, FINER_BOUNDS = Bounds(2.5, 0.5, 5e-4), Bounds(2.0, 0.5, 5e-4)
 """Bounds for a step given by the case, and for the coarse and the finer run of a refinement (safety factors 1.4
 and 2.5). Calibrated on random scenes and tested on others (docs/evidence/step_check.md)."""
 
-MIN_DIVERGENCE = 0.01  # relative to the RMS; if velocities differ by less in every ball pass, chaos is not tested
-PERTURBATION = 1e-10  # relative to the ring's initial displacement; decays if the motion is periodic
-CONFIDENCE = 2.5  # standard deviations, for many passes
-CONFIDENCE_PROBABILITY = 0.9938  # probability of a value below CONFIDENCE standard deviations
-MIN_GROWTH = 3.0  # growth of a perturbation over the pilot
-DECAY = 0.01  # of ``PERTURBATION``, left at the end of a pilot: below, neighbouring motions converge
-MIN_CHANGE = 1e-4  # by a perturbation in any pass, relative to the RMS
-MIN_CHANGE_RATIO = 0.3  # change by the perturbation, relative to that by the shorter step (or tighter tolerance)
-MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
 SECOND_PILOT = 4.0  # length ratio of the second pilot, used if the first two runs diverge without chaos
 ORBIT_CLOSENESS = Closeness(1e-5, 1e-5, pass_count=1)
 """Closeness at which the finer run counts as periodic."""
@@ -330,30 +330,6 @@ def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0, raw: RawReco
     return pilot_signals(setup, integrate(setup, perturbation) if raw is None else raw, passes)
 
 
-def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
-    """Return the scatter of a ball pass's RMS due to chaos, from three diverged recordings of the same passes.
-
-    Returns the standard deviation of the relative change of the RMS and the factor to its confidence limit. The
-    factor is Student's t with two degrees of freedom per effective pass, because a few strong passes may outweigh
-    the rest. Of single passes and blocks of passes the largest standard deviation counts, because successive
-    passes are correlated.
-    """
-    sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= MIN_BLOCKS * 2**k]
-    return max(_scatter(series, passes // size, size) for size in sizes)
-
-
-def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[float, float]:
-    """Return ``scatter`` from ``blocks`` of ``size`` passes each."""
-    from scipy.special import stdtrit
-
-    powers = np.array([pass_rms(recording, blocks) ** 2 for recording in series])
-    powers /= np.mean(powers) or 1.0
-    differences = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
-    effective_passes = np.sum(differences) ** 2 / (np.sum(differences**2) or 1.0)
-    noise = 0.5 * sqrt(size * np.mean(differences) / len(series))
-    return noise, float(stdtrit(2.0 * max(1.0, effective_passes), CONFIDENCE_PROBABILITY))
-
-
 def run_time(case: Case) -> float:
     """Return the computed time (s) of a case."""
     return case.settle_s + case.duration
@@ -379,25 +355,3 @@ def step_ratio(decimation: int) -> float:
 def with_finer_tolerance(case: Case) -> Case:
     """Return the case with a tenth of its own tolerance; an automatic tolerance follows the step."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
-
-
-def is_chaotic_motion(perturbation_changes: np.ndarray, step_changes: np.ndarray, adaptive: bool) -> bool:
-    """Check if a motion is chaotic, from the changes of each ball pass by a perturbation and by a shorter step.
-
-    perturbation_changes, step_changes: (passes,) changes by the perturbation and by the shorter step, relative to
-    the RMS. In a periodic motion the perturbation decays. With an adaptive method it also changes the steps, by an
-    amount that shrinks with the tolerance. If the perturbed finer run diverges from the finer one about as much as
-    the coarse run does, the motion itself is chaotic.
-    """
-    if adaptive:
-        return bool(
-            perturbation_changes.max() > MIN_CHANGE
-            and perturbation_changes.max() > MIN_CHANGE_RATIO * step_changes.max()
-        )
-    return bool(
-        perturbation_changes.max() > MIN_CHANGE
-        or (
-            perturbation_changes[-1] > 10.0 * PERTURBATION
-            and perturbation_changes[-1] > MIN_GROWTH * perturbation_changes[0]
-        )
-    )

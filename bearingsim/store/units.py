@@ -31,7 +31,7 @@ from bearingsim.text.html import table_html
 from bearingsim.text.terminal import is_line
 
 if TYPE_CHECKING:
-    from bearingsim.simulation.simulate import Record
+    from bearingsim.simulation.record import Record
     from bearingsim.study import Job
 
 CHUNK_BYTES = 1 << 16  # up to this size (bytes) a chunk contains several short jobs

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import bearingsim as bs
-from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.record import Record
 from bearingsim.store import Results
 from bearingsim.store.spectra import Spectrum
 from bearingsim.store.units import Series

@@ -27,8 +27,9 @@ from bearingsim.simulation import (
     warm_up,
 )
 from bearingsim.simulation.integration import Pace, integrate, step_usage
+from bearingsim.simulation.record import Usage, make_record
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.simulate import SimulationError, Usage, _record
+from bearingsim.simulation.simulate import SimulationError
 from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.study import load_study
 from benchmarks.cpu_bounds import study_of
@@ -86,7 +87,7 @@ def test_evaluation_of_a_record_stops_at_the_cpu_limit(test_case: Case) -> None:
         lambda: spectral_lines.lines_of_passes(test_case, setup.model, setup.grid, raw),
         lambda: features.features(test_case, setup.model, setup.grid, raw, {}),
         lambda: features.statistics(test_case, setup.grid, raw),
-        lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
+        lambda: make_record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
     ):
         assert "<lambda>" in stack_at_timeout(compute)  # not after it
 

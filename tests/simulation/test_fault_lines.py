@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from bearingsim.signals import PickedLine, pick_line
-from bearingsim.simulation.simulate import Record, simulate
+from bearingsim.simulation.record import Record
+from bearingsim.simulation.simulate import simulate
 from tests.scenes.nf308 import SLOT, case
 
 BPFO, BPFI, TWICE_BSF, FTF, SHAFT = 159.0, 231.0, 156.9615385, 12.2307692, 30.0  # Hz: NF308 at 1800 rpm

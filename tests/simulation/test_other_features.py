@@ -1,6 +1,5 @@
 """Features of extensions: missing values are reported, failing or undeclared functions are refused by name."""
 
-from importlib import import_module
 from math import inf, nan
 
 import numpy as np
@@ -15,6 +14,7 @@ from bearingsim.errors import UserError
 from bearingsim.extensions import BrokenExtension
 from bearingsim.runner.findings import missing_values
 from bearingsim.runner.work import _failure
+from bearingsim.simulation import record, simulate
 from bearingsim.simulation.features import extension_features, refuse_undeclared
 from bearingsim.study.used import extensions
 from tests.scenes.short_cases import case
@@ -189,12 +189,11 @@ def test_a_declared_feature_is_accepted(monkeypatch) -> None:
 
 def test_undeclared_computed_feature_is_refused(monkeypatch) -> None:
     """The failed job has the same message, without the name of the exception class."""
-    simulating = import_module("bearingsim.simulation.simulate")  # its name is also a function's
-    original = simulating.features
-    monkeypatch.setattr(simulating, "features", lambda *run: original(*run) | {"velocity.skewness": 0.0})
+    original = record.features
+    monkeypatch.setattr(record, "features", lambda *run: original(*run) | {"velocity.skewness": 0.0})
     message = "feature `velocity.skewness` is computed but not declared: add it to config/names.py"
     with pytest.raises(UserError, match=f"^{message}$") as caught:
-        simulating.simulate(case(model="static", duration=0.02))
+        simulate(case(model="static", duration=0.02))
     assert _failure("abc", caught.value).reason == message
 
 

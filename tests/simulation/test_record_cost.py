@@ -12,7 +12,7 @@ import pytest
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.signals import line_at, lines, lines_of_blocks, passes
-from bearingsim.simulation import pricing, simulate, spectral_lines, time_grid
+from bearingsim.simulation import pricing, record, simulate, spectral_lines, time_grid
 from bearingsim.simulation.choice import Attempt
 from bearingsim.simulation.run_setup import MethodFailure
 from bearingsim.simulation.simulate import _first_sound_attempt as in_turn
@@ -77,7 +77,6 @@ def test_features_of_a_long_record_need_little_memory(
 ) -> None:
     """Relative to the size of the recording, which has 9 rows."""
     result: dict[str, float] = {}
-    simulation = import_module("bearingsim.simulation.simulate")
 
     def traced(compute: Callable[..., Any]) -> Callable[..., Any]:
         def run(case: Case, model: Any, grid: Any, raw: Any, *others: Any) -> Any:
@@ -92,7 +91,7 @@ def test_features_of_a_long_record_need_little_memory(
         return run
 
     for name in ("lines_of_passes", "features"):
-        monkeypatch.setattr(simulation, name, traced(getattr(simulation, name)))
+        monkeypatch.setattr(record, name, traced(getattr(record, name)))
     for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1 << 10)
     simulate(case(duration="0.6 s", **more, **FULL))

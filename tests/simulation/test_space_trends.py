@@ -8,7 +8,8 @@ import pytest
 
 from bearingsim.config import Case
 from bearingsim.config.rules.completion import slice_ends
-from bearingsim.simulation.simulate import Record, simulate
+from bearingsim.simulation.record import Record
+from bearingsim.simulation.simulate import simulate
 
 SLOT = {"shape": "rectangular", "width": "0.8 mm", "depth": "50 um"}
 SHORT: dict[str, Any] = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "step_check": False}

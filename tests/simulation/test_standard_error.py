@@ -20,9 +20,9 @@ from bearingsim.simulation.accuracy import (
     standard_errors,
 )
 from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.record import _is_random
 from bearingsim.simulation.recording import first_sample
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.simulate import _is_random
 from bearingsim.simulation.spectral_lines import lines_of_passes, sensor_samples
 from tests.scenes.short_cases import RATE, SLOT, case
 

@@ -10,7 +10,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.config.names import QUIET_LINE, STEP_ACCURACY
-from bearingsim.simulation import choice, comparison, pilot, pricing, refinement, step_check, time_grid
+from bearingsim.simulation import chaos, choice, comparison, pilot, pricing, refinement, step_check, time_grid
 from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
@@ -141,7 +141,7 @@ def test_confidence_factor_is_larger_if_a_single_pass_scatters() -> None:
     noise = [rng.normal(0.0, 0.3, 2001) for _ in range(3)]
     first_pass = np.arange(2001) < 100
     all_passes, single_pass = (
-        step_check.scatter([a + b * weight for a, b in zip(periodic, noise, strict=True)], 20)
+        chaos.scatter([a + b * weight for a, b in zip(periodic, noise, strict=True)], 20)
         for weight in (1.0, first_pass)
     )
     assert all_passes[1] < 3.0 < 8.0 < single_pass[1]
@@ -167,7 +167,7 @@ def test_correlated_passes_increase_the_scatter() -> None:
         ]
         for repeats in (1, 16)
     )
-    assert step_check.scatter(correlated, passes)[0] > 2.5 * step_check.scatter(independent, passes)[0]
+    assert chaos.scatter(correlated, passes)[0] > 2.5 * chaos.scatter(independent, passes)[0]
 
 
 def test_line_difference_is_at_least_the_root_sum_of_squares() -> None:
