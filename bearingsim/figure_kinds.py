@@ -139,7 +139,7 @@ KEYS = {f.name: f.name for f in fields(View)} | {"start": "from", "stop": "to", 
 """Key in a study and option of the command, by field of ``View``."""
 
 
-def is_given(value: Any) -> bool:
+def is_set(value: Any) -> bool:
     """Check if an option has a value: 0 is one, as in `mean: 0`."""
     return bool(value) or (value is not False and value == 0)
 
@@ -152,7 +152,7 @@ def view_of(kind: str, texts: Mapping[str, Any]) -> View:
     readers = READERS | {"range": lambda text: limits(text, KINDS[kind].range or "frequency")}
     values: dict[str, Any] = {}
     for name, key in KEYS.items():
-        if is_given(texts.get(key)):
+        if is_set(texts.get(key)):
             try:
                 values[name] = readers[key](texts[key])
             except (UnitError, ValueError) as error:
@@ -165,10 +165,10 @@ def view_of(kind: str, texts: Mapping[str, Any]) -> View:
 def check_options(kind: str, options: Mapping[str, Any]) -> None:
     """Raise OptionError for an option that a kind of figure does not have."""
     for key, value in options.items():
-        if is_given(value) and key not in KINDS[kind].options:
-            having = [name for name, other in KINDS.items() if key in other.options]
+        if is_set(value) and key not in KINDS[kind].options:
+            kinds = [name for name, other in KINDS.items() if key in other.options]
             advice = "choose jobs by `--job` or `--where`" if KINDS[kind].of_jobs and key == "x" else ""
-            advice = advice or (f"it is an option of {', '.join(having)}" if having else "")
+            advice = advice or (f"it is an option of {', '.join(kinds)}" if kinds else "")
             raise OptionError(key, f"a {kind} has no option `{key}`" + (f" ({advice})" if advice else ""))
 
 

@@ -12,8 +12,8 @@ ROOT = Path(__file__).parents[1]
 TOP = "."
 """The modules of the package itself, outside all subpackages."""
 PACKAGES = (  # packages checked; add a package once it passes
-    TOP, "assemble", "bench", "cli", "config", "core", "diagnosis", "measured", "plots", "runner", "selection",
-    "sensitivity", "signals", "simulation", "stability", "store", "study", "text",
+    TOP, "assemble", "bench", "cli", "config", "core", "diagnosis", "measured", "plots", "report", "runner",
+    "selection", "sensitivity", "signals", "simulation", "stability", "store", "study", "text",
 )  # fmt: skip
 NO_NOUNS = frozenset({"What", "How", "Who", "Where", "Which", "Whether"})  # openings of a clause instead of a noun
 NO_VERBS = frozenset({  # openings of a docstring that are no imperative
@@ -30,7 +30,9 @@ NO_VERBS = frozenset({  # openings of a docstring that are no imperative
     "velocity", "viscosity",
 })  # fmt: skip
 VERBS_IN_S = frozenset({"pass", "process", "compress", "express", "discuss", "address", "guess", "assess", "bias"})
-VAGUE_NAMES = frozenset({"found", "told", "one", "known", "given", "here", "asked", "said", "at", "first"})
+VAGUE_NAMES = frozenset(
+    {"found", "told", "one", "known", "given", "here", "asked", "said", "at", "first", "seen", "wanted", "kept"}
+)
 PRIVATE_WORDS = re.compile(r"(?i)(?<![a-z])(places?|leans?|twins?)(?![a-z])")
 """Words that the field does not use for a position, a tilt or a healthy case."""
 

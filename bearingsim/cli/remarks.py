@@ -50,10 +50,10 @@ def _equals(value: float | str | None, path: str, text: str) -> bool:
 
     kind = dimension(path)
     try:
-        wanted = parse(text, kind) if kind else float(text)
+        number = parse(text, kind) if kind else float(text)
     except (UnitError, ValueError):
         return False
-    return math.isclose(value, wanted, rel_tol=1e-9)
+    return math.isclose(value, number, rel_tol=1e-9)
 
 
 NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, from which a cost is reported

@@ -81,10 +81,10 @@ class Prepared(NamedTuple):
     scattered: bool
 
 
-def prepared(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Prepared:
+def prepared(results: "Results", requested: "Figure", rows: "pd.DataFrame") -> Prepared:
     """Complete a figure over a swept path, and collect its content. Raises PlotError, as ``select.completed``."""
     units, design = results.plan["units"], select.design_paths(results)
-    figure, part = select.completed(wanted, rows, units, design)
+    figure, part = select.completed(requested, rows, units, design)
     is_scattered = bool(select.scattered(figure, part, design))
     part = part if is_scattered else with_errors(results, part, figure.y)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
@@ -99,9 +99,9 @@ def prepared(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Prep
     return Prepared(figure, part, caption + select.spread_texts(results, part), scattered=False)
 
 
-def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
+def _draw(results: "Results", requested: "Figure", rows: "pd.DataFrame") -> Sheet:
     """Complete and draw a figure over a swept path."""
-    figure, part, caption, scattered = prepared(results, wanted, rows)
+    figure, part, caption, scattered = prepared(results, requested, rows)
     units, words = results.plan["units"], [figure.y[0], "vs", figure.x]
     if scattered:
         return Sheet(words, design.draw(figure, part, units, caption))

@@ -289,7 +289,7 @@ def _curves(name: str, job: Job, channels: Sequence[str], display: Display) -> d
 
 def _has(job: Job, channel: str) -> bool:
     """Check if a job has recorded a channel (a healthy baseline has no slices of its own)."""
-    components = [name for whole in job.recorded for name in dataset_names(whole)]
+    components = [name for channel in job.recorded for name in dataset_names(channel)]
     return recorded.recorded_as(channel, [*job.recorded, *components]) is not None
 
 

@@ -54,8 +54,8 @@ def mark_measured(
     """
     for entry, shape in zip(sets, _shapes(sets), strict=True):
         for x, y, colour in _marks(drawing, name, part, curves, entry):
-            place = ([y * factor], [x]) if upright else ([x], [y * factor])
-            ax.plot(*place, marker=shape, mec=colour, **MARK)
+            coordinates = ([y * factor], [x]) if upright else ([x], [y * factor])
+            ax.plot(*coordinates, marker=shape, mec=colour, **MARK)
 
 
 def entries(drawing: Drawing, sets: Sequence["MeasuredSet"]) -> list[Line2D]:

@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, is_given, view_of
+from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, is_set, view_of
 from bearingsim.plots.labels import PlotError, PlotWarning
 from bearingsim.plots.sheet import ALL, Sheet, file_words
 from bearingsim.study import Figure
@@ -66,7 +66,7 @@ def drawn(
 
     Warns of figures of the study that cannot be drawn; raises the first error if none can.
     """
-    options = {key: value for key, value in options.items() if is_given(value)}
+    options = {key: value for key, value in options.items() if is_set(value)}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
     figures = requested(results, kind, options)

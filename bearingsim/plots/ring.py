@@ -99,7 +99,7 @@ def point(angles: Any, radius: Any, x: float = 0.0, y: float = 0.0) -> tuple[Any
     return -(radius * np.sin(angles) + y), radius * np.cos(angles) + x
 
 
-def view(shape: RingShape) -> View:
+def view_of(shape: RingShape) -> View:
     """Choose a round exaggeration and the range of shades for a ring."""
     times = round_below(ROOM * shape.outside / max(shape.largest(), 1e-12))
     most = max(float(instant.forces[instant.loaded].max(initial=0.0)) for instant in shape.instants)
@@ -133,19 +133,19 @@ def draw_ring(results: "Results", job: str) -> Canvas:
 
 def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
     """Draw a panel per instant, with a legend above and the ``caption`` below."""
-    seen = view(shape)
+    view = view_of(shape)
     rows = -(-len(shape.instants) // 2)
     canvas = Canvas(figsize=(2 * COLUMN_IN + 0.8, rows * 3.1 + 1.1),
                     layout=ConstrainedLayoutEngine(w_pad=0.04, h_pad=0.04))  # fmt: skip
     axes = list(canvas.subplots(rows, 2, squeeze=False).flat)
     for number, (ax, instant) in enumerate(zip(axes, shape.instants, strict=False)):
-        draw_instant(ax, seen, instant)
+        draw_instant(ax, view, instant)
         letter(ax, number, len(shape.instants), _time_text(shape, instant))
-    shades = ScalarMappable(Normalize(0.0, seen.darkest), SCALE)
+    shades = ScalarMappable(Normalize(0.0, view.darkest), SCALE)
     bar = canvas.colorbar(shades, ax=axes, shrink=0.5, aspect=25, pad=0.02)
     bar.set_label("Force of a roller on the outer race (N)")
-    entries = list(_legend(seen))
-    title = f"Ring at rest; displacements and clearance ×{labels.number_text(seen.times)}"
+    entries = list(_legend(view))
+    title = f"Ring at rest; displacements and clearance ×{labels.number_text(view.times)}"
     canvas.legend(entries, [str(entry.get_label()) for entry in entries], loc="outside upper left", ncols=4,
                   fontsize=7.5, title=title, title_fontsize=9.0, alignment="left")  # fmt: skip
     finish(canvas, None, caption)
@@ -162,49 +162,49 @@ def _time_text(shape: RingShape, instant: Instant) -> str:
     )
 
 
-def draw_instant(ax: "Axes", seen: View, instant: Instant) -> None:
+def draw_instant(ax: "Axes", view: View, instant: Instant) -> None:
     """Draw the bearing at one instant of a ball pass."""
     ax.set_aspect("equal")
     ax.set_axis_off()
-    draw_bodies(ax, seen, instant)
+    draw_bodies(ax, view, instant)
     for j in range(len(instant.angles)):
-        draw_roller(ax, seen, instant, j)
+        draw_roller(ax, view, instant, j)
     for mark in instant.marks:
         ax.plot(
-            *defect_line(seen, instant, mark), color=DEFECT, lw=3.0, solid_capstyle="butt", zorder=6, gid="defect"
+            *defect_line(view, instant, mark), color=DEFECT, lw=3.0, solid_capstyle="butt", zorder=6, gid="defect"
         )
-    draw_springs(ax, seen, instant)
-    for push in seen.shape.pushes:
-        draw_push(ax, seen, instant, push)
-    sensor = sensor_position(seen, instant)
+    draw_springs(ax, view, instant)
+    for push in view.shape.pushes:
+        draw_push(ax, view, instant, push)
+    sensor = sensor_position(view, instant)
     ax.plot(*sensor, marker="s", ls="", color=SENSOR, ms=5.5, mec="white", mew=0.6, zorder=8, gid="sensor")
-    left, right, low, high = frame(seen)
+    left, right, low, high = frame(view)
     ax.set_xlim(left, right)
     ax.set_ylim(low, high)
 
 
-def frame(seen: View) -> tuple[float, float, float, float]:
+def frame(view: View) -> tuple[float, float, float, float]:
     """Return left, right, lower and upper limit of the drawing, equal at all instants."""
-    radius = seen.carrier if len(seen.shape.spring_angles) else seen.outside
-    angles = np.array([push.angle for push in seen.shape.pushes])
-    right, up = point(angles, radius + ARROW * seen.outside)
-    words, around = MARGIN * seen.outside, (1.0 + ROOM) * radius
+    radius = view.carrier if len(view.shape.spring_angles) else view.outside
+    angles = np.array([push.angle for push in view.shape.pushes])
+    right, up = point(angles, radius + ARROW * view.outside)
+    words, around = MARGIN * view.outside, (1.0 + ROOM) * radius
     sides = np.r_[right - words, right + words, -around, around]
     heights = np.r_[up - words, up + words, -around, around]
     return float(sides.min()), float(sides.max()), float(heights.min()), float(heights.max())
 
 
-def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
+def draw_bodies(ax: "Axes", view: View, instant: Instant) -> None:
     """Draw the ring, its undeformed shape as thin circles, the inner race and the axes."""
-    inside, outside = seen.ring_points(instant, AROUND, seen.race), seen.ring_points(instant, AROUND, seen.outside)
+    inside, outside = view.ring_points(instant, AROUND, view.race), view.ring_points(instant, AROUND, view.outside)
     ax.fill(*(np.r_[a, b[::-1]] for a, b in zip(outside, inside, strict=True)), color=STEEL, lw=0.0, zorder=1)
     for line, name in ((inside, "race"), (outside, "outside")):
         ax.plot(*line, color=EDGE, lw=1.0, zorder=3, gid=name)
-    for radius in (seen.race, seen.outside):
+    for radius in (view.race, view.outside):
         ax.add_patch(Circle((0.0, 0.0), radius, fill=False, ec=SOUND, lw=0.5, ls=(0, (6, 3)), zorder=4))
-    ax.add_patch(Circle((0.0, 0.0), seen.inner_race, fc=INNER, ec=EDGE, lw=0.8, zorder=1))
+    ax.add_patch(Circle((0.0, 0.0), view.inner_race, fc=INNER, ec=EDGE, lw=0.8, zorder=1))
     for angle, word in ((0.0, "0°"), (pi / 2.0, "90°")):
-        tip, beyond = point(angle, 0.35 * seen.inner_race), point(angle, 0.5 * seen.inner_race)
+        tip, beyond = point(angle, 0.35 * view.inner_race), point(angle, 0.5 * view.inner_race)
         arrow: dict[str, Any] = {
             "arrowstyle": "-|>",
             "lw": 0.7,
@@ -216,56 +216,56 @@ def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
         ax.annotate(word, beyond, ha="center", va="center", fontsize=7, color="0.4")
 
 
-def draw_roller(ax: "Axes", seen: View, instant: Instant, j: int) -> None:
+def draw_roller(ax: "Axes", view: View, instant: Instant, j: int) -> None:
     """Draw roller ``j``: shaded by its force, hollow if unloaded."""
-    shade = colormaps[SCALE](instant.forces[j] / seen.darkest) if instant.loaded[j] else "white"
-    centre, radius = seen.roller_centre(instant, j), 1e3 * seen.shape.roller
+    shade = colormaps[SCALE](instant.forces[j] / view.darkest) if instant.loaded[j] else "white"
+    centre, radius = view.roller_centre(instant, j), 1e3 * view.shape.roller
     ax.add_patch(Circle(centre, radius, fc=shade, ec=EDGE, lw=0.7, zorder=2, gid=f"roller {j + 1}"))
 
 
-def defect_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
+def defect_line(view: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
     """Return the line that marks a defect on a race or a roller."""
     half = max(mark.half, MIN_DEFECT)
     if mark.on == "roller":
-        right, up = seen.roller_centre(instant, mark.roller)
-        radius = 1e3 * seen.shape.roller
-        wide = max(mark.half, MIN_DEFECT * seen.race / radius)
+        right, up = view.roller_centre(instant, mark.roller)
+        radius = 1e3 * view.shape.roller
+        wide = max(mark.half, MIN_DEFECT * view.race / radius)
         arc = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
         return right + arc[0], up + arc[1]
     angles = np.linspace(mark.angle - half, mark.angle + half, 21)
     if mark.on == "inner":
-        return point(angles, seen.inner_race)
-    return seen.ring_points(instant, angles, seen.race)
+        return point(angles, view.inner_race)
+    return view.ring_points(instant, angles, view.race)
 
 
-def draw_springs(ax: "Axes", seen: View, instant: Instant) -> None:
+def draw_springs(ax: "Axes", view: View, instant: Instant) -> None:
     """Draw the springs around the ring, loaded ones darker, and the carrier behind them."""
     if not len(instant.springs):
         return
-    ax.plot(*seen.carrier_points(instant, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
+    ax.plot(*view.carrier_points(instant, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
     for p in range(len(instant.springs)):
         presses = instant.springs[p] > 0.0
-        ax.plot(*spring_line(seen, instant, p), color=SPRINGS if presses else LIFTED, lw=1.0 if presses else 0.6,
+        ax.plot(*spring_line(view, instant, p), color=SPRINGS if presses else LIFTED, lw=1.0 if presses else 0.6,
                 zorder=5 if presses else 4, gid="pressed" if presses else "lifted")  # fmt: skip
 
 
-def spring_line(seen: View, instant: Instant, p: int) -> tuple[Reals, Reals]:
+def spring_line(view: View, instant: Instant, p: int) -> tuple[Reals, Reals]:
     """Return the line of spring ``p`` from ring to carrier: a coil if there are few springs, else straight."""
-    angle = seen.shape.spring_angles[p : p + 1]
-    inner, outer = (np.concatenate(end) for end in (seen.ring_points(instant, angle, seen.outside),
-                                                   seen.carrier_points(instant, angle)))  # fmt: skip
+    angle = view.shape.spring_angles[p : p + 1]
+    inner, outer = (np.concatenate(end) for end in (view.ring_points(instant, angle, view.outside),
+                                                   view.carrier_points(instant, angle)))  # fmt: skip
     if len(instant.springs) > FEW:
         return np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]])
     along = np.r_[0.0, 0.15, 0.15 + 0.7 * (np.arange(2 * COILS) + 0.5) / (2 * COILS), 0.85, 1.0]
-    lateral = 0.03 * seen.outside * np.r_[0.0, 0.0, np.tile([1.0, -1.0], COILS), 0.0, 0.0]
+    lateral = 0.03 * view.outside * np.r_[0.0, 0.0, np.tile([1.0, -1.0], COILS), 0.0, 0.0]
     normal = point(angle[0] + pi / 2.0, 1.0)
     right, up = (inner[i] + along * (outer[i] - inner[i]) + lateral * normal[i] for i in (0, 1))
     return right, up
 
 
-def draw_push(ax: "Axes", seen: View, instant: Instant, push: Push) -> None:
+def draw_push(ax: "Axes", view: View, instant: Instant, push: Push) -> None:
     """Draw an applied force as an arrow to the ring or carrier, with its magnitude."""
-    tip, tail = push_ends(seen, instant, push)
+    tip, tail = push_ends(view, instant, push)
     ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "lw": 1.4, "color": EDGE, "shrinkA": 0.0,
                                            "shrinkB": 0.0, "mutation_scale": 11.0}, zorder=7)  # fmt: skip
     sideways, upwards = -sin(push.angle), cos(push.angle)
@@ -275,37 +275,37 @@ def draw_push(ax: "Axes", seen: View, instant: Instant, push: Push) -> None:
                 textcoords="offset points", ha=ha, va=va, fontsize=7.5, zorder=7, gid="push")  # fmt: skip
 
 
-def push_ends(seen: View, instant: Instant, push: Push) -> tuple[tuple[float, float], tuple[float, float]]:
+def push_ends(view: View, instant: Instant, push: Push) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return tip and tail of the arrow of a force."""
-    angles, length = np.array([push.angle]), ARROW * seen.outside
+    angles, length = np.array([push.angle]), ARROW * view.outside
     if len(instant.springs):
-        ends = seen.carrier_points(instant, angles), seen.carrier_points(instant, angles, length)
+        ends = view.carrier_points(instant, angles), view.carrier_points(instant, angles, length)
     else:
         ends = (
-            seen.ring_points(instant, angles, seen.outside),
-            seen.ring_points(instant, angles, seen.outside + length),
+            view.ring_points(instant, angles, view.outside),
+            view.ring_points(instant, angles, view.outside + length),
         )
     tip, tail = ((float(right[0]), float(up[0])) for right, up in ends)
     return tip, tail
 
 
-def sensor_position(seen: View, instant: Instant) -> tuple[Reals, Reals]:
+def sensor_position(view: View, instant: Instant) -> tuple[Reals, Reals]:
     """Return the position of the sensor: in the ring's section, or just inside the carrier, clear of forces."""
-    angles = np.array([seen.shape.sensor])
-    if seen.shape.sensor_on == "housing":
-        return seen.carrier_points(instant, angles, -INSIDE * seen.outside)
-    return seen.ring_points(instant, angles, 0.5 * (seen.race + seen.outside))
+    angles = np.array([view.shape.sensor])
+    if view.shape.sensor_on == "housing":
+        return view.carrier_points(instant, angles, -INSIDE * view.outside)
+    return view.ring_points(instant, angles, 0.5 * (view.race + view.outside))
 
 
-def _legend(seen: View) -> Iterator[Line2D]:
+def _legend(view: View) -> Iterator[Line2D]:
     """Yield the legend entries of the marks."""
     round_mark: dict[str, Any] = {"ls": "", "marker": "o", "mec": EDGE, "mew": 0.7, "ms": 8.0}
     yield Line2D([], [], color=SOUND, lw=0.7, ls=(0, (6, 3)), label="undeformed ring")
     yield Line2D([], [], mfc="white", label="roller without load", **round_mark)
-    if any(instant.marks for instant in seen.shape.instants):
+    if any(instant.marks for instant in view.shape.instants):
         yield Line2D([], [], color=DEFECT, lw=3.0, label="defect")
     yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
-    if len(seen.shape.spring_angles):
-        behind = "housing" if seen.shape.by == "housing" else "carrier"
+    if len(view.shape.spring_angles):
+        behind = "housing" if view.shape.by == "housing" else "carrier"
         yield Line2D([], [], color=SPRINGS, lw=1.1, label=f"{behind}, springs in contact")
         yield Line2D([], [], color=LIFTED, lw=0.9, label="springs out of contact")

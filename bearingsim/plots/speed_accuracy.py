@@ -80,10 +80,14 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
 
 def _colours(rows: Sequence[Row]) -> dict[str, str]:
     """Assign a colour to each variant: that of its model in all scenes, paler for each further variant."""
-    base_colours, shades, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
+    base_colours, shades, previous = (
+        dict(zip(reversed(MODELS), COLOURS, strict=False)),
+        dict[str, str](),
+        list[str](),
+    )
     for variant, model in {row["variant"]: row["model"] for row in rows}.items():
-        shades[variant] = _paler(base_colours[model], 1.0 - (1.0 - PALER) ** seen.count(model))
-        seen.append(model)
+        shades[variant] = _paler(base_colours[model], 1.0 - (1.0 - PALER) ** previous.count(model))
+        previous.append(model)
     return shades
 
 

@@ -122,9 +122,9 @@ def requested_unit(word: str, unit: str, name: str) -> tuple[str, float]:
     Raises PlotError for a unit of another quantity.
     """
     choices = CHOICES.get(unit, {unit: 1.0})
-    spelt = word.strip().translate(SPELLING)
-    if spelt not in choices:
-        near = suggestion(spelt, choices) or f"use {', '.join(filter(None, choices)) or 'no unit'}"
-        problem = f"`{word}` is not a unit of {name}" if spelt else f"no unit of {name}"
+    symbol = word.strip().translate(SPELLING)
+    if symbol not in choices:
+        near = suggestion(symbol, choices) or f"use {', '.join(filter(None, choices)) or 'no unit'}"
+        problem = f"`{word}` is not a unit of {name}" if symbol else f"no unit of {name}"
         raise PlotError(f"{problem} ({near})")
-    return labels.pretty(spelt), choices[spelt]
+    return labels.pretty(symbol), choices[symbol]

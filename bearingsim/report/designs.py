@@ -27,21 +27,21 @@ def design_chart(results: "Results", figure: "Figure") -> Chart:
     Raises PlotError without a design.
     """
     rows, units = select.case_rows(results), results.plan["units"]
-    wanted = replace(figure, y=figure.y or select.default_y(results, rows), kind="design")
-    paths, complete, part, caption = design_content(results, wanted, rows)
+    completed = replace(figure, y=figure.y or select.default_y(results, rows), kind="design")
+    paths, complete, part, caption = design_content(results, completed, rows)
     coloured = [*paths, *select.varied(part, [path for path in units if path not in paths])]
     axes = [_axis(complete, path, part, results) for path in paths]
     start = paths.index(figure.x) if figure.x in paths else 0
     names = [labels.name_text(path) for path in paths]
-    x = [points_of(replace(complete, x=path), wanted.y[0], part, part, units).x for path in paths]
-    panels = [_panel(complete, name, part, results, x) for name in wanted.y]
+    x = [points_of(replace(complete, x=path), completed.y[0], part, part, units).x for path in paths]
+    panels = [_panel(complete, name, part, results, x) for name in completed.y]
     present = {key for panel in panels for key in panel.columns} | set(part["status"])
     controls = [
         Control("Over", names, start, ordered=False),
         Control("Colour", [PLAIN, *(_scale_text(path, part, units) for path in coloured)], 0, ordered=False),
     ]
     return Chart(
-        title=wanted.title or " and ".join(map(labels.feature_text, wanted.y)),
+        title=completed.title or " and ".join(map(labels.feature_text, completed.y)),
         kind="design",
         axes=axes,
         panels=panels,

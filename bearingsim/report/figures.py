@@ -56,21 +56,21 @@ def collect(results: "Results", jobs: Sequence[str]) -> Figures:
     """
     made = Figures()
     try:
-        wanted = requested(results)
+        figures = requested(results)
     except PlotError:  # nothing is swept
-        wanted = []
+        figures = []
     rows = len(select.case_rows(results))
-    if rows > MAX_CHART_ROWS and wanted:
+    if rows > MAX_CHART_ROWS and figures:
         text = f"{rows} jobs are too many for charts: `bearingsim plot` draws them, with `--where` a part of them"
         made.omissions.append(text)
-        wanted = []
-    for group in alike(wanted):
+        figures = []
+    for group in alike(figures):
         _add(made, results, group)
-    _add_signals(made, results, wanted, jobs)
+    _add_signals(made, results, figures, jobs)
     design = results.plan["design"]
     if design and design["kind"] in BLOCK_DESIGNS:
         try:
-            features = [name for figure in wanted for name in figure.features]
+            features = [name for figure in figures for name in figure.features]
             made.influences += influences(
                 results, list(dict.fromkeys(features)) or select.default_y(results, results.table())
             )
@@ -98,11 +98,11 @@ def _charts(results: "Results", group: Sequence[Figure]) -> Iterator[Chart]:
     elif leading.kind == "design":
         yield design_chart(results, leading)
     elif not KINDS[leading.kind].of_jobs:
-        wanted, complete = prepared_for_all(results, leading)
+        unfiltered, complete = prepared_for_all(results, leading)
         if complete.scattered:
             yield design_chart(results, leading)
         else:
-            yield sweep_chart(results, leading, wanted, complete)
+            yield sweep_chart(results, leading, unfiltered, complete)
 
 
 def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Picture]:
@@ -122,12 +122,12 @@ def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Pi
 # Signals
 
 
-def _add_signals(made: Figures, results: "Results", wanted: Sequence[Figure], jobs: Sequence[str]) -> None:
+def _add_signals(made: Figures, results: "Results", figures: Sequence[Figure], jobs: Sequence[str]) -> None:
     """Add signal and envelope spectrum of jobs; by default of the one with the largest feature of the figures."""
-    if not jobs and any(figure.kind in SIGNALS for figure in wanted):
+    if not jobs and any(figure.kind in SIGNALS for figure in figures):
         return
     try:
-        for job in jobs or [largest(results, wanted)]:
+        for job in jobs or [largest(results, figures)]:
             for kind in SIGNALS:
                 made.charts += signals.signal_charts(results, Figure(y=(), x="", kind=kind), [job])
     except PlotError as error:
@@ -136,13 +136,13 @@ def _add_signals(made: Figures, results: "Results", wanted: Sequence[Figure], jo
         made.omissions.append(f"signal of a job: {error}")
 
 
-def largest(results: "Results", wanted: Sequence[Figure]) -> str:
+def largest(results: "Results", figures: Sequence[Figure]) -> str:
     """Return the id of the finished case with the largest value of the first feature of the figures."""
     rows = select.case_rows(results)
     rows = rows[rows["status"] == "done"]
     if rows.empty:
         raise PlotError("no case is done")
-    names = [name for figure in wanted for name in figure.features if name in rows]
+    names = [name for figure in figures for name in figure.features if name in rows]
     name = next(iter([*names, *select.default_y(results, rows)]))
     values = rows[name].abs() if name in rows and rows[name].notna().any() else rows["seconds"].abs()
     return str(rows["job"].iloc[int(values.fillna(-1.0).to_numpy().argmax())])

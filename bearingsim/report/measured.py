@@ -89,8 +89,8 @@ def _unmatched(entry: "MeasuredSet") -> list[str]:
     lacking = list(
         dict.fromkeys(name for point, names in pairs if names for name in point["features"] if name not in names)
     )
-    places = list(dict.fromkeys(point["place"] for point, names in pairs if not names))
+    positions = list(dict.fromkeys(point["place"] for point, names in pairs if not names))
     return [
         *([f"without a simulated value: {listed(lacking)}"] if lacking else []),
-        *([f"no finished case is at {listed(places)}, or on both sides in one parameter"] if places else []),
+        *([f"no finished case is at {listed(positions)}, or on both sides in one parameter"] if positions else []),
     ]

@@ -105,5 +105,5 @@ def reduce(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if len(x) <= MAX_POINTS:
         return x, y
     parts = np.array_split(np.arange(len(x)), MAX_POINTS // 2)
-    kept = np.unique([part[pick(y[part])] for part in parts for pick in (np.argmin, np.argmax)])
-    return x[kept], y[kept]
+    retained = np.unique([part[pick(y[part])] for part in parts for pick in (np.argmin, np.argmax)])
+    return x[retained], y[retained]

@@ -47,20 +47,20 @@ def prepared_for_all(results: "Results", figure: "Figure") -> tuple["Figure", Pr
 
     Raises PlotError.
     """
-    rows, wanted = select.case_rows(results), replace(figure, where={})
+    rows, unfiltered = select.case_rows(results), replace(figure, where={})
     if figure.kind == "phase":
-        wanted = replace(wanted, y=select.phases(figure.y) if figure.y else select.default_phases(results))
+        unfiltered = replace(unfiltered, y=select.phases(figure.y) if figure.y else select.default_phases(results))
         rows = select.with_defect_phases(results, rows)
-    return wanted, prepared(results, wanted, rows)
+    return unfiltered, prepared(results, unfiltered, rows)
 
 
-def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complete: Prepared) -> Chart:
+def sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure", complete: Prepared) -> Chart:
     """Make the chart of a figure; it starts with the setting of ``leading``.
 
-    wanted, complete: from ``prepared_for_all``.
+    unfiltered, complete: from ``prepared_for_all``.
     """
     figure, rows, units = complete.figure, complete.rows, results.plan["units"]
-    by = tuple(path for path in figure.by if path in wanted.by) or _default_by(figure, rows)
+    by = tuple(path for path in figure.by if path in unfiltered.by) or _default_by(figure, rows)
     paths = [path for path in (*figure.panels, *figure.by) if path not in by]
     rows = _begun(rows, _controls(figure, paths, rows, units)[1])
     complete = complete._replace(rows=rows)
@@ -102,8 +102,8 @@ def _default_by(figure: "Figure", rows: "pd.DataFrame") -> tuple[str, ...]:
 
 def title_of(figure: "Figure") -> str:
     """Describe a figure over a path: `RMS velocity over load`."""
-    first, *others = map(labels.feature_text, figure.y)
-    return f"{' and '.join([first, *map(labels.in_sentence, others)])} over {labels.name_text(figure.x)}"
+    initial, *others = map(labels.feature_text, figure.y)
+    return f"{' and '.join([initial, *map(labels.in_sentence, others)])} over {labels.name_text(figure.x)}"
 
 
 def x_axis(figure: "Figure", path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> Axis:
@@ -174,14 +174,17 @@ def _setting(group: Sequence[str], values: Sequence[Any], units: Mapping[str, st
 def _ranks(
     figure: "Figure", by: tuple[str, ...], rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> dict[str, tuple[int, int]]:
-    """Number the values of the first path and of the others, by the name of the curve."""
-    firsts: dict[str, int] = {}
-    others: dict[str, int] = {}
+    """Return the ranks of a curve's values of the first path and of the others, by the name of the curve."""
+    leading_ranks: dict[str, int] = {}
+    other_ranks: dict[str, int] = {}
     ranks: dict[str, tuple[int, int]] = {}
-    for first, other, curve in curve_rows(replace(figure, by=by), rows, units, order_of(figure, rows)):
-        rank = firsts.setdefault(first, len(firsts)), others.setdefault(other, len(others))
+    for leading, other, curve in curve_rows(replace(figure, by=by), rows, units, order_of(figure, rows)):
+        rank = (
+            leading_ranks.setdefault(leading, len(leading_ranks)),
+            other_ranks.setdefault(other, len(other_ranks)),
+        )
         if len(curve):
-            ranks[", ".join(filter(None, [first, other]))] = rank
+            ranks[", ".join(filter(None, [leading, other]))] = rank
     return ranks
 
 

@@ -54,7 +54,7 @@ POLL_S, WORKER_CHECK_S = 0.2, 2.0
 SCHEDULER_TIMEOUT_S, WORKER_TIMEOUT_S = 20.0, 300.0
 """Deadlines in s for an answer of the scheduler, and of the workers, which may have to load the program first."""
 ADVICE = (
-    "no job is blamed; the workers' logs may show the reason, and the workers may need more memory"
+    "no job counts as failed; the workers' logs may show the reason, and the workers may need more memory"
     " (`dask worker --memory-limit`)"
 )
 

@@ -22,7 +22,7 @@ from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
 RESTARTS_WITHOUT_PROGRESS = 3  # number of worker deaths without a result in between that ends the run
-ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
+ADVICE = "no job counts as failed; run again, with fewer --jobs if memory was short"
 
 
 class RepeatedWorkerDeaths(UserError):

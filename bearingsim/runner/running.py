@@ -130,7 +130,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
         tally = Tally(root, command("run", study, root, "--retry-failed"), plan.failures, run_options.max_failures)
         interrupted = 0
         try:
-            if plan.todo:
+            if plan.pending:
                 _compute(setting, plan, tally, notes)
         except KeyboardInterrupt as interruption:
             interrupted = getattr(interruption, "number", signal.SIGINT)
@@ -181,34 +181,34 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
     root, _, options, workers, connect = setting
 
     def affordable_jobs() -> AffordableJobs:
-        estimates = costs(load(options.engine.estimate), plan.todo, options.max_cpu)
-        return select_affordable(plan.todo, estimates, options.max_cpu, options.progress)
+        estimates = costs(load(options.engine.estimate), plan.pending, options.max_cpu)
+        return select_affordable(plan.pending, estimates, options.max_cpu, options.progress)
 
     if connect is not None:
         with connect() as cluster:  # before the estimates, which may compile code
-            todo = affordable_jobs()
-            notes += todo.notes
+            affordable = affordable_jobs()
+            notes += affordable.notes
             workers = cluster.wait_for_workers()
-            works = _make_works(setting, todo, workers, plan.holdings.units)
-            _announce_cost(todo, workers, options.progress)
+            works = _make_works(setting, affordable, workers, plan.holdings.units)
+            _announce_cost(affordable, workers, options.progress)
             _track(works, cluster.outcomes(works), tally, options.progress)
         return
     with announcer(options.progress) as announcements:
         announcements.begin("estimating the cost of the jobs")
-        todo = affordable_jobs()
-        notes += [*todo.notes, *worker_note(todo.costs, workers)]
-        workers = workers_in_memory(todo.costs, workers)
-        works = _make_works(setting, todo, workers, plan.holdings.units)
-        _warm(root, options.engine, todo.jobs, announcements)
-    _announce_cost(todo, workers, options.progress)
+        affordable = affordable_jobs()
+        notes += [*affordable.notes, *worker_note(affordable.costs, workers)]
+        workers = workers_in_memory(affordable.costs, workers)
+        works = _make_works(setting, affordable, workers, plan.holdings.units)
+        _warm(root, options.engine, affordable.jobs, announcements)
+    _announce_cost(affordable, workers, options.progress)
     _track(works, outcomes(works, workers), tally, options.progress)
 
 
-def _announce_cost(todo: AffordableJobs, workers: int, shown: bool | None) -> None:
+def _announce_cost(affordable: AffordableJobs, workers: int, shown: bool | None) -> None:
     """Print the estimated cost of the remaining jobs; shown: False to print nothing."""
-    jobs = len(todo.jobs)
+    jobs = len(affordable.jobs)
     if jobs and shown is not False:
-        cost = cost_text([job.case for job in todo.jobs], todo.costs, workers)
+        cost = cost_text([job.case for job in affordable.jobs], affordable.costs, workers)
         say(f"{jobs} job{'s' * (jobs > 1)}: about {cost}", err=True)
 
 
@@ -288,26 +288,28 @@ def _prepare(root: Path, study: "Study", options: Options) -> Iterator[None]:
         yield
 
 
-def _make_works(setting: _Setting, todo: AffordableJobs, workers: int, known_units: frozenset[str]) -> list[Work]:
+def _make_works(
+    setting: _Setting, affordable: AffordableJobs, workers: int, known_units: frozenset[str]
+) -> list[Work]:
     """Pack the remaining jobs into units of work; known_units: units in the folder when the jobs were planned.
 
     Raises DiskFull if the disk has too little space even for well compressed series.
     """
     root, options, provenance = setting.root, setting.options, store.provenance(setting.study)
-    units = pack(todo.jobs, todo.costs, workers)
+    units = pack(affordable.jobs, affordable.costs, workers)
     others = OtherRuns(root, known_units)
     works = [
         Work(
             root,
-            tuple(todo.jobs[i] for i in unit),
-            tuple(todo.costs[i].seconds for i in unit),
+            tuple(affordable.jobs[i] for i in unit),
+            tuple(affordable.costs[i].seconds for i in unit),
             options.engine,
             provenance,
-            sum(todo.costs[i].bytes for i in unit),
+            sum(affordable.costs[i].bytes for i in unit),
             options.max_cpu,
             options.max_failures,
             others,
-            {todo.jobs[i].id: todo.costs[i].spent for i in unit},
+            {affordable.jobs[i].id: affordable.costs[i].spent for i in unit},
         )
         for unit in units
     ]
@@ -315,10 +317,10 @@ def _make_works(setting: _Setting, todo: AffordableJobs, workers: int, known_uni
     return works
 
 
-def _warm(root: Path, engine: Engine, todo: Sequence["Job"], announcements: Announcer) -> None:
+def _warm(root: Path, engine: Engine, affordable: Sequence["Job"], announcements: Announcer) -> None:
     """Compile before workers start; log errors, because the job that needs the code raises them again."""
     try:
-        load(engine.warm)([job.case for job in todo], compilation_callback(announcements))
+        load(engine.warm)([job.case for job in affordable], compilation_callback(announcements))
     except Exception as error:
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 

@@ -116,7 +116,7 @@ def _run_trials(
     study: "Study",
     shown: bool | None,
 ) -> "dict[str, Trial | None]":
-    """Compute the wanted trials in batches, each stored when finished; return all trials in the folder."""
+    """Compute the requested trials in batches, each stored when finished; return all trials in the folder."""
     provenance = store.provenance(study)
     deaths = DeathCounter(root, "while models were tried")
     while todo := _missing_trials(root, requested, study):
@@ -140,7 +140,7 @@ def _run_trials(
 
 
 def _missing_trials(root: Path, requested: Sequence["TrialRequest"], study: "Study") -> "list[TrialRequest]":
-    """Return the wanted trials that are not stored; another process may have added some."""
+    """Return the requested trials that are not stored; another process may have added some."""
     stored = selection.read_trials(root, selection.required_features(study))
     return [trial for trial in requested if trial.id not in stored]
 

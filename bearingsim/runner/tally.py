@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 class Plan:
     """Plan of a run.
 
-    todo: jobs to compute; resumed: number of jobs done by earlier runs; failures: earlier failures of jobs without
-    a result, by id; holdings: contents of the results folder.
+    pending: jobs to compute; resumed: number of jobs done by earlier runs; failures: earlier failures of jobs
+    without a result, by id; holdings: contents of the results folder.
     """
 
-    todo: list["Job"]
+    pending: list["Job"]
     resumed: int
     failures: dict[str, store.Failure]
     holdings: store.Holdings
@@ -51,11 +51,11 @@ def make_plan(
     remaining = [job for job in jobs if job.id not in holdings.sealed]
     ids = {job.id for job in remaining}
     failures = {job: failure for job, failure in holdings.failures.items() if job in ids}
-    todo = remaining if retry_failed else [job for job in remaining if job.id not in failures]
+    pending = remaining if retry_failed else [job for job in remaining if job.id not in failures]
     resumed = [
         job for job in jobs if job.id in holdings.sealed and (stored_before is None or job.id in stored_before)
     ]
-    return Plan(todo, len(resumed), failures, holdings)
+    return Plan(pending, len(resumed), failures, holdings)
 
 
 @dataclass

@@ -36,13 +36,13 @@ class Reference(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """Class of a run, its relative error (L2, or RMS if chaotic), crossings seen, and openings of contacts of the
-    run and of the reference.
+    """Class of a run, its relative error (L2, or RMS if chaotic), detected crossings, and openings of contacts
+    of the run and of the reference.
     """
 
     outcome: str
     error: float
-    seen: int
+    detected: int
     openings: int
     reference_openings: int
 
@@ -81,7 +81,7 @@ def openings(contacts: np.ndarray) -> int:
     return int((contacts[:, :-1] & ~contacts[:, 1:]).sum())
 
 
-def crossings_seen(
+def detected_crossings(
     trace: Trace, reference: Reference, healthy: Reference, windows: list[tuple[float, float]]
 ) -> int:
     """Count the crossings with a ring response of at least ``RESPONSE_FRACTION`` of the reference's.
@@ -122,13 +122,13 @@ def classify(
     exact, contacts = reference.velocity[:, stride - 1 :: stride], reference.contacts[:, stride - 1 :: stride]
     error = (rms if reference.chaotic else l2)(trace.velocity, exact)
     run_openings, reference_openings = openings(trace.contacts), openings(contacts)
-    seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
+    detected = detected_crossings(trace, reference, healthy, windows) if healthy is not None else len(windows)
     if error <= max(ACCURACY, reference.floor):
         outcome = OK if reference.floor <= CHAOS_FLOOR else CHAOS
-    elif long_steps and seen < len(windows):
+    elif long_steps and detected < len(windows):
         outcome = SKIPPED
     elif run_openings > OPENINGS_FACTOR * reference_openings + OPENINGS_OFFSET:
         outcome = CHATTER
     else:
         outcome = INACCURATE
-    return Verdict(outcome, error, seen, run_openings, reference_openings)
+    return Verdict(outcome, error, detected, run_openings, reference_openings)

@@ -75,8 +75,8 @@ def _format(value: Any) -> Any:
 
 
 def _report_progress(done: int, total: int, elapsed: float) -> None:
-    time_left = duration(elapsed * (total - done) / done)
-    say(f"{done}/{total} cells, about {time_left} left", err=True)
+    remaining = duration(elapsed * (total - done) / done)
+    say(f"{done}/{total} cells, about {remaining} left", err=True)
 
 
 def summary(path: Path) -> Iterator[tuple[str, ...]]:

@@ -276,7 +276,7 @@ def row_values(
         "measure": "" if scene_reference is None else "RMS" if scene_reference.chaotic else "L2",
         "floor": np.nan if scene_reference is None else scene_reference.floor,
         "reference": "" if scene_reference is None else scene_reference.names,
-        "seen": verdict.seen,
+        "seen": verdict.detected,
         "expected": expected,
         "openings": verdict.openings,
         "openings_of_reference": verdict.reference_openings,

@@ -132,7 +132,7 @@ def _create_locked(folder: Path, name: str, suffix: str) -> BinaryIO:
         try:
             file = path.open("xb")
         except OSError as error:
-            error.filename = str(folder / name)  # users do not know the temporary name
+            error.filename = str(folder / name)  # not the temporary name
             raise
         _lock_file(file, wait=True)
         if path.exists():

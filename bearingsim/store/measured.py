@@ -37,7 +37,7 @@ class Comparison(NamedTuple):
 class MeasuredSet(NamedTuple):
     """Points of one source as in the plan, their comparisons, and the factor on measured values (1: none).
 
-    is_scaled: whether the study asks for a factor; remarks: on its signals, and on points outside the study.
+    is_scaled: whether the study requests a factor; remarks: on its signals, and on points outside the study.
     """
 
     label: str

@@ -270,8 +270,8 @@ class _Reader:
             return
         self.remarks += remarks
         name = str(entries["file"].value)  # with its folder: several may have a file of one name
-        place = name if request.channel is None else f"{name} ({request.channel})"
-        yield MeasuredPoint(parameters, features, place, signal)
+        source = name if request.channel is None else f"{name} ({request.channel})"
+        yield MeasuredPoint(parameters, features, source, signal)
 
     def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
         """Return a positive quantity (SI) of a signal; None, with a problem if it is invalid."""

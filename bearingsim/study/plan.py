@@ -192,9 +192,9 @@ class Plan:
         self.expand()
         path = self.swept_spelling(path)
         self.settings = remove_path(self.settings, path)
-        place = normal_form(path)
+        location = normal_form(path)
         swept = [normal_form(other) for axis in self.axes for other in axis.paths]
-        if any(place[: len(section)] == section for section in swept):
+        if any(location[: len(section)] == section for section in swept):
             self.axes = replace_axis(self.axes, Axis((path,), ((value,),), (value,)))
 
     def swept_spelling(self, path: str) -> str:

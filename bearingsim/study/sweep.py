@@ -83,14 +83,14 @@ def with_one_seed(axis: Axis) -> Axis:
 def replace_axis(axes: list[Axis], new: Axis) -> list[Axis]:
     """Replace all axes that sweep a path of ``new`` by ``new``; append it if there are none."""
     result: list[Axis] = []
-    placed = False
+    is_inserted = False
     for axis in axes:
         overlaps = not set(map(normal_form, axis.paths)).isdisjoint(map(normal_form, new.paths))
-        if overlaps and not placed:
+        if overlaps and not is_inserted:
             result.append(new)
-            placed = True
+            is_inserted = True
         result += _remove_paths(axis, new.paths) if overlaps else [axis]
-    return result if placed else [*result, new]
+    return result if is_inserted else [*result, new]
 
 
 def _remove_paths(axis: Axis, paths: Collection[str]) -> list[Axis]:

@@ -257,9 +257,7 @@ def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     if context == "expected a single document in the stream":
         reason = "a second document begins here"
     elif context == "while scanning a simple key":
-        start = getattr(
-            error, "context_mark", None
-        )  # the key without a colon; the scanner notices it on a later line
+        start = getattr(error, "context_mark", None)  # the key without a colon; the scanner reports a later line
     if start is not None:
         lines = _lines(text)
         line = min(start.line, len(lines) - 1)

@@ -13,7 +13,7 @@ from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, PlotWarning
 from bearingsim.plots import plot as written
 from bearingsim.plots.plot import drawn
-from bearingsim.plots.ring import draw_shape, sensor_position, view
+from bearingsim.plots.ring import draw_shape, sensor_position, view_of
 from bearingsim.plots.ring_shape import PARTS, ring_shape
 from bearingsim.plots.select import case_rows, done_jobs
 from tests.scenes.figure_results import STUDY, only, results
@@ -96,14 +96,14 @@ def test_deformation_is_drawn_at_labelled_scale(rig, clearance, times):
 def test_scale_is_a_round_number_that_fits_displacement():
     """9 mm of 90 mm, so that what is largest at 2.2 um may be 4.5 mm."""
     shape = ring_shape(case(BENDS))
-    assert view(shape).times == 2000.0
+    assert view_of(shape).times == 2000.0
     half = shape._replace(instants=tuple(
         instant._replace(x=0.5 * instant.x, y=0.5 * instant.y, a=0.5 * instant.a, b=0.5 * instant.b,
                          outwards=0.5 * instant.outwards)
         for instant in shape.instants
     ), gap=0.0)  # fmt: skip
-    assert view(half).times in (2000.0, 5000.0)
-    assert 0.04 * 45e-3 < view(half).times * half.largest() <= 0.1 * 45e-3
+    assert view_of(half).times in (2000.0, 5000.0)
+    assert 0.04 * 45e-3 < view_of(half).times * half.largest() <= 0.1 * 45e-3
 
 
 def circles(ax):
@@ -112,7 +112,7 @@ def circles(ax):
 
 def test_rollers_are_shaded_by_force_and_touch_drawn_race():
     shape = ring_shape(case(BENDS))
-    seen, canvas = view(shape), draw_shape(shape, [])
+    seen, canvas = view_of(shape), draw_shape(shape, [])
     for ax, instant in zip(canvas.axes, shape.instants, strict=False):
         patches = circles(ax)
         order = np.argsort(instant.forces)
@@ -185,7 +185,7 @@ def test_loaded_and_unloaded_springs_are_drawn_differently(rig, count):
 @pytest.mark.parametrize(("on", "least", "most"), [("ring", 38.0, 45.0), ("housing", 47.0, 53.0)])
 def test_the_sensor_is_marked_at_its_angle(on, least, most):
     shape = ring_shape(case(POINTS | {"sensor": {"on": on, "angle": "30 deg"}}))
-    right, up = (float(part[0]) for part in sensor_position(view(shape), shape.instants[0]))
+    right, up = (float(part[0]) for part in sensor_position(view_of(shape), shape.instants[0]))
     assert math.degrees(math.atan2(-right, up)) == pytest.approx(30.0, abs=4.0)
     assert least < math.hypot(right, up) < most
 

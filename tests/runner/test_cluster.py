@@ -134,7 +134,7 @@ def test_no_job_fails_if_all_workers_die(
     monkeypatch.setattr(cluster, "RESTARTS_WITHOUT_PROGRESS", 1)
     study: Any = FakeStudy(actions=dict.fromkeys(range(3), "kill"))
     wait_until(lambda: count_workers(machines) == 2, "a worker that died was not started anew")
-    with pytest.raises(RepeatedWorkerDeaths, match="no job is blamed"):
+    with pytest.raises(RepeatedWorkerDeaths, match="no job counts as failed"):
         compute(study, tmp_path, machines.address)
     assert not store.read_failures(tmp_path)
 

@@ -74,7 +74,7 @@ def test_no_crossing_is_skipped_at_any_position_in_a_step(name, healthy):
         scene = prepare_scene("0.2 mm slot", delay=n / POSITIONS * step)
         result = matrix.run(scene, name, setting(scene, name), np.inf)
         assert not result.failure
-        assert classification.crossings_seen(
+        assert classification.detected_crossings(
             result, reference(scene), healthy, crossing_windows(scene.model)
         ) == len(CROSSING_TIMES)
 
@@ -85,7 +85,7 @@ def test_solver_without_defect_information_skips_defects(healthy):
     result = matrix.run(scene, "scipy-radau", 1e-2, np.inf)
     assert not result.failure
     assert len(result.velocity[0]) == len(TIMES)
-    assert classification.crossings_seen(result, reference(scene), healthy, crossing_windows(scene.model)) == 0
+    assert classification.detected_crossings(result, reference(scene), healthy, crossing_windows(scene.model)) == 0
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)
@@ -111,9 +111,9 @@ def test_ring_without_response_counts_no_crossing():
     healthy_velocity = exact.velocity * 0.0 + healthy.velocity
     verlet = assemble.kind_of_method("verlet").parameters(5e-7)
     run = trace("verlet", verlet, scene.model, scene.y, np.inf)
-    assert classification.crossings_seen(run, exact, healthy, crossing_windows(scene.model)) == 3
+    assert classification.detected_crossings(run, exact, healthy, crossing_windows(scene.model)) == 3
     assert (
-        classification.crossings_seen(
+        classification.detected_crossings(
             run._replace(velocity=healthy_velocity), exact, healthy, crossing_windows(scene.model)
         )
         == 0

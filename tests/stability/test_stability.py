@@ -56,7 +56,7 @@ def test_run_within_one_per_cent_is_ok():
 
 def test_defect_without_ring_response_is_skipped():
     result = verdict(ring_response(0.0))
-    assert (result.outcome, result.seen) == ("skipped", 0)
+    assert (result.outcome, result.detected) == ("skipped", 0)
     assert (
         verdict(ring_response(0.0), long_steps=False).outcome == "inaccurate"
     )  # its steps are too short to skip a defect
@@ -84,7 +84,7 @@ def test_failed_run_keeps_its_class():
 def test_coarse_run_is_compared_at_its_samples():
     velocity = ring_response()[:, 19::20]
     result = classification.classify(Trace(20, velocity, contacts()[:, 19::20]), EXACT, HEALTHY, WINDOW, True)
-    assert (result.outcome, result.error, result.seen) == ("ok", 0.0, 1)
+    assert (result.outcome, result.error, result.detected) == ("ok", 0.0, 1)
 
 
 def test_reference_needs_two_agreeing_solutions():

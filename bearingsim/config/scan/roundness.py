@@ -255,8 +255,8 @@ def form_range(profile: Profile, orders: tuple[int, int]) -> float:
 def remarks(profile: Profile, orders: tuple[int, int]) -> tuple[str, ...]:
     """Return the repairs of a profile, and the range of the orders used, in words."""
     eccentricity = float(abs(harmonics(profile, 1, on_outer=False)[1]))
-    kept = form_range(profile, orders)
-    text = f"orders {orders[0]} to {orders[1]}: {_um(kept)} from peak to valley"
+    height = form_range(profile, orders)
+    text = f"orders {orders[0]} to {orders[1]}: {_um(height)} from peak to valley"
     removed = f"; an eccentricity of {_um(eccentricity)} is removed" if eccentricity > MIN_ECCENTRICITY else ""
     return (*profile.notes, text + removed)
 

@@ -252,7 +252,7 @@ class Surfaces(Section):
     @property
     def is_random(self) -> bool:
         """True if the form depends on `seed`."""
-        surfaces = self._given
+        surfaces = self._by_element
         diameter = self.rollers and self.rollers.diameter
         return bool(diameter and diameter.scatter) or any(
             surface.spectrum is not None for surface in surfaces.values()
@@ -274,10 +274,10 @@ class Surfaces(Section):
     @property
     def elements(self) -> list[str]:
         """Elements with deviations, in the words of a defect's `race`."""
-        return list(self._given)
+        return list(self._by_element)
 
     @property
-    def _given(self) -> dict[str, _Surface]:
+    def _by_element(self) -> dict[str, _Surface]:
         surfaces = {"outer": self.outer, "inner": self.inner, "roller": self.rollers}
         return {element: surface for element, surface in surfaces.items() if surface is not None}
 
@@ -285,7 +285,9 @@ class Surfaces(Section):
     def highest_orders(self) -> dict[str, int]:
         """Highest order of each element with waviness, in the words of a defect's `race`."""
         return {
-            element: surface.highest_order for element, surface in self._given.items() if surface.highest_order
+            element: surface.highest_order
+            for element, surface in self._by_element.items()
+            if surface.highest_order
         }
 
 
