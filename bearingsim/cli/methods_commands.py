@@ -1,15 +1,20 @@
 """Commands that need no results of a study: compile, frequencies, maps and charts of the methods."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bearingsim.cli import completion
-from bearingsim.cli.options import SILENCE_S, Jobs, Json
-from bearingsim.text.announcer import announcer
+from bearingsim.cli.opening import short_path
+from bearingsim.cli.options import SILENCE_S, Jobs, Json, check_choice
+from bearingsim.text.announcer import Announcer, announcer
 from bearingsim.text.terminal import say
+
+DEFECT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [DEFECT]}
 
 
 def warm(
@@ -18,11 +23,33 @@ def warm(
     ] = None,
 ) -> None:
     """Compile the solver of a study, or of the default models, into the cache, before the first run."""
-    from bearingsim.cli.warm import compile_solver
-
     with announcer(seconds=SILENCE_S) as announcements:
-        models = compile_solver(study, announcements)
+        models = _compile_solver(study, announcements)
     say(f"compiled and in the cache: {models}")
+
+
+def _compile_solver(study: Path | None, announcements: Announcer) -> str:
+    """Compile the solver for the cases of a study; return their models, in words.
+
+    Without a study, compile the default model and the reference of most studies with an accuracy, both with and
+    without friction. Raises StudyError.
+    """
+    from bearingsim.catalogue import DEFAULT_MODEL, REFERENCE
+    from bearingsim.config import Case
+    from bearingsim.runner.progress import compilation_callback
+    from bearingsim.selection.candidates import with_friction
+    from bearingsim.simulation import warm
+    from bearingsim.study import load_study
+
+    if study is not None:
+        cases = load_study(study).cases()
+    else:
+        default_case, reference = (
+            Case.model_validate(CASE | {"model": model}) for model in (DEFAULT_MODEL, REFERENCE)
+        )
+        cases = [default_case, reference, with_friction(reference) or reference]
+    warm(cases, compilation_callback(announcements))
+    return ", ".join(f"`{model}`" for model in dict.fromkeys(case.model for case in cases))
 
 
 def freq(
@@ -77,9 +104,39 @@ def stability(
     jobs: Jobs = 1,
 ) -> None:
     """Map where each integrator fails, over step, stiffness, damping and defect, as a CSV file and figures."""
-    from bearingsim.cli import stability as stability_command
+    from bearingsim.cli.screen import print_table
+    from bearingsim.plots import stability as maps
+    from bearingsim.stability import classification, mapping, matrix
+    from bearingsim.stability.scene import DEFECTS
 
-    stability_command.show(model, method, defect, quick, out, jobs or 1)
+    grid = matrix.QUICK if quick else matrix.FULL
+    default_methods = matrix.QUICK_METHODS if quick else matrix.method_names()
+    all_methods = matrix.method_names()
+    grid = grid._replace(defects=tuple(_select("--pit", defect, tuple(DEFECTS), grid.defects)))
+    model_names = _select(
+        "--model", model, matrix.model_names(), matrix.QUICK_MODELS if quick else matrix.default_models()
+    )
+    method_names = _select(
+        "--method", method, all_methods, [name for name in default_methods if name in all_methods]
+    )
+    target = out or Path("results") / ("stability-quick" if quick else "stability")
+    path = mapping.compute(model_names, method_names, grid, target, jobs or 1)
+    print_table(("model", "method", *classification.CLASSES), mapping.summary(path), text_columns=2)
+    say(short_path(path))
+    for file in maps.draw_all(path):
+        say(short_path(file))
+
+
+def _select(
+    option: str, names: Sequence[str] | None, choices: Sequence[str], defaults: Sequence[str]
+) -> list[str]:
+    """Return the requested names without duplicates, or ``defaults`` if none are requested.
+
+    Raises BadParameter for a name that is not in ``choices``.
+    """
+    for name in names or []:
+        check_choice(option, name, choices)
+    return list(dict.fromkeys(names or defaults))
 
 
 def bench(
