@@ -13,6 +13,8 @@ from bearingsim.simulation import simulate
 from bearingsim.study import load_rolling_parts
 from tests.scenes.impacts import LINES, PARTS, RATE, SHAFT, impacts
 
+NF308 = load_rolling_parts("nf308")
+
 
 def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_edge():
     impact = impacts(LINES.outer, noise=0.02)
