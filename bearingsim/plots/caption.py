@@ -5,6 +5,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from bearingsim.config.bands import PASSBAND
+from bearingsim.config.channels import is_contact_force
 from bearingsim.plots import labels, select
 
 if TYPE_CHECKING:
@@ -115,14 +116,22 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
     return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {PASSBAND * sampling / 1e3:.3g} kHz"]
 
 
-def sampling_of(jobs: Iterable["Job"]) -> list[str]:
-    """Describe the sampling of records, `sampled at 51.2 kHz (flat to 20.5 kHz)`, if all share it."""
+def sampling_of(jobs: Iterable["Job"], channels: Sequence[str]) -> list[str]:
+    """Describe the sampling of channels, `sampled at 51.2 kHz (flat to 20.5 kHz)`, if all jobs share it.
+
+    Contact forces are recorded without a low-pass.
+    """
     settings = {(float(job.parameters["sampling"]), job.parameters["antialias"] == "true") for job in jobs}
     if len(settings) != 1:
         return []
     [(rate, filtered)] = settings
-    flat = f"flat to {PASSBAND * rate / 1e3:.3g} kHz" if filtered else "without a low-pass"
-    return [f"sampled at {rate / 1e3:.4g} kHz ({flat})"]
+    flat, raw = f"flat to {PASSBAND * rate / 1e3:.3g} kHz", "without a low-pass"
+    forces = sum(map(is_contact_force, channels))
+    if filtered and 0 < forces < len(channels):
+        band = f"{flat}; contact forces {raw}"
+    else:
+        band = flat if filtered and not forces else raw
+    return [f"sampled at {rate / 1e3:.4g} kHz ({band})"]
 
 
 def following_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:

@@ -46,7 +46,7 @@ MAX_LEVELS = 12  # distinct values on x up to which each has its own median
 MAX_GROUPS = 20
 WIDE = 5.0  # ratio of limits above which a log axis is considered
 MAX_COLUMNS = 3
-POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
+POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.5}
 TREND = ("line: running median", "band: quartiles")
 
 

@@ -93,9 +93,9 @@ def prepared(results: "Results", requested: "Figure", rows: "pd.DataFrame") -> P
         texts = [*varying(figure, part, units), *_design_texts(results)]
         return Prepared(figure, part, caption + texts, scattered=True)
     caption += following_parameters(figure, part, units)
-    if sweep.are_many(figure, part, units):
-        return Prepared(figure, part, caption, scattered=False)
-    part = select.with_baselines(results, select.with_spread(results, part, figure.y), figure)
+    part = select.with_spread(results, part, figure.y)
+    if not sweep.are_many(figure, part, units):
+        part = select.with_baselines(results, part, figure)
     return Prepared(figure, part, caption + select.spread_texts(results, part), scattered=False)
 
 

@@ -137,7 +137,7 @@ def content(
         display.x_label,
         [[records[name] for name in dict.fromkeys(names)] for names in leading],
         [not row.jobs for row in rows],
-        [*display.notes, *sampling_of(jobs.values()), *fixed],
+        [*display.notes, *sampling_of(jobs.values(), channels), *fixed],
     )
 
 

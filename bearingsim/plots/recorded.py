@@ -1,6 +1,6 @@
 """Recorded channels of a job as drawn: components, units and names."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
     from bearingsim.figure_kinds import View
     from bearingsim.store import Results, Series
+
+LOW_PASS = "drawn through a low-pass that does not ring before an impact: peaks differ from those of the table"
+SAMPLED = "contact forces at the samples, between which the table may have larger ones"
 
 
 class Signal(NamedTuple):
@@ -151,6 +154,12 @@ def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     from bearingsim import signals
 
     return signals.causal(signal.values)
+
+
+def drawing_texts(jobs: Iterable[Job], channels: Sequence[str]) -> list[str]:
+    """Say for a caption why peaks of channels over time differ from those of the table."""
+    filtered = any(is_filtered_causally(job, name) for job in jobs for name in channels)
+    return [LOW_PASS] * filtered + [SAMPLED] * any(map(is_contact_force, channels))
 
 
 def check_passband(option: str, limits: tuple[float, float], *jobs: Job) -> None:

@@ -48,7 +48,8 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
 
     if figure.view.healthy is None:
         figure = replace(figure, view=replace(figure.view, healthy="off"))
-    display = Display(curve, "Angle of the roller (°)", [])
+    texts = recorded.drawing_texts(records.values(), channels)
+    display = Display(curve, "Angle of the roller (°)", texts)
     panels = grid(content(results, records, channels, figure, display), figure.title)
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
         for ax in row:

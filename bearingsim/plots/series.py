@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}
 """Ball passes shown by default, by channel; other channels are shown in full."""
 CROSSING = "0.93"
-LOW_PASS = "drawn through a low-pass that does not ring before an impact: peaks differ from those of the table"
 MEASURED_AROUND = "measured signals at any phase, because the times of their impacts are not known"
 SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
@@ -50,7 +49,7 @@ def series_of(
     unit, scale = _time_unit(figure, records, channels)
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
-        window = window_of(results, name, records[name], channel, view, shown_time(job, channel))
+        window = window_of(results, name, records[name], channel, view, shown_time(records, channel))
         values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, view))
         part = cut(signal._replace(values=values), window)
         return (part.time - window.origin) / scale, part.values
@@ -66,7 +65,7 @@ def series_of(
 def _time_unit(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]) -> tuple[str, float]:
     """Choose the unit of the time axis, and its value in s."""
     view = figure.view
-    lengths = [shown_time(job, channel) for job in records.values() for channel in channels]
+    lengths = [shown_time(records, channel) for channel in channels]
     if view.around:
         lengths = [pass_period(job) for job in records.values()]
     longest = max(lengths) if view.stop is None else view.stop - (view.start or 0.0)
@@ -91,25 +90,25 @@ def _crossings(
     _, scale = _time_unit(figure, records, channels)
     for name, job in records.items():
         for channel in channels:
-            window = window_of(results, name, job, channel, figure.view, shown_time(job, channel))
+            window = window_of(results, name, job, channel, figure.view, shown_time(records, channel))
             if window.crossing:
                 low, high = (round((end - window.origin) / scale, 6) for end in window.crossing)
                 yield low, high
 
 
-def shown_time(job: Job, channel: str) -> float:
-    """Return the duration (s) of a series to draw, from ``SHOWN_PASSES``."""
+def shown_time(records: Mapping[str, Job], channel: str) -> float:
+    """Return the duration (s) of a series to draw: ``SHOWN_PASSES`` of the slowest job, as jobs share the axis."""
     passes = next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), np.inf)
-    if recorded.has_ramp(job):
-        passes = np.inf
-    return float(min(passes * pass_period(job), job.parameters["duration"]))
+    return max(
+        float(min((np.inf if recorded.has_ramp(job) else passes) * pass_period(job), job.parameters["duration"]))
+        for job in records.values()
+    )
 
 
 def _texts(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]) -> list[str]:
     band = figure.view.band
-    filtered = any(recorded.is_filtered_causally(job, name) for job in records.values() for name in channels)
     return [
         *([f"band {band[0] / 1e3:.4g} to {band[1] / 1e3:.4g} kHz"] if band else []),
-        *([LOW_PASS] if filtered else []),
+        *recorded.drawing_texts(records.values(), channels),
         *(["mean subtracted"] if figure.view.zero_mean else []),
     ]

@@ -81,12 +81,12 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
             results, name, leading, channel, figure.view, float(signal.time[-1]), passes=AROUND_PASSES
         )
         frequency, amplitude = part_of_spectrum(spectrum, cut(signal, window), limits, name, leading)
-        resolution = f"Hann window, {frequency[1] - frequency[0]:.3g} Hz between lines"
+        resolution = f"{frequency[1] - frequency[0]:.3g} Hz between lines"
         if resolution not in notes:
             notes.append(resolution)
         return frequency, amplitude
 
-    notes = [_quantity(figure, band)]
+    notes = [_quantity(figure, band), "Hann window"]
     y_label, power = (_envelope_label, 2) if is_envelope else (str, 1)
     display = Display(curve, "Frequency (Hz)", notes, y_label, power, amplitude=True)
     return content_of(results, records, recorded.channels_for(records, figure.y), figure, display)
@@ -97,15 +97,18 @@ def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Shee
     content = spectra_of(results, figure, jobs)
     panels = grid(content, figure.title, sideband_entries(job for row in content.jobs for job in row))
     limits = frequency_range(figure, (job for row in panels.jobs for job in row))
+    marked: list[Job] = []
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
+        has_marks = share_lines(jobs_of_row)
+        is_named = not marked or not share_lines([marked[-1], jobs_of_row[0]])
         for ax in row:
             _set_scales(ax, figure, *limits)
-            top = row is panels.axes[0]
-            with_orders = figure.view.orders and top
+            with_orders = figure.view.orders and row is panels.axes[0]
             if with_orders:
                 _add_orders(ax, [job for row in panels.jobs for job in row])
-            if share_lines(jobs_of_row):
-                mark_lines(ax, jobs_of_row[0], named=top, above=ORDERS_POINTS if with_orders else 0.0)
+            if has_marks:
+                mark_lines(ax, jobs_of_row[0], named=is_named, above=ORDERS_POINTS if with_orders else 0.0)
+        marked += jobs_of_row[:1] if has_marks else []
     panels.share_scales()
     for ax in (ax for row in panels.axes for ax in row):
         _limit_range(ax, figure)

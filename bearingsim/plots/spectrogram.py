@@ -72,7 +72,7 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)
     lengths = sorted(1e3 * pass_period(job) / PER_PASS for job in records.values())
     ends = " to ".join(dict.fromkeys(f"{length:.2g}" for length in (lengths[0], lengths[-1])))
-    finish(canvas, figure.title, [f"segments of {ends} ms", *sampling_of(records.values()), *fixed])
+    finish(canvas, figure.title, [f"segments of {ends} ms", *sampling_of(records.values(), [channel]), *fixed])
     return [Sheet(file_words(figure, jobs), canvas)]
 
 

@@ -39,6 +39,7 @@ RC: dict[str, Any] = {
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")  # Okabe and Ito
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h")
+FILLS = ("full", "none", "left", "top", "right", "bottom")  # of markers; the other half is white
 LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (3, 1, 1, 1, 1, 1)))
 
 
@@ -63,7 +64,7 @@ def disable_invalid_math(canvas: Figure) -> None:
 
 
 class CurveStyle(NamedTuple):
-    """Colour, marker and line of a curve; the markers are hollow if not ``filled``.
+    """Colour, marker and line of a curve, and the filled part of its markers (``FILLS``).
 
     ``rank``: the higher, the thinner the curve, so that curves drawn earlier remain visible below it.
     """
@@ -71,27 +72,29 @@ class CurveStyle(NamedTuple):
     colour: Any
     marker: str
     line: Any
-    filled: bool = True
+    fill: str = "full"
     rank: int = 0
 
     def keywords(self) -> dict[str, Any]:
         """Return the keyword arguments of matplotlib's Line2D."""
-        fill = {} if self.filled else {"markerfacecolor": "white"}
+        hollow = {"markerfacecolor": "white"} if self.fill == "none" else {"fillstyle": self.fill}
         widths = {"linewidth": max(1.8 - 0.3 * self.rank, 1.1), "markersize": max(6.5 - self.rank, 4.0)}
-        return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **widths, **fill}
+        return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **widths, **hollow}
 
 
 def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[CurveStyle]]:
     """Return the styles of ``by_colour`` x ``by_line`` curves, distinguished by colour and marker, and by line.
 
-    Only the first line of each colour has filled markers. If ``by_line`` is 1, line styles vary with the colour,
-    except among shades. ``ordered``: ``SEQUENCE_FROM`` colours or more are shades.
+    The filled part of the markers varies with the line, for points that no line joins. If ``by_line`` is 1, line
+    styles vary with the colour, except among shades. ``ordered``: ``SEQUENCE_FROM`` colours or more are shades.
     """
     shades = ordered and by_colour >= SEQUENCE_FROM
     colours = shaded(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
     return [
         [
-            CurveStyle(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
+            CurveStyle(
+                colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], FILLS[j % len(FILLS)], rank
+            )
             for j in range(by_line)
             for line, rank in [
                 (j, j + 1) if by_line > 1 else (0, 3) if shades else (i, min(i, 3) if by_colour <= FEW else 3)

@@ -63,7 +63,7 @@ def draw(drawing: overlay.Drawing, caption: Sequence[str], measured: Sequence["M
         for curve in curves:
             points = curve.points
             ax.plot(*_broken(points.x, points.y, name), **curve.style.keywords())
-            mark_spread(ax, curve)
+            mark_spread(ax, curve, points.x)
             mark_errors(ax, curve, points.x, points.y)
             mark_models(ax, points.x, points.y, points.models, models_of(rows))
             mark_chaotic(ax, points.x, points.y, points.chaotic)
@@ -87,18 +87,19 @@ def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:
         ax.plot(curve.points.x, curve.points.healthy, **BASELINE, color=colour)
 
 
-def mark_spread(ax: "Axes", curve: Curve) -> None:
-    """Draw the uncertainty of a feature: a band if all points have one, else bars."""
+def mark_spread(ax: "Axes", curve: Curve, positions: Sequence[float], along: str = "y") -> None:
+    """Draw the uncertainty of a feature ``along`` an axis: a band if a line joins all points, else bars."""
     points = curve.points
     has = [math.isfinite(value) for value in points.low]
-    if all(has) and len(points.x) > 1:
-        ax.fill_between(points.x, points.low, points.high, color=curve.style.colour, alpha=BAND_ALPHA, lw=0.0)
+    if all(has) and len(positions) > 1 and curve.style.line:
+        ax.fill_between(positions, points.low, points.high, color=curve.style.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
-        abscissas, lowest, highest = (
+        places, lowest, highest = (
             [v for v, is_finite in zip(a, has, strict=True) if is_finite]
-            for a in (points.x, points.low, points.high)
+            for a in (positions, points.low, points.high)
         )
-        ax.vlines(abscissas, lowest, highest, color=curve.style.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
+        bars = ax.vlines if along == "y" else ax.hlines
+        bars(places, lowest, highest, color=curve.style.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
 def mark_errors(ax: "Axes", curve: Curve, x: Sequence[float], y: Sequence[float], along: str = "y") -> None:
@@ -136,7 +137,7 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
 
 
 MAX_UPRIGHT, MAX_CHARACTERS = 6, 36  # largest numbers of names, and of their characters in total, below an axis
-LINE_IN = 0.22  # height of a line
+LINE_IN, LABEL_LINE_IN = 0.22, 0.15  # heights of a line, and of one of an axis label
 MIN_VALUES_IN, VALUES_IN = 1.25, 2.3  # limits of the width of a column of values
 NAME_CHARACTER_IN = VALUE_CHARACTER_IN = 0.072  # inches, width of a character of a name, and of a value
 SPREAD = 0.5  # spread of several curves, over the distance between names
@@ -166,8 +167,7 @@ def draw_names(drawing: overlay.Drawing, caption: Sequence[str], measured: Seque
     names_in = NAME_CHARACTER_IN * max(map(len, texts))
     values_in = max(MIN_VALUES_IN, min(VALUES_IN, (PAGE_IN - names_in) / len(figure.y)))
     width = len(figure.y) * values_in + names_in + 0.4
-    height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
-    canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
+    canvas = Canvas(figsize=(width, 1.0), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
     axes = canvas.subplots(len(panels), len(figure.y), sharex="col", sharey=True, squeeze=False)
     for row, (text, part) in enumerate(panels):
         for column, feature in enumerate(figure.y):
@@ -181,6 +181,8 @@ def draw_names(drawing: overlay.Drawing, caption: Sequence[str], measured: Seque
     corner = axes[0][0]
     corner.set_yticks(range(len(names)), texts)
     corner.set_ylim(len(names) - 0.5, -0.5)
+    label_lines = 1 + max(ax.get_xlabel().count("\n") for ax in axes.flat)
+    canvas.set_figheight(len(panels) * (LINE_IN * len(names) + LABEL_LINE_IN * label_lines + 0.6) + 0.3)
     finish(canvas, figure.title, caption, entries)
     return canvas
 
@@ -200,6 +202,7 @@ def _values(
         shift = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         values, heights = curve.points.y, [rank + shift for rank in curve.points.x]
         ax.plot(values, heights, **curve.style.keywords())
+        mark_spread(ax, curve, heights, along="x")
         mark_errors(ax, curve, values, heights, along="x")
         mark_models(ax, values, heights, curve.points.models, models_of(rows))
         mark_chaotic(ax, values, heights, curve.points.chaotic)

@@ -20,6 +20,7 @@ from bearingsim.plots.units import scale_of
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.plots.recorded import Job
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
@@ -59,6 +60,7 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     canvas = Canvas(figsize=(2 * COLUMN_IN, tallest * len(groups) + 0.9), layout="constrained")
     axes = canvas.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
     step = SPACING_DB if figure.view.db else SPACING * scale.factor * largest
+    marked: list[Job] = []
     for ax, (title, rows) in zip(axes, groups, strict=True):
         ordered = rows.sort_values(path) if select.is_numeric(select.values(rows, path)) else rows
         names = list(ordered["job"])
@@ -77,14 +79,15 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
         ax.set_xlim(*limits)
         selected = [records[name] for name in names]
         if share_lines(selected):
-            mark_lines(ax, selected[0], named=ax is axes[0])
+            mark_lines(ax, selected[0], named=not marked or not share_lines([marked[-1], selected[0]]))
+            marked.append(selected[0])
     axes[-1].set_xlabel("Frequency (Hz)")
     text = recorded.text_of(channel)
     distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(step, 3)} {scale.unit}"
     caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
     fixed = fixed_values(results, table, {path, *others})
     tied = following_parameters(replace(figure, x=path, by=(), panels=tuple(others)), table, units)
-    finish(canvas, figure.title, [*caption, *sampling_of(records.values()), *fixed, *tied])
+    finish(canvas, figure.title, [*caption, *sampling_of(records.values(), [channel]), *fixed, *tied])
     return [Sheet(["waterfall", channel, "over", path], canvas)]
 
 

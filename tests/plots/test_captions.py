@@ -112,7 +112,7 @@ def test_axes_and_legend_fit_on_the_sheet(results):
 )
 def test_curve_styles_are_distinct_in_grey(first, second, ordered):
     table = [look for row in style.curve_styles(first, second, ordered) for look in row]
-    assert len({(look.marker, look.filled, str(look.line)) for look in table}) == first * second
+    assert len({(look.marker, look.fill, str(look.line)) for look in table}) == first * second
     assert len({look.colour for look in table}) == first
 
 

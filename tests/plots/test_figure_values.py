@@ -88,6 +88,50 @@ def test_marks_show_their_frequency_and_do_not_overlap(make_results):
     assert len(far.axes[0].lines) < 60
 
 
+def at_two_speeds(make_results):
+    return make_results(STUDY.replace("load: [150 N, 300 N]", "speed: [1800 rpm, 900 rpm]"))
+
+
+@pytest.mark.parametrize("kind", ["spectrum", "envelope"])
+def test_marks_at_another_speed_are_named_again(make_results, kind):
+    """BPFO is proportional to the speed; rows of equal speed share the names above the first."""
+    stored = at_two_speeds(make_results)
+    _, canvas = only(drawn(stored, kind=kind, y=["ring.acceleration"], jobs=["all"], range="0..500 Hz"))
+    names = [[text.get_text() for text in ax.texts][:1] for ax in canvas.axes]
+    assert names == [["BPFO 159.0 Hz"], ["BPFO 79.5 Hz"]] * 3
+    caption = " ".join(canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ").split())
+    assert caption.count("Hann window") == 1
+
+
+def test_marks_of_a_waterfall_at_another_speed_are_named_again(make_results):
+    _, canvas = only(drawn(at_two_speeds(make_results), kind="waterfall", by=["defect.length"]))
+    assert {ax.texts[0].get_text() for ax in canvas.axes} == {"BPFO 159.0 Hz", "BPFO 79.5 Hz"}
+
+
+def test_series_at_two_speeds_end_together(make_results):
+    """Eight ball passes of the slower job: 8/79.5 s exceeds the record of 100 ms."""
+    stored = at_two_speeds(make_results)
+    _, canvas = only(drawn(stored, kind="series", y=["ring.acceleration"], jobs=["all"]))
+    ends = [line.get_xdata()[-1] for ax in canvas.axes for line in ax.lines]
+    assert ends == pytest.approx([100.0] * 12, abs=0.05)  # ms
+
+
+@pytest.mark.parametrize("kind", ["series", "roller", "spectrum", "spectrogram"])
+def test_caption_says_that_contact_forces_have_no_low_pass(make_results, kind):
+    _, canvas = only(drawn(make_results(), kind=kind, y=["roller.1.outer_force"]))
+    caption = " ".join(canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ").split())
+    assert "sampled at 51.2 kHz (without a low-pass)" in caption
+    assert "flat to" not in caption
+    assert ("between which the table may have larger ones" in caption) == (kind in ("series", "roller"))
+
+
+def test_caption_of_a_force_and_an_acceleration_names_both_bands(make_results):
+    _, canvas = only(drawn(make_results(), kind="series", y=["ring.acceleration", "roller.1.outer_force"]))
+    caption = " ".join(canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ").split())
+    assert "sampled at 51.2 kHz (flat to 20.5 kHz; contact forces without a low-pass)" in caption
+    assert "drawn through a low-pass" in caption
+
+
 def test_impact_is_passage_of_roller_over_defect(make_results):
     """Roller 1 starts at -0.2 rad and passes the defect at 0 rad at the speed of the cage."""
     _, canvas = only(

@@ -64,7 +64,7 @@ def test_colours_are_distinct_with_colour_blindness(sight):
 def test_neighbouring_curves_differ_in_every_simulation_and_in_grey(by_line, ordered):
     for by_colour in range(1, 13):
         table = style.curve_styles(by_colour, by_line, ordered)
-        looks = [(look.colour, look.marker, look.filled, str(look.line)) for row in table for look in row]
+        looks = [(look.colour, look.marker, look.fill, str(look.line)) for row in table for look in row]
         assert all(are_distinct(*pair) for pair in itertools.pairwise(looks))
 
 

@@ -72,6 +72,15 @@ def test_parameter_swept_besides_a_design_is_coloured(results):
     assert "load varies: 15" in caption_of(canvas)
 
 
+def test_points_of_two_parameters_swept_besides_a_design_are_visible_and_differ(results):
+    opened = results(SOBOL + "  model: [static, ring]\n  speed: [900 rpm, 1200 rpm, 1800 rpm]\n")
+    _, canvas = only(drawn(opened, kind="design", y=["velocity@BPFO"]))
+    clouds = [line for line in canvas.axes[0].lines if line.get_linestyle() == "None"]
+    assert all(line.get_markerfacecolor() != "white" or line.get_markeredgewidth() > 0.0 for line in clouds)
+    looks = {(line.get_color(), line.get_fillstyle(), line.get_markerfacecolor()) for line in clouds}
+    assert len(looks) == len(clouds) == 6
+
+
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
 def test_repeated_design_values_make_no_curves(results, kind):
     derived = "  derived: {defect.width: defect.length / 10}\n"

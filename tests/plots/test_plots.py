@@ -338,6 +338,43 @@ def test_panels_of_named_cases_share_an_axis_with_room_for_all(results, log):
         assert high < (100.0 if log else 20.0)
 
 
+def test_points_over_words_differ_by_the_fill_of_their_markers(results):
+    _, canvas = only(drawn(results(STUDY), x="model", y=["velocity@BPFO"], by=["load", "defect.length"]))
+    curves = lines(canvas.axes[0])
+    looks = {(line.get_color(), line.get_fillstyle(), line.get_markerfacecolor()) for line in curves}
+    assert len(looks) == len(curves) == 6
+
+
+PULSES = "envelope, rectangular-pulse, half-sine-pulse, piecewise-pulse, pressure-share, soft-edge, elastic-edge"
+
+
+@pytest.mark.parametrize("excitations", ["envelope, soft-edge", PULSES])
+def test_uncertain_ranges_of_words_are_bars(results, monkeypatch, excitations):
+    """The line is 1 um/s per um of clearance, which varies from 2 to 8 um; no band joins the words."""
+    monkeypatch.setattr("tests.scenes.figure_results.amplitude", lambda case: case.clearance)
+    text = f"sweep: {{excitation: [{excitations}]}}\nuncertainty: {{clearance: [2 um, 8 um]}}\n"
+    _, canvas = only(drawn(results(STUDY[: STUDY.index("sweep:")] + text), y=["velocity@BPFO"]))
+    [ax] = canvas.axes
+    [bars] = ax.collections
+    ends = np.array(bars.get_segments())
+    names = excitations.split(", ")
+    along, across = (0, 1) if len(names) > 2 else (1, 0)
+    np.testing.assert_allclose(np.sort(ends[:, :, along]), [[2.0, 8.0]] * len(names))
+    np.testing.assert_allclose(ends[:, 0, across], range(len(names)))
+    low, high = ax.get_xlim() if along == 0 else ax.get_ylim()
+    assert low < 2.0 < 8.0 < high
+    assert "bands and bars: clearance 2 to 8 µm" in canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_two_long_names_have_room_beside_a_long_axis_label(results):
+    text = "sweep: {contact.damping: [{law: kraemer, beta: 2.5 us}, {law: film, oil: VG 68, temperature: 55 C}]}\n"
+    stored = results(STUDY[: STUDY.index("sweep:")] + text)
+    _, canvas = only(drawn(stored, y=["velocity@BPFO", "velocity.rms", "velocity@BPFO-healthy"]))
+    canvas.draw_without_rendering()
+    first, second = (label.get_window_extent() for label in canvas.axes[0].get_yticklabels())
+    assert second.y1 < first.y0
+
+
 def test_panels_after_the_26th_have_two_letters(results):
     lengths = ", ".join(f"{3.0 + 0.1 * n:.1f} mm" for n in range(28))
     stored = results(STUDY.replace("3 mm, 6 mm, 9 mm", lengths).replace("[static, ring]", "[ring]"))
