@@ -64,7 +64,8 @@ def drawn(
 ) -> list[tuple[str, "Canvas"]]:
     """Draw the figures of ``plot`` without writing them; return pairs of name and figure.
 
-    Warns of figures of the study that cannot be drawn; raises the first error if none can.
+    Warns of figures of the study that cannot be drawn, and of unfinished jobs in figures of all selected ones;
+    raises the first error if no figure can be drawn.
     """
     options = {key: value for key, value in options.items() if is_set(value)}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
@@ -80,6 +81,7 @@ def drawn(
         is_numbered = numbered and not (figure.kind == "design" and is_only_design)
         prefix = f"{'plot' if options else 'fig'}{number}" if is_numbered else ""
         try:
+            _warn_of_unfinished(results, figure, jobs)
             for sheet in draw(results, figure, jobs):
                 named = "y" in options and sheet.words[0] == options["y"][0]
                 words = [*options["y"], *sheet.words[1:]] if named else sheet.words
@@ -173,12 +175,29 @@ def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> lis
     if named and figure.where:
         raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
     rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
-    uses_all = bool(jobs or figure.by or figure.kind == "waterfall")
     with_signal = [job for job in select.done_jobs(rows) if any(signal_points(results, job))][: select.SOME]
-    chosen = named or (select.done_jobs(rows) if uses_all else with_signal or select.some_jobs(rows))
+    chosen = named or (
+        select.done_jobs(rows) if _shows_all(figure, jobs) else with_signal or select.some_jobs(rows)
+    )
     if not chosen:
         raise PlotError("none of these jobs is done")
     return chosen
+
+
+def _shows_all(figure: Figure, jobs: Sequence[str]) -> bool:
+    """Check if a figure of signals shows all selected jobs, unless jobs are named."""
+    return bool(jobs or figure.by or figure.kind == "waterfall")
+
+
+def _warn_of_unfinished(results: "Results", figure: Figure, jobs: Sequence[str]) -> None:
+    """Warn of selected cases that a figure of signals leaves out because they are not done."""
+    from bearingsim.plots import select
+
+    if KINDS[figure.kind].of_jobs and _shows_all(figure, jobs) and list(jobs) in ([], [ALL]):
+        rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
+        if left := len(rows) - len(select.done_jobs(rows)):
+            text = f"{figure.kind} without {left} of {len(rows)} cases, which failed or are not computed yet"
+            warnings.warn(text, PlotWarning, stacklevel=3)
 
 
 # Files
