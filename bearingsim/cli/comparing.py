@@ -275,10 +275,13 @@ def _strongest_other(detection: "Detection") -> dict[str, float]:
 
 
 def only_job(results: "Results") -> str:
-    """Return the only job with a defect and series. Raises UserError if there are several, or none."""
+    """Return the only finished job with a defect and series. Raises UserError if there are several, or none."""
     from bearingsim.plots.lines import races
 
-    recorded = [job for job in results.jobs if _parameters(results, job).get("record")]
+    finished = set(results.parameters().index)
+    if results.jobs and finished.isdisjoint(results.jobs):
+        raise UserError(f"no job of {short_path(results.path)} is done: run the study first")
+    recorded = [job for job in results.jobs if job in finished and _parameters(results, job).get("record")]
     if results.jobs and not recorded:
         raise UserError(f"no job has a time series: {NO_SERIES}")
     damaged = [job for job in recorded if races(_parameters(results, job))]

@@ -279,6 +279,17 @@ def test_a_study_without_series_names_the_remedy(tmp_path, monkeypatch):
     assert "no job has a time series: run the study with `record: [ring.acceleration]`" in " ".join(err.split())
 
 
+def test_jobs_of_another_shard_are_not_compared(tmp_path, monkeypatch):
+    """The second shard has only the healthy bearing, so that no job with the defect is done."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arc.yaml").write_text(STUDY.replace("1 s", "0.1 s"))
+    type_("run", "arc.yaml", "--jobs", 1, "--shard", "2/2")
+    stored = open_results("results/arc")
+    (done,) = stored.parameters().index
+    assert len(stored.jobs) == 2
+    assert comparing.only_job(stored) == done
+
+
 def test_text_and_figure(results, series, tmp_path):
     np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=25600.0, x_unit="m/s^2")
     out = type_("compare", results, tmp_path / "a.npz", "--figure", tmp_path / "a.png")[0]
