@@ -28,11 +28,11 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         return
     for text in summary.findings.withdrawn:
         say(text)
-    feature_list, quick, options = [], False, ""
+    feature_list, quick, command, options = [], False, "plot", ""
     with suppress(ResultsError):  # raised if another run has replaced the plan
         results = open_results(summary.folder)
         feature_list, quick = list(feature_results(results)), results.plan["quick"]
-        options = _plot_options(results)
+        command, options = _next_command(results)
     for result in feature_list[:MAX_FEATURES]:
         say(f"  {result.name}: {', '.join(filter(None, [result.values, result.error]))}")
         for remark in result.remarks:
@@ -53,20 +53,24 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         for text in summary.details:
             say(text)
     if summary.done + summary.resumed:
-        say(f"next: bearingsim plot {shell_path(summary.folder)}{options}")
+        say(f"next: bearingsim {command} {shell_path(summary.folder)}{options}")
     if verbose and summary.failed:
         from bearingsim.cli import tables
 
         tables.show_failures(summary.folder, tracebacks=True)
 
 
-def _plot_options(results: "Results") -> str:
-    """Return the options that `bearingsim plot` needs: a kind, if the study has no figures and sweeps nothing."""
+def _next_command(results: "Results") -> tuple[str, str]:
+    """Return the command that shows the results, and its options.
+
+    A study without figures that sweeps nothing has spectra, if it stores series, and else only a table.
+    """
     from bearingsim.plots.labels import PlotError
     from bearingsim.plots.select import case_rows, planned
 
     try:
         planned(results, case_rows(results))
     except PlotError:
-        return " --kind spectrum"
-    return ""
+        records = results.parameters().get("record", ())
+        return ("plot", " --kind spectrum") if any(records) else ("show", "")
+    return "plot", ""

@@ -16,7 +16,7 @@ computes four supports of a flexible ring, numbered from 1.
 Results need not be monotonic in a parameter, so the smallest and largest results are not strict bounds.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from math import pi, sqrt
@@ -368,12 +368,15 @@ _RING_CHANNELS = ("ring.", "displacement", "velocity", "acceleration")
 
 
 def assumes_rigid_ring(
-    cases: Iterable[Case], features: Iterable[str], parameters: Sequence[UncertainParameter] | None
+    cases: Iterable[Case], features: Collection[str], parameters: Sequence[UncertainParameter] | None
 ) -> bool:
-    """Return True if a study omits `ring`, although a record or a plotted feature depends on it."""
+    """Return True if a study omits `ring`, although a record or a plotted feature depends on it.
+
+    Without plotted features, velocities at the lines of the defects are printed and plotted.
+    """
     if any(parameter.name == "support" for parameter in parameters or ()):
         return False
-    plots_ring = any(name.startswith(_RING_CHANNELS) for name in features)
+    plots_ring = not features or any(name.startswith(_RING_CHANNELS) for name in features)
     return any(
         MODELS[case.model].loaded
         and "ring" not in case.rig.model_fields_set

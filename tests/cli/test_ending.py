@@ -74,6 +74,10 @@ def test_a_run_without_a_sweep_ends_with_a_command_that_draws(study_folder):
     command = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[-1]
     assert command == "next: bearingsim plot results/small --kind spectrum"
     assert "spectrum" in type_(*command.split()[2:])[0]
+    Path("small.yaml").write_text(Path("small.yaml").read_text() + "record: []\n")
+    command = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[-1]
+    assert command == "next: bearingsim show results/small"
+    type_(*command.split()[2:])
 
 
 def test_verbose_prints_details(study_folder):
