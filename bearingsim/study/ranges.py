@@ -1,6 +1,7 @@
 """Warnings of cases outside the models' range of validity, which are computed nevertheless."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import lru_cache, partial
 from math import ceil, floor, hypot, inf, log10, pi
 
@@ -38,6 +39,7 @@ def range_warnings(cases: Sequence[Case], features: Sequence[str]) -> Iterator[s
     ranges: tuple[RangeCheck, ...] = (
         (lambda case: pressure(case) / RATED_PRESSURE[case.bearing.element], pressure_warning),
         (lambda case: load(case) / static_rating(case), load_warning),
+        (preload_ratio, preload_warning),
         (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, speed_warning),
         (lambda case: 2.0 * line(case)[0] / case.sampling, lambda case: line_warning(case, *line(case))),
         (lambda case: coarseness(case) if plots_statistics or records_series(case) else 0.0, crossing_warning),
@@ -130,6 +132,34 @@ def load_warning(case: Case) -> str:
     """Return the warning of a load above the static rating."""
     rating = f"{static_rating(case) / 1e3:.3g} kN"
     return f"a load of {load(case) / 1e3:.4g} kN exceeds the static rating C0, about {rating} (ISO 76)"
+
+
+def preload_ratio(case: Case) -> float:
+    """Return the largest static force of the inner race on an element over the load; 0 without preload.
+
+    Without preload no element carries more than the load. The inner race does not carry centrifugal forces.
+    """
+    return preload_force(case.model_copy(update={"defects": ()})) / load(case)
+
+
+@lru_cache(maxsize=1 << 12)
+def preload_force(case: Case) -> float:
+    """Compute the largest static force (N) of the inner race on an element; 0 without preload or equilibrium."""
+    from bearingsim.assemble.rest import largest_load
+    from bearingsim.core.models.equilibrium import NoEquilibrium
+
+    if case.clearance >= 0.0:
+        return 0.0
+    with suppress(NoEquilibrium):  # reported elsewhere
+        return float(largest_load(case, on_outer=False))
+    return 0.0
+
+
+def preload_warning(case: Case) -> str:
+    """Return the warning of a preload that loads a single element by more than the load."""
+    preload, force = show(-case.clearance, "um"), f"{preload_ratio(case) * load(case) / 1e3:.3g} kN"
+    element, load_text = case.bearing.element, f"{load(case) / 1e3:.4g} kN"
+    return f"a preload of {preload} presses a {element} with {force} at rest, more than the load of {load_text}"
 
 
 # Speed

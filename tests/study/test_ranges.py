@@ -20,6 +20,7 @@ from bearingsim.study.ranges import (
     contact_pressure,
     frequency,
     omission_warnings,
+    preload_ratio,
     pressure,
     range_warnings,
     shortest_crossing,
@@ -89,6 +90,17 @@ def test_the_inner_race_does_not_carry_the_centrifugal_force() -> None:
     assert contact_half_width(fast, False) == pytest.approx(
         math.sqrt(4.0 * inner / 12e-3 * radius / (math.pi * modulus))
     )
+
+
+def test_a_preload_above_the_load_is_reported() -> None:
+    """NF308: half of 25 um at each of Palmgren's contacts, and 2 F/Z more on the most loaded roller."""
+    preloaded = case("nf308", clearance="-50 um")
+    force = (12.5e-3 / 3.84e-5) ** (10 / 9) * 12 ** (8 / 9) + 2 * 150 / 13  # N
+    assert preload_ratio(preloaded) == pytest.approx(force / 150, rel=5e-3)
+    (warning,) = range_warnings([preloaded, case("nf308", clearance="50 um"), case("nf308")], [])
+    text = "a preload of 50 um presses a roller with 5.66 kN at rest, more than the load of 0.15 kN (1 of 3 cases)"
+    assert warning == f"warning: {text}"
+    assert preload_ratio(case("nf308", clearance="-1 um", load="5 kN")) < 1.0
 
 
 WAVE = {"order": 100, "amplitude": "0.1 um"}
