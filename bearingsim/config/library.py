@@ -69,11 +69,22 @@ def _is_path(name: str) -> bool:
 
 
 def similar_file(name: str) -> str:
-    """Suggest files in the folder of a missing file with a similar name; empty if there are none."""
+    """Suggest files in the folder of a missing file with a similar name; empty if there are none.
+
+    Studies are not suggested: none is the file of a bearing, a rig or a material.
+    """
     path, files = Path(_display_path(Path(name))), list[str]()
     with suppress(OSError):  # a name too long for a file
-        files += map(str, path.parent.glob("*.y*ml") if _is_path(name) else ())
+        files += (str(file) for file in path.parent.glob("*.y*ml") if _is_path(name) and not _is_study(file))
     return suggestion(str(path), files)
+
+
+def _is_study(path: Path) -> bool:
+    """Return True if a line of a file gives a study its name."""
+    try:
+        return any(line.startswith("study:") for line in yamlfile.read_text(path).splitlines())
+    except yamlfile.StudyError:  # no text
+        return False
 
 
 def _not_found(kind: Kind, name: str) -> str:
@@ -81,6 +92,15 @@ def _not_found(kind: Kind, name: str) -> str:
         return f"no {kind[:-1]} `{_display_path(Path(name))}` ({similar})"
     names = library_names(kind)
     choices = f"available: {', '.join(names)}; or give the path of a file"
+    if _is_path(name) and not Path(name).is_absolute():
+        choices = f"no such file in the working folder or that of the study; {choices}"
     if kind == "bearings":  # a similar number is another bearing
-        return f"no bearing `{name}` ({choices} of your own, docs/bearings.md)"
+        stem = Path(name).stem if _is_path(name) else name
+        hint = suggestion(stem, [other for other in names if _designation(other) == _designation(stem)])
+        return f"no bearing `{name}` ({hint or f'{choices} of your own, docs/bearings.md'})"
     return f"no {kind[:-1]} `{name}` ({suggestion(name, names) or choices})"
+
+
+def _designation(name: str) -> str:
+    """Return the letters and digits of a bearing's name, which catalogues write as `NU 206` or `NU-206`."""
+    return "".join(filter(str.isalnum, name.lower()))

@@ -10,6 +10,7 @@ from bearingsim.figure_kinds import KINDS
 from bearingsim.plots.labels import COST, NONE, PlotError, printed, swept_text, unit_of, value_text
 from bearingsim.plots.lines import fundamental_lines, may_slip, races_of_all
 from bearingsim.study import Figure, dimension, stored_figure
+from bearingsim.study.figures import LIST_OF_NAMES, whole_names
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
 
@@ -316,13 +317,19 @@ def check_paths(paths: Sequence[str], units: Mapping[str, str]) -> None:
         _check(path, units, "swept path")
 
 
+MAX_LISTED = 20
+"""Largest number of valid words that a message lists."""
+
+
 def _check(word: str, valid: Any, kind: str) -> None:
     if word not in valid:
         if kind == "feature" and (word in CHANNELS or word.rpartition(".")[0] in CHANNELS):
             raise PlotError(f"`{word}` is a channel, not a feature: add `--kind series` or `--kind spectrum`")
-        near = "" if word in FEATURES else suggestion(word, list(valid))  # a feature is not a typo
+        near = suggestion(word, list(valid)) or whole_names(word, list(valid))
+        near = "" if word in FEATURES else near  # a feature is not a typo
         near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if read_band(word) else near
-        advice = near or f"available: {', '.join(valid) or 'none'}"
+        is_long = len(valid) > MAX_LISTED
+        advice = near or (LIST_OF_NAMES if is_long else f"available: {', '.join(valid) or 'none'}")
         raise PlotError(f"no {kind} `{word}` in these results ({advice})")
 
 

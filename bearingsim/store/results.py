@@ -31,9 +31,11 @@ def open_results(path: str | Path) -> "Results":
     results = Results(Path(path))
     plan = results.path / "plan.json"
     if not plan.is_file():
-        raise ResultsError(
-            f"{results.path} contains no results of a study (no plan.json): write them with `bearingsim run STUDY`"
-        )
+        default = Path("results") / results.path.name
+        has_default = (default / plan.name).is_file()
+        advice = f"did you mean {default}?" if has_default else "write them with `bearingsim run STUDY`"
+        reason = "no plan.json" if results.path.exists() else "there is no such folder"
+        raise ResultsError(f"{results.path} contains no results of a study ({reason}): {advice}")
     refuse_links(results.path)
     try:
         results.plan  # noqa: B018

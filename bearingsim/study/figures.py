@@ -1,5 +1,6 @@
 """Section `figures:` of a study file."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -244,14 +245,40 @@ def _check_word(
 ) -> None:
     if word not in words:
         choices = "valid: " + ", ".join(words) if 0 < len(words) < 10 else None
-        band = f"bands are named as in {EXAMPLES}" if words is PLOT_COLUMNS and _resembles_band(word) else ""
+        of_feature = _channel_or_band_hint(word) or whole_names(word, words) if words is PLOT_COLUMNS else ""
         hint = (
-            (explanation(word) or band or suggestion(word, words) or choices)
+            (of_feature or explanation(word) or suggestion(word, words) or choices or LIST_OF_NAMES)
             if len(problems) < MAX_PROBLEMS
             else None
         )
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
         problems.append(problem(mark, f"{where}: no {noun} `{word}`", hint))
+
+
+ERRORS = ("error", "standard_error", "step_error")
+"""First words of the columns that are errors of a feature."""
+LIST_OF_NAMES = "docs/reference/features.md lists all features and channels"
+"""Hint for a word that resembles no feature or channel."""
+
+
+def _channel_or_band_hint(word: str) -> str:
+    """Return the remedy for a channel, or a band, in place of a feature; empty for other words."""
+    if word in CHANNELS or word.rpartition(".")[0] in CHANNELS or roller_of(word) is not None:
+        return f"it is a channel: `{{kind: series, y: {word}}}` draws it"
+    return f"bands are named as in {EXAMPLES}" if _resembles_band(word) else ""
+
+
+def whole_names(word: str, features: Collection[str]) -> str:
+    """Suggest features of which a word is a part, such as `rms`; empty if there are none."""
+    names = [
+        name
+        for name in features
+        if word.lower() in re.split("[.@]", name.lower())
+        and name.partition(".")[0] not in ERRORS
+        and not name.endswith((".phase", "-scatter", HEALTHY))
+        and not re.search(r"@\d|[+-]", name)
+    ]
+    return f"the whole name is needed, as in {', '.join(f'`{name}`' for name in names[:3])}" if names else ""
 
 
 def _resembles_band(word: str) -> bool:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from os.path import exists
 from pathlib import Path as FilePath
@@ -22,6 +23,7 @@ from bearingsim.study.paths import intended_paths
 from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
 from bearingsim.text import files_read
+from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
@@ -227,16 +229,20 @@ class _StudyFile(NamedTuple):
     files: Mapping[str, str | None]
 
 
-def _shipped_hint(path: FilePath) -> str:
-    """Return a hint to the only shipped study with the name of a missing file; empty if there is none."""
+def _missing_file_hint(path: FilePath) -> str:
+    """Return a hint to a similar file, or to the only shipped study, with the name of a missing file."""
     matches = matching_studies(path.name)
-    return f"a shipped study has this name: `bearingsim new --from {matches[0]}`" if len(matches) == 1 else ""
+    if len(matches) == 1:
+        return f"a shipped study has this name: `bearingsim new --from {matches[0]}`"
+    with suppress(OSError):  # a name too long for a file
+        return suggestion(str(path), [str(file) for file in path.parent.glob("*.y*ml")])
+    return ""
 
 
 def _open(path: FilePath, overrides: Mapping[str, str]) -> _StudyFile:
     with files_read.recorded_files() as files:
         files_read.record(path)
-        if not exists(path) and (hint := _shipped_hint(path)):
+        if not exists(path) and (hint := _missing_file_hint(path)):
             raise StudyError([problem(Mark(str(path)), "no such file", hint)])
         text = read_text(path)
         root, syntax_problems = parse(text, str(path))

@@ -352,6 +352,10 @@ def _number_hint(text: str) -> str | None:
     return None
 
 
+REVOLUTIONS_PER_SECOND = ("rps", "r/s", "rev/s", "1/s")
+"""Other names of Hz for a rotation speed, which resemble `rpm`, `r/min` or `rad/s`."""
+
+
 def _unit_hint(unit: str, dimension: Dimension) -> tuple[str | None, str | None]:
     """Describe the mistake in a unit; return the description and the most similar valid unit."""
     units = [name for name in UNITS[dimension] if name]
@@ -362,7 +366,7 @@ def _unit_hint(unit: str, dimension: Dimension) -> tuple[str | None, str | None]
     other = next((d for d in UNITS if unit in UNITS[d]), None)
     if other is not None:
         return f"`{unit}` is a unit of {other}", None
-    nearest = nearest_word(unit, units)
+    nearest = "Hz" if dimension == "rotation" and unit in REVOLUTIONS_PER_SECOND else nearest_word(unit, units)
     if nearest and unit.endswith(nearest) and unit.removesuffix(nearest).isalpha():
         nearest = None  # an unknown prefix; without it the value would be another
     return f"did you mean `{nearest}`?" if nearest else f"units: {', '.join(units)}", nearest

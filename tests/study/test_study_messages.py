@@ -40,7 +40,7 @@ def text_at_caret(problem: Problem) -> str:
         ("speed: 1 rpm", "speed: 1", "the key `speed` is given twice, first on line 3"),
         ("antialias: no", "no", "antialias: expected `true` or `false`, got `no`"),
         ("model: roller", "roller", "model: expected `reference`, `impulse`, `static`, `ring`, `rollers`, `planar` or `spatial`, got `roller` (did you mean `rollers`?)"),
-        ("duration: 1 ms", "1 ms", "duration: 1 ms is shorter than one ball pass (6.28931 ms)"),
+        ("duration: 1 ms", "1 ms", "duration: 1 ms is shorter than one ball pass of 6.28931 ms (are the units of `duration` and `speed` right?)"),
         ("rig: bvt", "bvt", "rig: no rig `bvt` (did you mean `bvt5`?)"),
         ("rig: {sensor_angel: 0 deg}", "sensor_angel:", "rig: unknown key `sensor_angel` (did you mean `sensor_angle`?)"),
         ("contact: {damping: {law: kraemer, chi: 5 s/m}}", "chi", "contact.damping: unknown key `chi` (valid: law, beta)"),
@@ -78,7 +78,7 @@ def text_at_caret(problem: Problem) -> str:
         ("sweep: {load: [1 N], zip: {load: [1 N], settle: [1 s]}}", "load: [1 N], settle", "`load` is swept twice"),
         ("sweep: {load: [1 N], defect.width: [1 mm], defects.1.width: [1 mm]}", "defects.1", "`defects.1.width` is swept twice"),
         ("sweep: {defect.length: [3 mm, 13 mm], load: [1 N, 2 N]}", "13 mm", "defect.length: a defect of 13 mm is longer than the roller (12 mm)"),
-        ("sweep: {speed: [1800 rpm, 1 rpm]}", "1 rpm]", "speed: 1000 ms is shorter than one ball pass (11320.8 ms)"),
+        ("sweep: {speed: [1800 rpm, 1 rpm]}", "1 rpm]", "speed: 1000 ms is shorter than one ball pass of 11320.8 ms (are the units of `duration` and `speed` right?)"),
         ("sweep: {model: [rollers, static]}\nmethod: rk4", "static]", "model: the static model has no method, got `rk4` (remove `method`)"),
         ("clearance: C6", "C6", "clearance: expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `C6`"),
         ("clearance: cn", "cn", "clearance: expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `cn` (did you mean `CN`?)"),
@@ -113,6 +113,13 @@ def text_at_caret(problem: Problem) -> str:
         ("figures: {y: velocity@BPFO}", "{y", "figures: expected a list such as `[{y: velocity@BPFO, x: load}]`"),
         ("figures: [{y: velocity@BPFO}]", "{y", "figures: `x` is missing"),
         ("figures: [{y: velocity@BPF0, x: load}]\nsweep: {load: [1 N]}", "velocity@BPF0", "figures.y: no feature `velocity@BPF0` (did you mean `velocity@BPFO`?)"),
+        ("figures: [{y: RMS, x: load}]\nsweep: {load: [1 N]}", "RMS", "figures.y: no feature `RMS` (the whole name is needed, as in `displacement.rms`, `velocity.rms`, `acceleration.rms`)"),
+        ("figures: [{y: BPFI, x: load}]\nsweep: {load: [1 N]}", "BPFI", "figures.y: no feature `BPFI` (the whole name is needed, as in `displacement@BPFI`, `velocity@BPFI`, `acceleration@BPFI`)"),
+        ("figures: [{y: ring.velocity, x: load}]\nsweep: {load: [1 N]}", "ring.velocity", "figures.y: no feature `ring.velocity` (it is a channel: `{kind: series, y: ring.velocity}` draws it)"),
+        ("figures: [{y: loudness, x: load}]\nsweep: {load: [1 N]}", "loudness", "figures.y: no feature `loudness` (docs/reference/features.md lists all features and channels)"),
+        ("bearing: NF308", "NF308", "bearing: no bearing `NF308` (did you mean `nf308`?)"),
+        ("bearing: NU 206", "NU 206", "bearing: no bearing `NU 206` (did you mean `nu206`?)"),
+        ("bearing: configs/nu206.yaml", "configs", "bearing: no bearing `configs/nu206.yaml` (did you mean `nu206`?)"),
         ("figures: [{y: velocity@BPFO, x: lod}]\nsweep: {load: [1 N]}", "lod", "figures.x: no swept path `lod` (did you mean `load`?)"),
         ("figures: [{y: velocity@BPFO, x: load, bye: a}]\nsweep: {load: [1 N]}", "bye", "figures: no key `bye` (did you mean `by`?)"),
         ("quick: {durtion: 1 s}", "durtion", "no such path `durtion` (did you mean `duration`?)"),
@@ -261,6 +268,11 @@ def test_mistake_in_a_bearing_file_is_reported_in_that_file(write: Write, tmp_pa
     own.rename(tmp_path / "owm.yaml")
     (problem,) = problems(write(BASE.replace("nf308", "own.yaml")))
     assert problem.message == f"bearing: no bearing `{own}` (did you mean `{tmp_path / 'owm.yaml'}`?)"
+    (tmp_path / "owm.yaml").write_text(BASE)
+    (problem,) = problems(write(BASE.replace("nf308", "own.yaml")))  # a similar name, but the file of a study
+    assert problem.message.startswith(
+        "bearing: no bearing `own.yaml` (no such file in the working folder or that of the study; available: "
+    )
     own.write_text(bearing.read_text().replace("bore: 40 mm", "bore: 60 mm"))
     (problem,) = problems(write(BASE.replace("nf308", "own.yaml")))
     assert (problem.file, problem.message) == (str(own), "bearing.bore: the inner race (53 mm) is inside the bore")
@@ -323,6 +335,9 @@ def test_a_tab_is_reported_with_its_remedy(write: Write) -> None:
 def test_a_missing_file(tmp_path: Path) -> None:
     (problem,) = problems(tmp_path / "none.yaml")
     assert str(problem) == f"{tmp_path / 'none.yaml'}: no such file"
+    (tmp_path / "nine.yml").write_text(BASE)
+    (problem,) = problems(tmp_path / "none.yml")
+    assert problem.hint == f"did you mean `{tmp_path / 'nine.yml'}`?"
 
 
 def test_too_large_sweep_is_refused(write: Write) -> None:

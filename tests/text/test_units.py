@@ -83,6 +83,8 @@ def test_quantity_becomes_si(text: str, dimension: Dimension, value: float) -> N
         ("150 mm", "force", "`mm` is a unit of length", None),
         ("5 MM", "length", "did you mean `mm`?", "mm"),
         ("1800 rmp", "rotation", "did you mean `rpm`?", "rpm"),
+        ("30 rps", "rotation", "did you mean `Hz`?", "Hz"),
+        ("30 1/s", "rotation", "did you mean `Hz`?", "Hz"),
         ("1.5.2 mm", "length", "units: m, mm, um, nm", None),
         ("3 N", "number", "no unit here", None),
         ("", "length", "nothing is written", None),

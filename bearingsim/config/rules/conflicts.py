@@ -237,7 +237,8 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
     if case.duration < ball_pass:
         value, limit = show(case.duration, "ms"), show(ball_pass, "ms")
         duration_paths: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
-        yield Conflict("duration", duration_paths, f"{value} is shorter than one ball pass ({limit})")
+        message = f"{value} is shorter than one ball pass of {limit}"
+        yield Conflict("duration", duration_paths, message, "are the units of `duration` and `speed` right?")
     if (
         case.excitation in IMPULSE_EXCITATIONS
         and not catalogue.MODELS[case.model].has_defect_geometry

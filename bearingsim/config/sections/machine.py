@@ -237,7 +237,8 @@ def _check_circle(bearing: Bearing | RollingParts) -> None:
     pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
     if roller >= pitch * math.sin(math.pi / bearing.rollers):
         limit = int(math.pi / math.asin(min(roller / pitch, 1.0)))
-        refuse("crowded", f"{bearing.rollers} rollers do not fit: at most {limit}", at="rollers")
+        message = f"{bearing.rollers} rollers do not fit: at most {limit}"
+        refuse("crowded", message, "are the units of both diameters right?", at="rollers")
 
 
 class Rig(Section):
