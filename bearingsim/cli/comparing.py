@@ -275,13 +275,17 @@ def _strongest_other(detection: "Detection") -> dict[str, float]:
 
 
 def only_job(results: "Results") -> str:
-    """Return the only finished job with a defect and series. Raises UserError if there are several, or none."""
+    """Return the only job with a defect and series.
+
+    Raises UserError if there are several, or none, or if jobs are not done.
+    """
     from bearingsim.plots.lines import races
 
-    finished = set(results.parameters().index)
-    if results.jobs and finished.isdisjoint(results.jobs):
-        raise UserError(f"no job of {short_path(results.path)} is done: run the study first")
-    recorded = [job for job in results.jobs if job in finished and _parameters(results, job).get("record")]
+    unfinished = set(results.jobs).difference(results.parameters().index)
+    if unfinished:  # one of them may be the job that is meant
+        count = f"{len(unfinished)} of {len(results.jobs)} jobs are not done"
+        raise UserError(f"{count}: run the study to its end, or name a finished job by `--job`")
+    recorded = [job for job in results.jobs if _parameters(results, job).get("record")]
     if results.jobs and not recorded:
         raise UserError(f"no job has a time series: {NO_SERIES}")
     damaged = [job for job in recorded if races(_parameters(results, job))]

@@ -279,15 +279,15 @@ def test_a_study_without_series_names_the_remedy(tmp_path, monkeypatch):
     assert "no job has a time series: run the study with `record: [ring.acceleration]`" in " ".join(err.split())
 
 
-def test_jobs_of_another_shard_are_not_compared(tmp_path, monkeypatch):
-    """The second shard has only the healthy bearing, so that no job with the defect is done."""
+def test_an_unfinished_study_needs_the_name_of_a_job(tmp_path, monkeypatch):
+    """The second shard has only the healthy bearing, which must not replace the job with the defect."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arc.yaml").write_text(STUDY.replace("1 s", "0.1 s"))
     type_("run", "arc.yaml", "--jobs", 1, "--shard", "2/2")
     stored = open_results("results/arc")
-    (done,) = stored.parameters().index
-    assert len(stored.jobs) == 2
-    assert comparing.only_job(stored) == done
+    assert (len(stored.jobs), len(stored.parameters())) == (2, 1)
+    with pytest.raises(UserError, match=r"1 of 2 jobs are not done: .* name a finished job by `--job`"):
+        comparing.only_job(stored)
 
 
 def test_text_and_figure(results, series, tmp_path):
