@@ -210,7 +210,7 @@ def _job_counts(flags: "pd.DataFrame") -> str:
 
 OTHER_STEP_ERRORS = {
     "step_error.force": "the largest force",
-    "step_error.record": "the RMS of another recorded channel",
+    "step_error.record": "the RMS of displacement, acceleration or a recorded channel",
 }
 
 

@@ -151,7 +151,10 @@ def test_error_of_a_change_in_a_band_is_that_of_its_own_value() -> None:
 
 @pytest.mark.parametrize(
     ("errors", "parts"),
-    [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
+    [
+        ([0.009, math.nan], []),
+        ([0.02, 0.035], ["2 jobs: the RMS of displacement, acceleration or a recorded channel", "up to 3.5 %"]),
+    ],
 )
 def test_step_error_of_a_record_is_reported(errors: list[float], parts: list[str]) -> None:
     """It is an RMS, so that it is reported for a chaotic motion, too; a largest force is not."""
