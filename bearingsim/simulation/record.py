@@ -95,7 +95,7 @@ def make_record(inspections: Inspections, raw: RawRecord, check: StepCheck, star
     values = features(case, setup.model, setup.grid, raw, pass_lines) | band_features(
         case, setup.model, setup.grid, raw
     )
-    is_random = _is_random(setup, raw, check.chaotic)
+    is_random = _is_random(case, check.chaotic)
     errors = no_errors = StandardErrors(nan, nan)
     if is_random or check.chaotic:
         errors = accuracy.standard_errors(case, setup.model, setup.grid, raw, pass_lines)
@@ -196,10 +196,9 @@ def _info(setup: Setup, raw: RawRecord, record_errors: StandardErrors) -> dict[s
     }
 
 
-def _is_random(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
-    """Check if line and RMS may scatter at random, and the record has enough ball passes to show it."""
-    has_enough_passes = len(recording.windows(setup.case, setup.grid, raw, reach=0).index) >= accuracy.MIN_PASSES
-    return has_enough_passes and (chaotic or may_be_periodic(setup.case) or has_free_cage(setup.case))
+def _is_random(case: Case, chaotic: bool) -> bool:
+    """Check if line, RMS and largest force may scatter at random."""
+    return chaotic or may_be_periodic(case) or has_free_cage(case)
 
 
 def _start_features(errors: StartErrors) -> dict[str, float]:

@@ -7,7 +7,7 @@ a defect turns, the error of the RMS is also at least that of the partial revolu
 """
 
 from collections.abc import Sequence
-from math import ceil, exp, hypot, isnan, nan
+from math import ceil, exp, floor, hypot, isfinite, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -21,13 +21,14 @@ from bearingsim.simulation.accuracy import StandardErrors, error_from_passes
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.run_setup import Setup
-from bearingsim.simulation.settling import slowest_decay
+from bearingsim.simulation.settling import MAX_TRANSIENT, remaining_transient, slowest_decay
 from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, sensor_samples
+from bearingsim.simulation.sufficiency import TWO_SIGMA
 from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
 PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
-RESOLVED_TURNS = 2.0  # of a defect, from which Hann's window separates lines that are one turn apart
+RESOLVED_TURNS = 2.0  # of a defect: fewer show no scatter, and Hann's window does not separate lines one turn apart
 DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 
@@ -96,13 +97,17 @@ def start_errors(
     """Return the errors of a run.
 
     NaN if the speed is not constant, or the record is shorter than a period or, if it is not periodic, than
-    ``PARTS`` ball passes; that of the line also if there are no lines. standard_errors: those of BPFO and RMS if
-    the motion scatters at random, else NaN; lines: the defects' lines that the record resolves.
+    ``PARTS`` ball passes and ``RESOLVED_TURNS`` of a defect; that of the line also if there are no lines. standard_errors: those of
+    BPFO and RMS if the motion scatters at random (infinite for too few ball passes), else NaN; lines: the defects'
+    lines that the record resolves.
     """
     case, grid = setup.case, setup.grid
     record_windows = windows(case, grid, raw, recorded_samples(case, raw)[1])
-    min_passes = raw.repetition.period or PARTS
-    if min(len(record_windows.index), record_windows.distinct) < min_passes or not is_steady(setup.model):
+    passes = min(len(record_windows.index), record_windows.distinct)
+    turns = 0.0 if raw.repetition.period > 0 else RESOLVED_TURNS * defect_turn(case)
+    if is_steady(setup.model) and passes < floor(turns * grid.rate):
+        return StartErrors(nan, nan, nan)  # revolutions may differ, in a model without memory too
+    if passes < (raw.repetition.period or PARTS) or not is_steady(setup.model):
         return StartErrors(*[0.0 if MODELS[case.model].memoryless else nan] * 3)
     motion = _motion(setup, raw, record_windows, lines)
     if raw.repetition.period > 0:
@@ -145,8 +150,10 @@ def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: Stan
     Let r be the part of the transient left after half a record. The error of the record's mean is (1 + r)/(2 (1 -
     r)) times the change from its first half to its second, that of the largest force 1/(1 - r) times the change. r
     is estimated from successive parts, with an upper limit from the slowest mode at rest, decaying ``DECAY_RATIO``
-    times more slowly. Quarters shorter than ``RESOLVED_TURNS`` do not separate a line from its sidebands, so they
-    show no scatter; then halves do.
+    times more slowly. Changes that do not decrease are scatter, which this limit would multiply up to a hundred
+    times; r is then that of the slowest mode at rest, or 0 if it has decayed before the record. Quarters shorter
+    than ``RESOLVED_TURNS`` do not separate a line from its sidebands, so they show neither decay nor scatter; then
+    halves show the scatter.
     """
     defect_passes, count = defect_turn(case) * rate, len(motion.forces)
     turn = max(1.0, defect_passes or PERIOD_MULTIPLE)  # in passes
@@ -154,25 +161,35 @@ def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: Stan
     means = [motion.part(n * quarter, (n + 1) * quarter) for n in range(PARTS)]
     halves = [motion.part(n * half, (n + 1) * half) for n in range(2)]
     earlier, later = (_changes(means[n], means[n + 2], record) for n in range(2))
-    max_ratio = exp(-slowest_decay(case) / DECAY_RATIO * half / rate)
-    before, after, change = (
-        np.array(changes) for changes in (earlier, later, _changes(halves[0], halves[1], record))
-    )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        r = np.fmin((after / before) ** 2, max_ratio)
-        remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
     is_resolved = not motion.has_neighbours or quarter >= RESOLVED_TURNS * turn
+    r = _remaining_ratios(case, half / rate, earlier, later if is_resolved else later._replace(line=nan))
+    change = np.array(_changes(halves[0], halves[1], record))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
     scatter = _scatter(means, record)._replace(line=_scatter(means if is_resolved else halves, record).line)
     partial_turn = _partial_turn_errors(motion, defect_passes)
     random = _random_errors(motion, standard_errors, case.bearing.rollers, int(quarter))
     return StartErrors(*np.fmax.reduce([remaining, scatter, random, partial_turn]).tolist())
 
 
+def _remaining_ratios(case: Case, half: float, earlier: StartErrors, later: StartErrors) -> np.ndarray:
+    """Return the parts (3,) of the transients of line, RMS and force that are left after half a record.
+
+    half: in s; earlier, later: changes between successive quarters, NaN if they do not show a decay.
+    """
+    decay, before, after = slowest_decay(case), np.array(earlier), np.array(later)
+    has_decayed = remaining_transient(case) <= MAX_TRANSIENT * (1.0 + 1e-9)  # tolerates rounding
+    at_rest = 0.0 if has_decayed else exp(-decay * half)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        observed = np.fmin((after / before) ** 2, exp(-decay / DECAY_RATIO * half))
+    return np.where(after < before, observed, at_rest)
+
+
 def _random_errors(motion: Motion, standard_errors: StandardErrors, rollers: int, quarter: int) -> StartErrors:
     """Return the standard errors of a record that scatters at random, else NaN; quarter: its ball passes.
 
     The given standard error of a line is that of BPFO. If the record also has other lines, that of each defect's
-    line is estimated from ball passes.
+    line is estimated from ball passes. Those of line and RMS are NaN for too few ball passes.
     """
     if isnan(standard_errors.rms):
         return StartErrors(nan, nan, nan)
@@ -181,7 +198,8 @@ def _random_errors(motion: Motion, standard_errors: StandardErrors, rollers: int
         min_amplitude = QUIET_LINE * float(np.sqrt(np.mean(motion.recorded**2)))
         errors = [error_from_passes(passes, min_amplitude) for passes in motion.lines_of_passes()]
         line = max(errors, default=nan)
-    return StartErrors(line, standard_errors.rms, error_of_largest(motion.forces, rollers, quarter))
+    line, rms = (error if isfinite(error) else nan for error in (line, standard_errors.rms))
+    return StartErrors(line, rms, error_of_largest(motion.forces, rollers, quarter))
 
 
 def _whole_turns(passes: int, turn: float) -> float:
@@ -222,7 +240,13 @@ def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
 def _scatter(means: list[Means], record: Means) -> StartErrors:
     """Return the standard errors of the mean over the parts of a record, from the scatter between the parts.
 
-    For the largest force, it is the standard error of the mean of the parts' largest forces.
+    For the largest force, it is the standard error of the mean of the parts' largest forces. The errors are scaled
+    by Student's t so that two standard errors have the confidence of two sigma; a line, a complex number, has twice
+    the degrees of freedom.
     """
+    from scipy.special import stdtrit
+
     changes = np.array([_changes(mean, other, record) for mean in means for other in means])
-    return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) / (len(means) - 1) / 2.0).tolist())
+    freedom = len(means) - 1
+    t_factors = stdtrit(freedom * np.array([2.0, 1.0, 1.0]), TWO_SIGMA) / 2.0
+    return StartErrors(*(t_factors * np.sqrt(np.mean(changes**2, axis=0) / freedom / 2.0)).tolist())

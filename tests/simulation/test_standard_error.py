@@ -1,19 +1,16 @@
 """Standard error of a mean over ball passes, for sequences with a known scatter of the mean."""
 
 from math import nan, pi
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 from scipy.special import stdtrit
 
-from bearingsim import signals
-from bearingsim.simulation import recording, start_error
+from bearingsim import signals, simulate
+from bearingsim.simulation import settling, start_error
 from bearingsim.simulation.accuracy import (
     COSINES,
-    MIN_PASSES,
     THREE_SIGMA,
     StandardErrors,
     standard_error,
@@ -141,13 +138,48 @@ def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     assert result == pytest.approx(standard_error(in_phase, weights), rel=1e-9)
 
 
-def test_error_of_the_start_includes_every_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both need the same number of ball passes."""
-    setup: Any = SimpleNamespace(case=None, grid=None)
-    raw: Any = None
-    for passes, expected in ((MIN_PASSES - 1, False), (MIN_PASSES, True)):
-        monkeypatch.setattr(recording, "windows", lambda *_, n=passes, **__: SimpleNamespace(index=np.arange(n)))
-        assert _is_random(setup, raw, chaotic=True) == expected
+def test_random_error_of_few_passes_is_that_of_the_largest_force() -> None:
+    """Fewer than 16 passes have no standard error of line and RMS, but the rollers' maxima scatter."""
+    forces = np.array([50.0, 52.0, 51.0, 57.0, 50.0, 51.0, 50.0, 53.0])
+    motion = start_error.Motion(np.ones(80), np.ones(80), np.zeros((1, 80)), forces, True)
+    result = start_error._random_errors(motion, StandardErrors(np.inf, np.inf), rollers=13, quarter=2)
+    excess = [0.0, 1.0, 0.0, 6.0, 0.0, 0.0, 0.0, 2.0]  # above the median of 51 N
+    quarters = [52.0, 57.0, 51.0, 53.0]
+    scatter = (2.0 * np.mean(np.square(excess)) + np.var(quarters, ddof=1)) ** 0.5
+    assert np.isnan([result.line, result.rms]).all()
+    assert result.force == pytest.approx(scatter / 57.0)
+
+
+def motion_of_quarters(quarters: list[float]) -> start_error.Motion:
+    """Return a motion of 48 passes with a line (um/s) of the given amplitude in each quarter, and 10 um/s RMS."""
+    velocity = np.repeat(1e-6 * np.array(quarters), 12 * 20) * np.cos(phase := 0.1 * np.pi * np.arange(48 * 20))
+    return start_error.Motion(velocity, np.full(48 * 20, 1e-5), phase[np.newaxis], np.ones(48), False)
+
+
+@pytest.mark.parametrize("decay", [3.0, 300.0])
+def test_changes_that_do_not_decrease_are_not_extrapolated(monkeypatch: pytest.MonkeyPatch, decay: float) -> None:
+    """The quarters change by 0.5 and 2, the halves from 2.5 to 3.75, the mean is 3.125 um/s; what is left of the
+    slowest mode at rest is the only possible transient."""
+    for module in (start_error, settling):
+        monkeypatch.setattr(module, "slowest_decay", lambda _: decay)
+    passes, unknown = motion_of_quarters([3.0, 2.0, 3.5, 4.0]), StandardErrors(nan, nan)
+    settled, unsettled = (
+        start_error._decay_errors(case(defect=SLOT, settle=settle), passes, RATE, unknown).line
+        for settle in (10.0 / decay, 1.0 / decay)
+    )
+    r = np.exp(-decay * 24.0 / RATE)
+    assert settled == pytest.approx(0.5 * 1.25 / 3.125)
+    assert unsettled == pytest.approx(0.5 * 1.25 / 3.125 * (1.0 + r) / (1.0 - r))
+
+
+@pytest.mark.parametrize("model", ["rollers", "static"])
+def test_error_of_less_than_two_turns_of_a_defect_is_unknown(model: str) -> None:
+    defect = SLOT | {"race": "inner", "angle": "0 deg"}
+    fields = {"model": model, "defect": defect, "step_check": False, "speed": "1800 rpm", "settle": "50 ms"}
+    short, long = (simulate(case(**fields, duration=f"{duration} s")).features for duration in (0.05, 0.2))
+    for name in ("error.start.rms", "error.start.force"):
+        assert np.isnan(short[name])
+        assert long[name] > 0.0
 
 
 def test_scatter_between_the_quarters_of_a_record_is_the_standard_error_of_their_mean(
@@ -155,10 +187,8 @@ def test_scatter_between_the_quarters_of_a_record_is_the_standard_error_of_their
 ) -> None:
     """Quarters of 1, 5, 4 and 2 um/s have the mean 3 um/s in both halves, so nothing decays; RMS 10 um/s."""
     monkeypatch.setattr(start_error, "slowest_decay", lambda _: 1e6)
-    quarters, ones = np.array([1.0, 5.0, 4.0, 2.0]), np.ones(48)
-    velocity = np.repeat(1e-6 * quarters, 12 * 20) * np.cos(phase := 0.1 * np.pi * np.arange(48 * 20))
-    passes = start_error.Motion(velocity, np.full(48 * 20, 1e-5), phase[np.newaxis], ones, False)
-    unknown = StandardErrors(nan, nan)
-    result = start_error._decay_errors(case(defect=SLOT), passes, RATE, unknown)
-    assert result.line == pytest.approx(np.std(quarters, ddof=1) / 2.0 / 3.0)
+    quarters, unknown = [1.0, 5.0, 4.0, 2.0], StandardErrors(nan, nan)
+    result = start_error._decay_errors(case(defect=SLOT), motion_of_quarters(quarters), RATE, unknown)
+    student = stdtrit(6, 0.97725) / 2.0  # a complex amplitude has two degrees of freedom
+    assert result.line == pytest.approx(student * np.std(quarters, ddof=1) / 2.0 / 3.0)
     assert result.rms == result.force == 0.0
