@@ -52,6 +52,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *chaos_warnings,
             *step_warnings(cases),
             *transient_warnings(cases),
+            *unknown_transients(cases),
             *missing_values(info),
         ),
         assumptions=tuple(_assumption_names(plan, cases)),
@@ -248,6 +249,19 @@ def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
         yield (
             f"{jobs}: error of up to {percent(errors.max())} (`error.start`), because the record is short or not"
             " settled; use a longer `duration` or `settle` (docs/settling.md)"
+        )
+
+
+def unknown_transients(frame: "pd.DataFrame") -> Iterator[str]:
+    """Yield the number of jobs whose record is too short to show an error of its RMS; ramps are left out."""
+    if not {"features/velocity.rms", "features/error.start.rms"}.issubset(frame):
+        return
+    ramps = frame.filter(items=["parameters/ramp.to"]).notna().any(axis=1)
+    is_unknown = frame["features/error.start.rms"].isna() & frame["features/velocity.rms"].notna() & ~ramps
+    if count := int(is_unknown.sum()):
+        yield (
+            f"{count} job{'s' * (count > 1)}: unknown error of the start (`error.start.rms`), because the record has"
+            " too few ball passes or revolutions of a defect; use a longer `duration` (docs/settling.md)"
         )
 
 

@@ -153,7 +153,7 @@ def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: Stan
     times more slowly. Changes that do not decrease are scatter, which this limit would multiply up to a hundred
     times; r is then that of the slowest mode at rest, or 0 if it has decayed before the record. Quarters shorter
     than ``RESOLVED_TURNS`` do not separate a line from its sidebands, so they show neither decay nor scatter; then
-    halves show the scatter.
+    halves show the scatter. An error is NaN if they are too short as well.
     """
     defect_passes, count = defect_turn(case) * rate, len(motion.forces)
     turn = max(1.0, defect_passes or PERIOD_MULTIPLE)  # in passes
@@ -169,7 +169,8 @@ def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: Stan
     scatter = _scatter(means, record)._replace(line=_scatter(means if is_resolved else halves, record).line)
     partial_turn = _partial_turn_errors(motion, defect_passes)
     random = _random_errors(motion, standard_errors, case.bearing.rollers, int(quarter))
-    return StartErrors(*np.fmax.reduce([remaining, scatter, random, partial_turn]).tolist())
+    largest = np.fmax.reduce([remaining, scatter, random, partial_turn])
+    return StartErrors(*np.where(np.isnan(scatter), nan, largest).tolist())
 
 
 def _remaining_ratios(case: Case, half: float, earlier: StartErrors, later: StartErrors) -> np.ndarray:

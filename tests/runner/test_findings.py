@@ -12,6 +12,7 @@ from bearingsim.runner.findings import (
     scatter_warnings,
     step_warnings,
     transient_warnings,
+    unknown_transients,
 )
 
 JOB = "0" * 16
@@ -53,6 +54,17 @@ def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
     ]
     frame["features/cage.slip.mean"] = 0.1  # scatter of a free cage is reported as a standard error
     assert not list(transient_warnings(frame))
+
+
+def test_record_too_short_to_show_its_error_is_reported_except_on_a_ramp() -> None:
+    frame = pd.DataFrame(
+        {
+            "features/velocity.rms": [1.0, 1.0, 1.0, math.nan],  # the last job failed
+            "features/error.start.rms": [math.nan, 0.2, math.nan, math.nan],
+            "parameters/ramp.to": [math.nan, math.nan, 100.0, math.nan],
+        }
+    )
+    assert [text.partition(" (")[0] for text in unknown_transients(frame)] == ["1 job: unknown error of the start"]
 
 
 def test_models_without_a_method_have_an_unknown_step_error() -> None:

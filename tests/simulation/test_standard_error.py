@@ -172,6 +172,16 @@ def test_changes_that_do_not_decrease_are_not_extrapolated(monkeypatch: pytest.M
     assert unsettled == pytest.approx(0.5 * 1.25 / 3.125 * (1.0 + r) / (1.0 - r))
 
 
+def test_line_of_halves_too_short_for_a_window_has_an_unknown_error() -> None:
+    """Halves of a record of 5 passes have 2, less than the two periods between the first and the last sample."""
+    phase = 0.1 * np.pi * np.arange(5 * 20)
+    velocity = np.repeat([1e-6, 2e-6, 3e-6, 4e-6, 5e-6], 20) * np.cos(phase)
+    passes = start_error.Motion(velocity, velocity, phase[np.newaxis], np.ones(5), True)
+    result = start_error._decay_errors(case(defect=SLOT, settle="1 s"), passes, RATE, StandardErrors(nan, nan))
+    assert np.isnan(result.line)
+    assert result.rms > 0.1
+
+
 @pytest.mark.parametrize("model", ["rollers", "static"])
 def test_error_of_less_than_two_turns_of_a_defect_is_unknown(model: str) -> None:
     defect = SLOT | {"race": "inner", "angle": "0 deg"}
