@@ -260,8 +260,8 @@ def unknown_transients(frame: "pd.DataFrame") -> Iterator[str]:
     is_unknown = frame["features/error.start.rms"].isna() & frame["features/velocity.rms"].notna() & ~ramps
     if count := int(is_unknown.sum()):
         yield (
-            f"{count} job{'s' * (count > 1)}: unknown error of the start (`error.start.rms`), because the record has"
-            " too few ball passes or revolutions of a defect; use a longer `duration` (docs/settling.md)"
+            f"{count} job{'s' * (count > 1)}: unknown error of the start (`error.start.rms`), because the record"
+            " has too few ball passes or revolutions of a defect; use a longer `duration` (docs/settling.md)"
         )
 
 

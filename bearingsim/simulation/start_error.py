@@ -28,7 +28,7 @@ from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
 PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
-RESOLVED_TURNS = 2.0  # of a defect: fewer show no scatter, and Hann's window does not separate lines one turn apart
+RESOLVED_TURNS = 2.0  # of a defect: fewer show no scatter, nor does Hann's window separate lines one turn apart
 DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 
@@ -97,9 +97,9 @@ def start_errors(
     """Return the errors of a run.
 
     NaN if the speed is not constant, or the record is shorter than a period or, if it is not periodic, than
-    ``PARTS`` ball passes and ``RESOLVED_TURNS`` of a defect; that of the line also if there are no lines. standard_errors: those of
-    BPFO and RMS if the motion scatters at random (infinite for too few ball passes), else NaN; lines: the defects'
-    lines that the record resolves.
+    ``PARTS`` ball passes and ``RESOLVED_TURNS`` of a defect; that of the line also if there are no lines.
+    standard_errors: those of BPFO and RMS if the motion scatters at random (infinite for too few ball passes),
+    else NaN; lines: the defects' lines that the record resolves.
     """
     case, grid = setup.case, setup.grid
     record_windows = windows(case, grid, raw, recorded_samples(case, raw)[1])
@@ -242,8 +242,8 @@ def _scatter(means: list[Means], record: Means) -> StartErrors:
     """Return the standard errors of the mean over the parts of a record, from the scatter between the parts.
 
     For the largest force, it is the standard error of the mean of the parts' largest forces. The errors are scaled
-    by Student's t so that two standard errors have the confidence of two sigma; a line, a complex number, has twice
-    the degrees of freedom.
+    by Student's t so that two standard errors have the confidence of two sigma; a line, which is complex, has
+    twice the degrees of freedom.
     """
     from scipy.special import stdtrit
 

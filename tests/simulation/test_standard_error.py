@@ -9,13 +9,7 @@ from scipy.special import stdtrit
 
 from bearingsim import signals, simulate
 from bearingsim.simulation import settling, start_error
-from bearingsim.simulation.accuracy import (
-    COSINES,
-    THREE_SIGMA,
-    StandardErrors,
-    standard_error,
-    standard_errors,
-)
+from bearingsim.simulation.accuracy import COSINES, THREE_SIGMA, StandardErrors, standard_error, standard_errors
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.record import _is_random
 from bearingsim.simulation.recording import first_sample
