@@ -79,11 +79,12 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     sealed = _check_units([path for paths in units.values() for path in paths])
     scans = [path for folder in folders for path in check_scans(folder)]
     choices, plans = _merge_choices([out, *folders] if out.is_dir() else folders)
+    study_file = None if out in sources else _read_study_file(folders[0])
     claim_results(out, results[0].plan["study"], results[0].plan["quick"])
     refuse_links(out)
     sweep(out)
-    if out not in sources:
-        copy(folders[0] / STUDY_FILE, out / STUDY_FILE)
+    if study_file is not None:
+        write_bytes(out / STUDY_FILE, study_file)
         write_json(out / "plan.json", results[0].plan | {OWN_FILE: False})
     if choices != read_choices(out):
         write_choices(out, choices, plans)
@@ -110,6 +111,18 @@ def _refuse_out_among(folders: Sequence[Path], out: Path) -> None:
 
 
 # Plans
+
+
+def _read_study_file(folder: Path) -> bytes:
+    """Read the study file of a folder, which is done before anything is written.
+
+    Raises Unmergeable for a folder without it.
+    """
+    try:
+        return read_regular(folder / STUDY_FILE)
+    except FileNotFoundError:
+        advice = "run the study there again, which writes it; finished jobs are kept"
+        raise Unmergeable(f"{folder} has no {STUDY_FILE}: {advice}") from None
 
 
 def _refuse_other_plan(results: Results, other: Results) -> None:

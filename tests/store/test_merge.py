@@ -250,13 +250,22 @@ def test_folders_without_results_are_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+def test_a_folder_without_its_study_file_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    second = make_folder(tmp_path / "b", FakeStudy(WIDTHS), [[1]])
+    (first / "study.yaml").unlink()
+    _, message = type_("merge", first, second, "--out", tmp_path / "out", code=2)
+    assert "a has no study.yaml: run the study there again" in " ".join(message.split())
+    assert not (tmp_path / "out").exists()
+
+
 def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     study = FakeStudy(WIDTHS)
     shards = [make_folder(tmp_path / str(k), study, [[k], [k + 3]]) for k in range(3)]
     copy, copied = store.merge.__globals__["copy"], []
 
     def copy_a_few(path: Path, target: Path) -> None:
-        if len(copied) == 4:  # the study file and three units
+        if len(copied) == 3:
             raise KeyboardInterrupt
         copied.append(path)
         copy(path, target)
