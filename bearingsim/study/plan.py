@@ -61,7 +61,8 @@ class Plan:
 
     settings: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
     case_problems: problems of single cases; repeated: numbers of combinations, by the paths in which they differ
-    from the first one with an equal case; named_paths: paths named by a sweep, valid or not; key_paths: locations
+    from the first one with an equal case; twice: numbers of combinations that differ in no value, by the paths of
+    which a list repeats values; named_paths: paths named by a sweep, valid or not; key_paths: locations
     of the valid ones in a case; notes: remarks on the sweep; variants: cache of ``cases_with``.
     """
 
@@ -74,6 +75,7 @@ class Plan:
     problems: list[Problem] = field(default_factory=list)
     case_problems: Problems = field(default_factory=dict)
     repeated: Counter[tuple[str, ...]] = field(default_factory=Counter)
+    twice: Counter[tuple[str, ...]] = field(default_factory=Counter)
     named_paths: set[str] = field(default_factory=set)
     key_paths: dict[str, Path] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -303,6 +305,7 @@ class Plan:
         """Build the distinct cases, with their swept values; add the problems of invalid ones."""
         cases: dict[str, tuple[Case, SweptValues]] = {}
         numbers: dict[str, int] = {}
+        first_rows: dict[str, Row] = {}
         indices: list[int] = []
         invalid = 0
         for row in self.builder.rows(rows_of(self.axes)):
@@ -310,7 +313,10 @@ class Plan:
             if case is not None:
                 key, values = identity(case), swept_values(case, row, self.key_paths)
                 _, first_values = cases.setdefault(key, (case, values))
-                self.repeated[tuple(path for path in values if values[path] != first_values[path])] += 1
+                differing = tuple(path for path in values if values[path] != first_values[path])
+                self.repeated[differing] += 1
+                if (first_row := first_rows.setdefault(key, row)) is not row and not differing:
+                    self.twice[self._repeated_paths(row, first_row)] += 1
                 indices.append(numbers.setdefault(key, len(numbers)))
             elif (invalid := invalid + 1) == MAX_INVALID_CASES:
                 break
@@ -318,9 +324,23 @@ class Plan:
             self.sampled_design = replace(self.sampled_design, cases=tuple(indices))
         return list(cases.values())
 
+    def _repeated_paths(self, row: Row, first: Row) -> tuple[str, ...]:
+        """Return the paths for which two rows have other entries of a list; a design draws its points anew."""
+        listed = {path for axis in self.axes if not self._is_drawn(axis) for path in axis.paths}
+        pairs = zip(row, first, strict=True)
+        return tuple(path for (path, node), (_, other) in pairs if path in listed and node is not other)
+
+    def _is_drawn(self, axis: Axis) -> bool:
+        """Return True for the axis of the design, which is the first."""
+        return self.sampled_design is not None and axis is self.axes[0]
+
     def repetition_notes(self) -> Iterator[str]:
-        """Yield a remark for the combinations whose values differ from those of an equal case."""
+        """Yield a remark for the combinations left out because their case is equal to that of another one."""
         total = self.repeated.total()
+        for paths, count in self.twice.items():
+            if paths:
+                words = " and ".join(f"`{path}`" for path in paths)
+                yield f"left out: {count} of {total} combinations with repeated values of {words}"
         for paths, count in self.repeated.items():
             if paths:
                 words = " and ".join(f"`{path}`" for path in paths)

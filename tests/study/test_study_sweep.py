@@ -148,7 +148,7 @@ def test_files_named_by_a_sweep_are_files_of_the_study(write: Write) -> None:
 def test_equal_cases_are_kept_once(write: Write) -> None:
     study = load_study(write(BASE + "sweep: {load: [150 N, 0.15 kN, 200 N]}\n"))
     assert [case.load for case in study.cases()] == [150.0, 200.0]
-    assert study.notes == ()
+    assert study.notes == ("left out: 1 of 3 combinations with repeated values of `load`",)
 
 
 @pytest.mark.parametrize(
@@ -163,8 +163,17 @@ def test_equal_cases_are_kept_once(write: Write) -> None:
         (
             "zip: {contact.slices: [8, 16], seed: [1, 2]}, load: [1 N, 1 N, 2 N]",
             2,
-            ["3 of 6 combinations, equal to cases with another `contact.slices` and `seed`"],
+            [
+                "1 of 6 combinations with repeated values of `load`",
+                "3 of 6 combinations, equal to cases with another `contact.slices` and `seed`",
+            ],
         ),
+        (
+            "zip: {load: [1 N, 1 N, 2 N], clearance: [5 um, 5 um, 5 um]}",
+            2,
+            ["1 of 3 combinations with repeated values of `load` and `clearance`"],
+        ),
+        ("zip: {load: [1 N, 1 N], clearance: [5 um, 6 um]}", 2, []),
         ("clearance: [0 um, 1 um], load: [1 N, 2 N]", 4, []),
     ],
 )
@@ -174,6 +183,12 @@ def test_combinations_of_values_without_effect_are_noted(
     study = load_study(write(BASE + f"sweep: {{{entries}}}\n"))
     assert len(study.cases()) == cases
     assert list(study.notes) == [f"left out: {note}" for note in notes]
+
+
+def test_points_that_a_design_draws_twice_are_no_repeated_values(write: Write) -> None:
+    study = load_study(write(BASE + "sweep: {morris: {n: 5, seed: 1, over: {load: [1 N, 2 N]}}}\n"))
+    assert len(study.cases()) < 10
+    assert not any("repeated values" in note for note in study.notes)
 
 
 # Healthy baselines
