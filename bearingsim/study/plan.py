@@ -324,10 +324,10 @@ class Plan:
             self.sampled_design = replace(self.sampled_design, cases=tuple(indices))
         return list(cases.values())
 
-    def _repeated_paths(self, row: Row, first: Row) -> tuple[str, ...]:
+    def _repeated_paths(self, row: Row, first_row: Row) -> tuple[str, ...]:
         """Return the paths for which two rows have other entries of a list; a design draws its points anew."""
         listed = {path for axis in self.axes if not self._is_drawn(axis) for path in axis.paths}
-        pairs = zip(row, first, strict=True)
+        pairs = zip(row, first_row, strict=True)
         return tuple(path for (path, node), (_, other) in pairs if path in listed and node is not other)
 
     def _is_drawn(self, axis: Axis) -> bool:
