@@ -22,7 +22,7 @@ from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import LIST_VALUED, dimension, normal_form, parse_path, put
 from bearingsim.study.quick import quick_problems, quick_values
-from bearingsim.study.relations import Relations, parse_relations
+from bearingsim.study.relations import Relations, Row, parse_relations
 from bearingsim.study.sweep import (
     Axis,
     drop_paths,

@@ -11,7 +11,6 @@ from bearingsim import signals, simulate
 from bearingsim.simulation import settling, start_error
 from bearingsim.simulation.accuracy import COSINES, THREE_SIGMA, StandardErrors, standard_error, standard_errors
 from bearingsim.simulation.integration import integrate
-from bearingsim.simulation.record import _is_random
 from bearingsim.simulation.recording import first_sample
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.spectral_lines import lines_of_passes, sensor_samples
