@@ -143,13 +143,17 @@ def product_at_rest(case: Case) -> tuple[tuple, np.ndarray, float]:
     ), y[lay.AXIAL : lay.AXIAL + Z], model.bearing.theta_0  # fmt: skip
 
 
+TOLERANCES = (3e-7, 8e-6, 6e-5, 5e-5, 3e-5)
+"""Of each kind of unknown, relative to its largest value; 6.5e-8, 2.2e-6, 1.9e-5, 1.6e-5, 8e-6 were measured."""
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_equilibrium(name):
-    """Each kind of unknown within 1e-4 of its largest value (2e-5 was measured; forces balance to 1e-10)."""
-    seen, z, theta_0 = product_at_rest(case_of_scene(SCENES[name]))
+    """Forces balance to 1e-10."""
+    computed, z, theta_0 = product_at_rest(case_of_scene(SCENES[name]))
     expected = unpack(at_rest(SCENES[name], theta_0, z)[0])
-    for values, solution in zip(seen, expected, strict=True):
-        assert values == pytest.approx(solution, rel=0.0, abs=1e-4 * np.abs(solution).max())
+    for values, solution, tolerance in zip(computed, expected, TOLERANCES, strict=True):
+        assert values == pytest.approx(solution, rel=0.0, abs=tolerance * np.abs(solution).max())
 
 
 def largest_rate(s: Scene, theta_0: float, z: np.ndarray) -> float:
@@ -165,8 +169,8 @@ def largest_rate(s: Scene, theta_0: float, z: np.ndarray) -> float:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_stiffness_that_limits_the_step(name):
-    """The largest over a ball pass, of which both sample some angles: within 1e-4 (1e-5 was measured)."""
+    """The largest over a ball pass, of which both sample some angles: within 2e-5 (6.5e-6 was measured)."""
     s, case = SCENES[name], case_of_scene(SCENES[name])
     _, z, theta_0 = product_at_rest(case)
     expected = max(largest_rate(s, theta_0 + 2 * np.pi / Z * k / 6, z) for k in range(6))
-    assert loads_at_rest(rest_case(case))[1] == pytest.approx(expected, rel=1e-4)
+    assert loads_at_rest(rest_case(case))[1] == pytest.approx(expected, rel=2e-5)
