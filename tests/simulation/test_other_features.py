@@ -15,7 +15,7 @@ from bearingsim.extensions import BrokenExtension
 from bearingsim.runner.findings import missing_values
 from bearingsim.runner.work import _failure
 from bearingsim.simulation import record, simulate
-from bearingsim.simulation.features import extension_features, refuse_undeclared
+from bearingsim.simulation.features import extension_features, features, refuse_undeclared
 from bearingsim.study.used import extensions
 from tests.scenes.short_cases import case
 
@@ -189,8 +189,7 @@ def test_a_declared_feature_is_accepted(monkeypatch) -> None:
 
 def test_undeclared_computed_feature_is_refused(monkeypatch) -> None:
     """The failed job has the same message, without the name of the exception class."""
-    original = record.features
-    monkeypatch.setattr(record, "features", lambda *run: original(*run) | {"velocity.skewness": 0.0})
+    monkeypatch.setattr(record, "features", lambda *run: features(*run) | {"velocity.skewness": 0.0})
     message = "feature `velocity.skewness` is computed but not declared: add it to config/names.py"
     with pytest.raises(UserError, match=f"^{message}$") as caught:
         simulate(case(model="static", duration=0.02))
