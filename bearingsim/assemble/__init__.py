@@ -58,6 +58,7 @@ PARAMETER_BUILDERS: dict[str, Any] = {
     "support": lambda case: support(case),
     "outer": contacts.outer,
     "inner": contacts.inner,
+    "rate_division": contacts.rate_division,
     "defects": lambda case: defects_of_case(case),
     "bending": lambda case: bending_of_case(case),
     "form": form.form,

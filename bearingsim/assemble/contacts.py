@@ -3,6 +3,8 @@
 from math import isclose
 from typing import Any
 
+import numpy as np
+
 from bearingsim.assemble import film as oil
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.catalogue import LAWS, call
@@ -15,6 +17,7 @@ from bearingsim.core.laws.hertz import PointContact, ball_on_race
 from bearingsim.core.laws.stiffness import johnson as line_contact
 from bearingsim.core.laws.stiffness import power_laws
 from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, ThreeHalves
+from bearingsim.core.models.ring import DampedRates, HalfRates
 
 
 def outer(case: Case) -> Any:
@@ -25,6 +28,20 @@ def outer(case: Case) -> Any:
 def inner(case: Case) -> Any:
     """Build the contact law of the inner race."""
     return contact_law(case, on_outer=False)
+
+
+def rate_division(case: Case) -> HalfRates | DampedRates:
+    """Build the division of a massless roller's closing rate between its two contacts."""
+    return HalfRates() if _are_equal(outer(case), inner(case)) else DampedRates()
+
+
+def _are_equal(law: Any, other: Any) -> bool:
+    """Check if two laws have the same types and parameters."""
+    if type(law) is not type(other):
+        return False
+    if isinstance(law, tuple):
+        return all(map(_are_equal, law, other))
+    return bool(np.array_equal(law, other))
 
 
 def count_powers(case: Case) -> int:

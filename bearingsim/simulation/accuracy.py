@@ -14,6 +14,7 @@ from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 16  # smallest number of ball passes for a standard error
 COSINES = 12  # over the record: fewer increase Student's t, more miss the correlation of successive passes
+TWO_SIGMA = 0.97725  # one-sided probability of two sigma of the normal distribution
 THREE_SIGMA = 0.99865  # probability of a deviation below three sigma
 
 

@@ -17,13 +17,12 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, QUIET_LINE
 from bearingsim.core.geometry.motion import is_steady
-from bearingsim.simulation.accuracy import StandardErrors, error_from_passes
+from bearingsim.simulation.accuracy import TWO_SIGMA, StandardErrors, error_from_passes
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.recording import RawRecord, Windows, recorded_samples, windows
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import MAX_TRANSIENT, remaining_transient, slowest_decay
 from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, sensor_samples
-from bearingsim.simulation.sufficiency import TWO_SIGMA
 from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
@@ -169,7 +168,7 @@ def _decay_errors(case: Case, motion: Motion, rate: float, standard_errors: Stan
     scatter = _scatter(means, record)._replace(line=_scatter(means if is_resolved else halves, record).line)
     partial_turn = _partial_turn_errors(motion, defect_passes)
     random = _random_errors(motion, standard_errors, case.bearing.rollers, int(quarter))
-    largest = np.fmax.reduce([remaining, scatter, random, partial_turn])
+    largest = np.fmax.reduce(np.array([remaining, scatter, random, partial_turn]))
     return StartErrors(*np.where(np.isnan(scatter), nan, largest).tolist())
 
 

@@ -19,14 +19,13 @@ from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, QUIET_LINE, read_band
 from bearingsim.simulation import ending, trial
-from bearingsim.simulation.accuracy import StandardErrors
+from bearingsim.simulation.accuracy import TWO_SIGMA, StandardErrors
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.recording import RawRecord, first_sample, whole_passes
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensor_samples
 
 MIN_BATCHES = 4  # smallest number of batches, for at least three degrees of freedom in Student's t (chosen)
-TWO_SIGMA = 0.97725  # one-sided probability of two sigma of the normal distribution
 HANN_VARIANCE_RATIO, HANN_POWER_VARIANCE_RATIO = 3.0 / 2.0, 35.0 / 18.0
 """Variances of a mean under Hann's window, and of the mean square of a windowed series, over that of a plain mean,
 for white noise. The mean square has the square of the window as its weight."""

@@ -121,7 +121,8 @@ def test_reference_has_slip_only_if_the_case_has_its_keys() -> None:
     assert silent.cage == Cage(motion="kinematic")
     assert silent.friction == Frictionless()
     recorded = ("cage.slip", "roller.skew", "roller.flange_force")
-    for fields in ({"friction": "static-dynamic"}, {"drag": {}}, *({"record": [name]} for name in recorded)):
+    slipping: list[dict[str, Any]] = [{"friction": "static-dynamic"}, {"drag": {}}]
+    for fields in (*slipping, *({"record": [name]} for name in recorded)):
         test_case = case(model="reference", **fields)
         assert test_case.cage == Cage(), fields
 

@@ -345,10 +345,11 @@ def test_study_file_of_a_merged_folder_is_a_copy(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS, path=folder / "study.yaml")
     store.claim_results(folder, study.name, quick=False)
     (folder / "study.yaml").write_text(study.text)
-    run(study, folder, jobs=1, progress=False, engine=ENGINE)
+    run(study, folder, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     store.merge([folder], out)
     edited = FakeStudy(WIDTHS[:3], text="study: fake\nload: 170 N\n")
-    assert run(edited, out, jobs=1, progress=False, engine=ENGINE).resumed == 4
+    summary = run(edited, out, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    assert summary.resumed == 4
     assert (out / "study.yaml").read_text() == edited.text
     assert (folder / "study.yaml").read_text() == study.text
 

@@ -33,7 +33,7 @@ from bearingsim.core.defects.on_roller import (
     stiffness_over_defect,
 )
 from bearingsim.core.defects.pairs import HALF_WIDTH, Defects, passing_speed
-from bearingsim.core.jit import inlined, jit
+from bearingsim.core.jit import generic, inlined, jit
 from bearingsim.core.laws.damping.interface import (
     damping_bound,
     derivatives,
@@ -69,8 +69,19 @@ from bearingsim.core.sums import sum_addends
 K_RING, C_RING = lay.rows(lay.WORK + 5 * lay.ROW, "N/m, N s/m", "ring", "evaluation")
 
 
+class HalfRates(NamedTuple):
+    """Division of a roller's closing rate between equal contacts: half each."""
+
+
+class DampedRates(NamedTuple):
+    """Division of a roller's closing rate between any two contacts, with equal damping forces."""
+
+
 class Ring(NamedTuple):
-    """Parameters of the model; ``bearing.m_r`` must be 0. form: form of the surfaces (``parts/form.py``)."""
+    """Parameters of the model; ``bearing.m_r`` must be 0. form: form of the surfaces (``parts/form.py``).
+
+    rate_division: ``HalfRates`` is faster and the same, to rounding, for equal laws.
+    """
 
     bearing: Bearing
     support: Support
@@ -78,6 +89,7 @@ class Ring(NamedTuple):
     inner: Any
     defects: Defects
     form: Any = Smooth()
+    rate_division: HalfRates | DampedRates = DampedRates()
 
 
 @interface.state_width.register(Ring)
@@ -104,13 +116,22 @@ def _shared(model, t, y):
 TINY = 1e-300  # N s/m: without damping each contact has half of the rate
 
 
-@inlined
-def outer_rate_part(model, outer, inner):
+@generic(inline="late")
+def outer_rate_part(rate_division: Any, model: Ring, outer: float, inner: float) -> float:
     """Return the outer contact's part of the closing rate of a roller: c_i/(c_o + c_i), for equal damping forces.
 
     outer, inner: approaches (m) of the two contacts to undamaged races under the same elastic force. The part is
     exact for damping proportional to the rate, and 1/2 for equal laws.
     """
+
+
+@outer_rate_part.register(HalfRates)
+def _half(rate_division, model, outer, inner):
+    return 0.5
+
+
+@outer_rate_part.register(DampedRates)
+def _part_of_damping(rate_division, model, outer, inner):
     c_o = damping_bound(model.outer, max(outer, 0.0), 0.0) + TINY
     c_i = damping_bound(model.inner, max(inner, 0.0), 0.0) + TINY
     return c_i / (c_o + c_i)
@@ -128,7 +149,7 @@ def share_approach(model, common, c, s, y, j):
     rate = -(common.w_x * c + common.w_y * s) - recess(form, RECESS_V_O, y, j) - recess(form, RECESS_V_I, y, j)
     inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
-    part = outer_rate_part(model, delta - inner, inner)
+    part = outer_rate_part(model.rate_division, model, delta - inner, inner)
     y[lay.V_O + j], y[lay.V_I + j] = part * rate, (1.0 - part) * rate
 
 
@@ -150,7 +171,8 @@ def outer_rate_part_over_defect(model, d_i, s_i, inner):
     """
     _, _, mean = elastic_over_defect(model.inner.stiffness, model.defects, d_i, s_i, inner)
     share = series_share(model.outer.stiffness, model.inner.stiffness, 2.0 * mean)
-    return outer_rate_part(model, mean * ((2.0 * mean - share) / max(share, TINY)), mean)
+    outer = mean * ((2.0 * mean - share) / max(share, TINY))
+    return outer_rate_part(model.rate_division, model, outer, mean)
 
 
 @jit
@@ -262,7 +284,7 @@ def derivatives_in_series(model, y, n):
     remain equal as the approach changes, so that K is the mean of both contacts weighted by their parts.
     """
     for j in range(n):
-        part = outer_rate_part(model, y[lay.DELTA_O + j], y[lay.DELTA_I + j])
+        part = outer_rate_part(model.rate_division, model, y[lay.DELTA_O + j], y[lay.DELTA_I + j])
         K_o, C = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         K_i, _ = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
         k_o = tangent(model.outer.stiffness, max(y[lay.DELTA_O + j], 0.0))

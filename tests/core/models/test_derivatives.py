@@ -16,6 +16,7 @@ from bearingsim.core.laws.stiffness.power_laws import TenNinths, ThreeHalves
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.core.parameters import kinematic_angles
 from tests.scenes.differences import cells, derivatives, differences
+from tests.scenes.laws import with_laws
 from tests.scenes.nf308 import case
 
 DEFECT = {"shape": "rectangular", "length": "6 mm", "width": "0.8 mm", "depth": "0.05 mm", "angle": "20 deg"}
@@ -30,7 +31,7 @@ LAWS = {
 def model_of(name: str, law: str, *defects: dict[str, Any]) -> Any:
     """Return the NF308 with two different contacts."""
     model = assemble.model(case(model=name, defects=list(defects)))
-    return model._replace(outer=LAWS[law](1.6e9), inner=LAWS[law](1.1e9))
+    return with_laws(model, LAWS[law](1.6e9), LAWS[law](1.1e9))
 
 
 def random_state(model: Any, rng: np.random.Generator) -> np.ndarray:

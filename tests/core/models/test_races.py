@@ -35,6 +35,7 @@ from bearingsim.core.parameters import kinematic_angles
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
+from tests.scenes.laws import with_laws
 from tests.scenes.nf308 import SLOT, at_rest, case, drive, light_rollers, weightless
 
 MODEL = assemble.model(case())
@@ -232,7 +233,7 @@ def test_rk4_agrees_with_an_independent_solution(race, angle):
 def with_stiffer_inner(model, factor):
     """Return the model with an inner contact ``factor`` times as stiff."""
     inner = model.inner._replace(stiffness=model.inner.stiffness._replace(k=factor * model.inner.stiffness.k))
-    return model._replace(inner=inner)
+    return with_laws(model, model.outer, inner)
 
 
 def test_two_unequal_contacts_in_series_share_the_approach():
