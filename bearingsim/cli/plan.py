@@ -254,8 +254,8 @@ def max_friction_coefficient(law: Any, u: float) -> float:
     """Compute the largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
     from bearingsim.core.laws.friction.interface import mu
 
-    first, last = (SLIPS_PER_DECADE * decade for decade in (SLIP_DECADES.start, SLIP_DECADES.stop))
-    return max(float(mu(law, 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(first, last + 1))
+    lowest, highest = (SLIPS_PER_DECADE * decade for decade in (SLIP_DECADES.start, SLIP_DECADES.stop))
+    return max(float(mu(law, 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(lowest, highest + 1))
 
 
 def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study", sample: str = "") -> Iterable[str]:
