@@ -82,6 +82,23 @@ def test_refused_jobs_of_a_sample_count_for_its_share_of_all_jobs() -> None:
     assert (plan.sample_size, plan.sample_text) == (4, " of 4 sampled")
 
 
+def test_refused_jobs_need_no_time() -> None:
+    refusals: Any = ((None, "a step of 2 us"),) * 3
+    plan = Plan(SimpleNamespace(), (None,) * 3, (), (), (), refusals, requested_workers=2)  # type: ignore[arg-type]
+    assert (plan.cpu_seconds, plan.wall_seconds, plan.bytes) == (0.0, 0.0, 0)
+
+
+def test_further_jobs_that_are_no_variation_are_audits() -> None:
+    kinds = ["case"] * 4 + ["baseline"] * 2 + ["variation"] * 3 + ["audit"]
+    jobs: Any = tuple(
+        SimpleNamespace(id=n, is_baseline=kind == "baseline", is_variation=kind in ("variation", "audit"))
+        for n, kind in enumerate(kinds)
+    )
+    variations = [SimpleNamespace(job=job) for job, kind in zip(jobs, kinds, strict=True) if kind == "variation"]
+    study: Any = SimpleNamespace(selection=object(), variations=lambda: variations)
+    assert Plan(study, jobs, (), (), (), (), requested_workers=1).job_counts == (4, 2, 3, 1)
+
+
 @pytest.mark.parametrize(("value", "warned"), [("3 mm", True), ("800 um", False)])
 def test_check_warns_of_a_figure_without_cases(write: Write, value: str, warned: bool) -> None:
     figures = f"figures: [{{y: velocity@BPFO, x: load, where: {{defect.width: {value}}}}}]\n"

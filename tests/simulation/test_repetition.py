@@ -17,6 +17,7 @@ from bearingsim.simulation import channels, choice, repetition
 from bearingsim.simulation.repetition import (
     EXTREMES,
     RECORD_CLOSENESS,
+    Closeness,
     Repetition,
     Search,
     may_repeat,
@@ -150,6 +151,7 @@ def period_of(
     motion: Callable[[int], np.ndarray],
     passes: int = 40,
     peaks: Callable[[int], np.ndarray] = lambda p: np.ones(5),
+    closeness: Closeness = RECORD_CLOSENESS,
 ) -> tuple[int, int]:
     """Return the period of ``motion`` (from pass number to (9, STEPS)) and the passes needed to find it.
 
@@ -157,7 +159,7 @@ def period_of(
     """
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     search, y = (
-        Search(channels.recorded_cells(setup.case), STEPS, setup.model, False, RECORD_CLOSENESS),
+        Search(channels.recorded_cells(setup.case), STEPS, setup.model, False, closeness),
         lay.buffer(13, 0.0),
     )
     for p in range(passes):
@@ -262,6 +264,13 @@ def test_period_is_found_once_the_transient_has_decayed(rho: float) -> None:
     assert rho ** (passes - 1) < 2e-7
 
 
+@pytest.mark.parametrize(("rho", "result"), [(1e-5, (1, 2)), (4e-5, (1, 3))])
+def test_one_difference_suffices_with_a_known_contraction(rho: float, result: tuple[int, int]) -> None:
+    """The first is 5e-4 of the range; ten times ``rho`` of it is 5e-8 or 2e-7, the limit being 1e-7."""
+    closeness = RECORD_CLOSENESS._replace(contraction=rho)
+    assert period_of(lambda p: (1.0 + 1e-3 * rho**p) * waves(p), closeness=closeness) == result
+
+
 def test_very_slow_transient_is_not_periodic() -> None:
     assert period_of(lambda p: (1.0 + 1e-7 * 0.99**p) * waves(p), passes=60) == (0, 60)
 
@@ -297,6 +306,17 @@ def test_largest_forces_and_tilts_must_repeat(
         return np.where(np.array([*EXTREMES]) == name, mean + change * noise[p], 1.0)
 
     assert period_of(waves, peaks=peaks) == result
+
+
+@pytest.mark.parametrize(("change", "result"), [(1e-10, (0, 40)), (1e-15, (1, 3))])
+def test_small_tilts_are_compared_with_the_ring_displacement(change: float, result: tuple[int, int]) -> None:
+    """Per pass a tilt times the race radius changes by 2e-6 or 2e-11 of 2 um; a speed is no length."""
+    scales = np.array([1e-6, 1e-6, 0.1, 0.1, *np.ones(5)])[:, np.newaxis]  # m, m/s
+
+    def peaks(p: int) -> np.ndarray:
+        return np.where(np.array([*EXTREMES]) == "tilt.max", change * p, 1.0)
+
+    assert period_of(lambda p: scales * waves(p), peaks=peaks) == result
 
 
 def test_forces_are_compared_relative_to_the_range_of_all_rollers() -> None:
