@@ -21,7 +21,7 @@ from bearingsim.store.files import copy, refuse_links, sweep, write_bytes
 from bearingsim.store.folder import claim_results
 from bearingsim.store.journal import Failure, clear_failure, log, read_failures
 from bearingsim.store.own_files import TRIALS, UNITS
-from bearingsim.store.regular import digest, read_regular
+from bearingsim.store.regular import Unreadable, digest, read_regular
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.scans import check_scans, copy_scans
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
@@ -116,13 +116,15 @@ def _refuse_out_among(folders: Sequence[Path], out: Path) -> None:
 def _read_study_file(folder: Path) -> bytes:
     """Read the study file of a folder, which is done before anything is written.
 
-    Raises Unmergeable for a folder without it.
+    Raises Unmergeable for a folder without it, and for a link.
     """
     try:
         return read_regular(folder / STUDY_FILE)
     except FileNotFoundError:
         advice = "run the study there again, which writes it; finished jobs are kept"
         raise Unmergeable(f"{folder} has no {STUDY_FILE}: {advice}") from None
+    except Unreadable as error:
+        raise Unmergeable(f"{folder / STUDY_FILE}: {error}") from None
 
 
 def _refuse_other_plan(results: Results, other: Results) -> None:

@@ -9,8 +9,10 @@ from bearingsim.plots.overlay import signal_points
 from bearingsim.plots.plot import drawn
 from bearingsim.report.signals import signal_charts
 from bearingsim.study import Figure
-from tests.scenes.figure_results import BPFO, only, text_of
-from tests.scenes.signal_results import STUDY
+from tests.scenes.figure_results import BPFO, only, results, text_of
+from tests.scenes.signal_results import STUDY, make_results
+
+__all__ = ["make_results", "results"]
 
 WHERE = {"load": "150 N", "defect.length": "3 mm"}
 
