@@ -118,7 +118,7 @@ def test_check_prints_the_plan(study_folder):
     assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
     assert "2 workers" in stdout
     assert rows["damping c/k at rest (us)"][-2:] == ["2.5", "2.5"]
-    assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;" in stdout
+    assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0581 to 0.0596;" in stdout
 
 
 def test_check_prints_frequencies_and_drop(study_folder):

@@ -85,7 +85,7 @@ def test_show_prints_a_row_per_job(done):
     assert sum(line.startswith(tuple(job[:8] for job in ids(done))) for line in lines) == 8
     remarks = lines[lines.index("8 jobs: 8 done") + 1 :]  # a job may need a pass more than the record has
     assert re.match(r"[78] of 8 responses are periodic: 1 to ", remarks[0])
-    assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;")
+    assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0581 to 0.0596;")
 
 
 def test_show_marks_chaotic_jobs_and_counts_them(done, capsys):
