@@ -187,7 +187,7 @@ def scan(d: config.Defect) -> ScannedDefect:
 
 @lru_cache(maxsize=CACHED_SCANS)
 def scanned(file: str, digest: str) -> ScannedDefect:
-    """Read the depth map in a file. Raises ValueError if the file has changed since the case was built."""
+    """Read the depth map in a file. Raises ValueError if the file has changed since the study was read."""
     surface = read_scan(TRANSFERRED_FILES.get(digest, file))
     if surface.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")

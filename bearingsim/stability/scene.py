@@ -76,7 +76,7 @@ TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
 
 
 def crossing_windows(model: Any) -> list[tuple[float, float]]:
-    """Compute entry and exit times (s) of the roller at each defect, at kinematic speeds."""
+    """Compute entry and exit times (s) of the roller at each defect, at kinematic speeds, without a delay."""
     if len(model.defects.head) == 0:
         return []
     half_duration = float(model.defects.head[0, HALF_WIDTH]) / passing_speed(model.defects, 0, model.bearing)

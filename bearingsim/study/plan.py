@@ -326,25 +326,20 @@ class Plan:
 
     def _repeated_paths(self, row: Row, first_row: Row) -> tuple[str, ...]:
         """Return the paths for which two rows have other entries of a list; a design draws its points anew."""
-        listed = {path for axis in self.axes if not self._is_drawn(axis) for path in axis.paths}
+        drawn_axes = 0 if self.sampled_design is None else 1  # the axis of a design is the first
+        listed = {path for axis in self.axes[drawn_axes:] for path in axis.paths}
         pairs = zip(row, first_row, strict=True)
         return tuple(path for (path, node), (_, other) in pairs if path in listed and node is not other)
-
-    def _is_drawn(self, axis: Axis) -> bool:
-        """Return True for the axis of the design, which is the first."""
-        return self.sampled_design is not None and axis is self.axes[0]
 
     def repetition_notes(self) -> Iterator[str]:
         """Yield a remark for the combinations left out because their case is equal to that of another one."""
         total = self.repeated.total()
-        for paths, count in self.twice.items():
-            if paths:
-                words = " and ".join(f"`{path}`" for path in paths)
-                yield f"left out: {count} of {total} combinations with repeated values of {words}"
-        for paths, count in self.repeated.items():
-            if paths:
-                words = " and ".join(f"`{path}`" for path in paths)
-                yield f"left out: {count} of {total} combinations, equal to cases with another {words}"
+        reasons = ((" with repeated values of", self.twice), (", equal to cases with another", self.repeated))
+        for reason, counts in reasons:
+            for paths, count in counts.items():
+                if paths:
+                    words = " and ".join(f"`{path}`" for path in paths)
+                    yield f"left out: {count} of {total} combinations{reason} {words}"
 
     def check_settings(self) -> None:
         """Add a problem if `where` excludes every case, or if no case is random although `repeat` is used."""

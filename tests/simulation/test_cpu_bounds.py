@@ -44,7 +44,7 @@ def stack_at_timeout(compute: Callable[[], Any], seconds: float = 0.0) -> list[s
 
 
 @pytest.fixture(scope="module")
-def test_case() -> Case:
+def resolved_case() -> Case:
     return choice.resolve(case(model="rollers", defect=SLOT, periodic=False, record=["ring.velocity"]))
 
 
@@ -56,54 +56,54 @@ def empty_caches() -> None:
 
 
 @pytest.mark.usefixtures("empty_caches")
-def test_pricing_stops_at_the_cpu_limit(test_case: Case) -> None:
-    assert "find_equilibrium" in stack_at_timeout(lambda: time_grid.estimate(test_case))
+def test_pricing_stops_at_the_cpu_limit(resolved_case: Case) -> None:
+    assert "find_equilibrium" in stack_at_timeout(lambda: time_grid.estimate(resolved_case))
 
 
-def test_impact_estimate_stops_at_the_cpu_limit(test_case: Case) -> None:
-    model = set_up(test_case).model
+def test_impact_estimate_stops_at_the_cpu_limit(resolved_case: Case) -> None:
+    model = set_up(resolved_case).model
     assert "impact_force" in stack_at_timeout(lambda: limits.impact_force(model, 50.0))
 
 
-def test_start_of_a_run_stops_at_the_cpu_limit(test_case: Case) -> None:
-    setup = set_up(test_case)
+def test_start_of_a_run_stops_at_the_cpu_limit(resolved_case: Case) -> None:
+    setup = set_up(resolved_case)
     assert "_start" in stack_at_timeout(lambda: integrate(setup))
 
 
-def test_integration_stops_at_the_cpu_limit(test_case: Case) -> None:
-    long_case = test_case.model_copy(update={"duration": 60.0})
+def test_integration_stops_at_the_cpu_limit(resolved_case: Case) -> None:
+    long_case = resolved_case.model_copy(update={"duration": 60.0})
     assert "_record_steps" in stack_at_timeout(lambda: integrate(set_up(long_case)), 0.1)
 
 
-def test_step_check_stops_at_the_cpu_limit(test_case: Case) -> None:
-    long_case = test_case.model_copy(update={"duration": 60.0, "step_check": True})
+def test_step_check_stops_at_the_cpu_limit(resolved_case: Case) -> None:
+    long_case = resolved_case.model_copy(update={"duration": 60.0, "step_check": True})
     assert "check_on_pilot" in stack_at_timeout(lambda: step_check.check_step(set_up(long_case)), 0.1)
 
 
-def test_evaluation_of_a_record_stops_at_the_cpu_limit(test_case: Case) -> None:
-    setup = set_up(test_case)
+def test_evaluation_of_a_record_stops_at_the_cpu_limit(resolved_case: Case) -> None:
+    setup = set_up(resolved_case)
     raw = integrate(setup)
     for compute in (
-        lambda: spectral_lines.lines_of_passes(test_case, setup.model, setup.grid, raw),
-        lambda: features.features(test_case, setup.model, setup.grid, raw, {}),
-        lambda: features.statistics(test_case, setup.grid, raw),
+        lambda: spectral_lines.lines_of_passes(resolved_case, setup.model, setup.grid, raw),
+        lambda: features.features(resolved_case, setup.model, setup.grid, raw, {}),
+        lambda: features.statistics(resolved_case, setup.grid, raw),
         lambda: make_record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
     ):
         assert "<lambda>" in stack_at_timeout(compute)  # not after it
 
 
-def test_filter_in_parts_equals_the_whole_filter(test_case: Case) -> None:
+def test_filter_in_parts_equals_the_whole_filter(resolved_case: Case) -> None:
     """Bit for bit; a low `sampling` needs many taps."""
     from bearingsim.simulation import recording
 
-    setup = set_up(test_case)
+    setup = set_up(resolved_case)
     low = replace(integrate(setup), taps=np.ones(101) / 101).low_passed
     full = low.read(100, 500)
     with mock.patch.object(recording, "MULTIPLICATIONS", 1):
         assert np.array_equal(low.read(100, 500), full)
 
 
-def test_filling_in_of_passes_stops_at_the_cpu_limit(test_case: Case) -> None:
+def test_filling_in_of_passes_stops_at_the_cpu_limit(resolved_case: Case) -> None:
     raw_case = case(model="rollers", defect=SLOT, antialias=False, step_check=False, duration="1 s")
     setup = set_up(choice.resolve(raw_case))
     with mock.patch("bearingsim.simulation.recording.Recording.fill_repeated_passes", autospec=True) as fill:
@@ -156,16 +156,16 @@ def test_warm_up_ends_at_its_cpu_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     assert step_usage().steps - steps < time_grid.make_grid(slow).steps_per_pass > 5_000_000
 
 
-def test_step_loop_contains_the_cpu_limit_of_the_job(test_case: Case) -> None:
+def test_step_loop_contains_the_cpu_limit_of_the_job(resolved_case: Case) -> None:
     with cpu_time.at_most(1e4):
-        limited = integrate(set_up(test_case))
+        limited = integrate(set_up(resolved_case))
     assert 0.0 < limited.y[lay.CPU_END] < 1.1e4
-    unlimited = integrate(set_up(test_case))
+    unlimited = integrate(set_up(resolved_case))
     assert unlimited.y[lay.CPU_END] == np.inf
     assert np.array_equal(limited.fine, unlimited.fine)
 
 
-def test_reported_cpu_time_is_that_of_the_process(test_case: Case) -> None:
+def test_reported_cpu_time_is_that_of_the_process(resolved_case: Case) -> None:
     start = cpu_time.now()
-    info = simulate(test_case).info
+    info = simulate(resolved_case).info
     assert 0.0 < float(info["integrator_cpu_s"]) < float(info["cpu_s"]) < cpu_time.now() - start

@@ -75,7 +75,7 @@ def _read(path: Path, modified: int, size: int) -> Profile:
         raise ScanError(f"expected a file that ends in .csv, got `{path.name}`")
     content = read_content(path)
     profile = _table(*text_rows(path.name, content))._replace(digest=digest_of(content))
-    for step in (_fill_missing, _one_turn, _remove_spikes):
+    for step in (_remove_missing, _one_turn, _remove_spikes):
         profile = step(profile)
     return profile
 
@@ -120,7 +120,7 @@ def _factor(name: str, unit: str | None) -> float:
         ) from None
 
 
-def _fill_missing(profile: Profile) -> Profile:
+def _remove_missing(profile: Profile) -> Profile:
     """Remove points without a value; they are interpolated later. Raises ScanError if there are too many."""
     missing = np.isnan(profile.values)
     count = int(np.count_nonzero(missing))

@@ -113,7 +113,7 @@ def _shared(model, t, y):
     return ring_motion(model, t, y)
 
 
-TINY = 1e-300  # N s/m: without damping each contact has half of the rate
+TINY = 1e-300  # in denominators (SI): without damping, each contact has half of the rate
 
 
 @generic(inline="late")
@@ -289,7 +289,7 @@ def derivatives_in_series(model, y, n):
         K_i, _ = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
         k_o = tangent(model.outer.stiffness, max(y[lay.DELTA_O + j], 0.0))
         k_i = tangent(model.inner.stiffness, max(y[lay.DELTA_I + j], 0.0))
-        y[K_RING + j] = (part * K_o * k_i + (1.0 - part) * K_i * k_o) / max(k_o + k_i, 1e-300)
+        y[K_RING + j] = (part * K_o * k_i + (1.0 - part) * K_i * k_o) / max(k_o + k_i, TINY)
         y[C_RING + j] = part * C
 
 
@@ -308,7 +308,7 @@ def derivatives_over_defect_in_series(model, y, j):
     part = outer_rate_part_over_defect(model, d_i, s_i, inner)
     k_o = stiffness_over_defect(model.outer.stiffness, defects, d, s, outer)
     k_i = stiffness_over_defect(model.inner.stiffness, defects, d_i, s_i, inner)
-    share = k_i / max(k_o + k_i, 1e-300)
+    share = k_i / max(k_o + k_i, TINY)
     if d < 0:
         speed = (1.0 - part) * passing_speed(defects, d_i, bearing)
         K, C = derivatives_over_defect(model.inner, defects, d_i, s_i, speed, inner, (1.0 - part) * rate)
