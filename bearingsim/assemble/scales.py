@@ -3,7 +3,7 @@
 The tolerances of adaptive methods are fractions of these.
 """
 
-from math import inf, pi, sqrt
+from math import exp, inf, log, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -87,19 +87,26 @@ def form_bounds(model: Any) -> tuple[float, float]:
     return height, speed
 
 
-MAX_SEARCH_APPROACH = 1e9  # m, upper bound of the search for an approach
+INITIAL_APPROACH = 1e-5  # m, of the order of approaches in bearings
+MAX_ITERATIONS = 50
+APPROACH_TOLERANCE = 1e-14  # relative change of the last iteration: a few times the rounding error
 
 
 def approach(law: Any, load: float) -> float:
-    """Compute the static approach (m) of a contact under ``load`` (N)."""
+    """Compute the static approach (m) of a contact under ``load`` (N).
+
+    Uses Newton's method for ln Q as a function of ln delta, a straight line for a power law.
+    """
     if load <= 0.0:
         return 0.0
-    from scipy.optimize import brentq  # imported here to save 0.2 s in commands that read results
-
-    upper = 1e-3
-    while normal_force(law, upper, 0.0) < load and upper < MAX_SEARCH_APPROACH:
-        upper *= 10.0
-    return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, upper, xtol=1e-18, rtol=1e-12))
+    delta = INITIAL_APPROACH
+    for _ in range(MAX_ITERATIONS):
+        Q = normal_force(law, delta, 0.0)
+        change = log(load / Q) * Q / (delta * tangent(law.stiffness, delta))
+        delta *= exp(change)
+        if abs(change) < APPROACH_TOLERANCE:
+            return delta
+    raise ArithmeticError(f"no static approach of {law} under {load:g} N within {MAX_ITERATIONS} iterations")
 
 
 def load_exponent(law: Any, load: float) -> float:

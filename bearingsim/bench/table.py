@@ -13,7 +13,7 @@ from bearingsim.bench.measure import COLUMNS, Row
 from bearingsim.bench.plan import JOB, Run, Settings, compile_groups, runs
 from bearingsim.bench.provenance import provenance
 from bearingsim.bench.scene import Scene
-from bearingsim.runner.pool import map_unordered
+from bearingsim.runner.pool import map_in_new_processes, map_unordered
 from bearingsim.runner.progress import duration
 from bearingsim.store import claim
 from bearingsim.text.terminal import say
@@ -126,13 +126,12 @@ def _rows_in_worker(run: Run, solver: external.Solver | None) -> list[Row]:
 
 
 def _compile(missing_runs: Sequence[Run], jobs: int) -> None:
-    """Compile the code before timing, each model in one process."""
+    """Compile the code before timing, each model in one process of new ones, whose memory is then free again."""
     groups = compile_groups(missing_runs)
     say(f"compiling {len(groups)} models for {len(missing_runs)} runs", err=True)
-    for done, model in enumerate(
-        map_unordered(_compile_group, [(group, dict(external.SOLVERS)) for group in groups], jobs), 1
-    ):
-        say(f"ready, {done} of {len(groups)}: {model}", err=True)
+    tasks = [(group, dict(external.SOLVERS)) for group in groups]
+    for done, model in enumerate(map_in_new_processes(_compile_group, tasks, jobs), 1):
+        say(f"compiled {done} of {len(groups)}: {model}", err=True)
 
 
 def _compile_group(group: Sequence[Run], solvers: dict[str, external.Solver]) -> str:

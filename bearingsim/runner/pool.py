@@ -186,6 +186,33 @@ def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int
             results.close()
 
 
+def map_in_new_processes(function: Callable, arguments: Iterable[tuple], workers: int) -> Iterator[Any]:
+    """Yield the result of a function for each tuple of arguments, in order of completion, from a new pool.
+
+    For functions that compile: only the end of a process frees the memory of a compiler. After a signal the
+    running calls finish, then Signalled is raised. Raises BrokenProcessPool if a process dies before.
+    """
+    from joblib.externals.loky import ProcessPoolExecutor, as_completed
+
+    identity = (os.getpid(), flag_for_workers())
+    with defer_signals():
+        with check_shared_memory(), ignore_signals():
+            pool = ProcessPoolExecutor(workers, initializer=die_with_parent, initargs=identity)
+            calls = [pool.submit(function, *values) for values in arguments]
+        try:
+            for call in as_completed(calls):
+                yield call.result()
+                if stop_requested():
+                    break
+        except BrokenProcessPool:
+            if not stop_requested():
+                raise
+        finally:
+            for call in calls:
+                call.cancel()
+            pool.shutdown()
+
+
 def _until_stop(arguments: Iterable[tuple]) -> Iterator[tuple]:
     """Yield arguments until a stop is requested."""
     return takewhile(lambda _: not stop_requested(), arguments)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim import extensions
-from bearingsim.runner.pool import map_unordered
+from bearingsim.runner.pool import map_in_new_processes, map_unordered
 from bearingsim.runner.progress import duration
 from bearingsim.stability.matrix import Grid, Material, count, map_rows, materials, reference_methods, warm
 from bearingsim.store import claim
@@ -50,16 +50,22 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
 
 
 def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
-    """Compile all code before running cells, to keep compilation out of their CPU time."""
-    tasks = [(model, method, grid) for model in models for method in (*methods, *reference_methods(methods))]
-    say(f"getting ready: {len(tasks)} pairs of model and method", err=True)
-    for done, (model, method) in enumerate(map_unordered(_warm, tasks, jobs), 1):
-        say(f"ready, {done} of {len(tasks)}: {model}, {method}", err=True)
+    """Compile all code before running cells, to keep compilation out of their CPU time.
+
+    Each model is compiled by new processes: compiling all models takes 7 GB of memory in a single one.
+    """
+    solvers = (*methods, *reference_methods(methods))
+    total, done = len(models) * len(solvers), 0
+    say(f"compiling {total} pairs of model and method", err=True)
+    for model in models:
+        for method in map_in_new_processes(_warm, [(model, method, grid) for method in solvers], jobs):
+            done += 1
+            say(f"compiled {done} of {total}: {model}, {method}", err=True)
 
 
-def _warm(model: str, method: str, grid: Grid) -> tuple[str, str]:
+def _warm(model: str, method: str, grid: Grid) -> str:
     warm(model, method, grid)
-    return model, method
+    return method
 
 
 def _map_rows(material: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:

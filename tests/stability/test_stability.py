@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.plots import stability as maps
-from bearingsim.runner.pool import map_unordered
+from bearingsim.runner.pool import map_in_new_processes, map_unordered
 from bearingsim.stability import classification, mapping, matrix, references
 from bearingsim.stability.classification import CLASSES, Reference, agreeing_solutions
 from bearingsim.stability.scene import DEFECTS, SAMPLE_INTERVAL, SAMPLES, STEEL, TIMES, Scene, scene_case
@@ -175,7 +175,7 @@ def test_a_small_map_has_a_row_for_each_cell(small):
     assert list(fine["class"]) == ["ok", "ok"]
     assert (rows["floor"] < 1e-4).all()
     assert "stability-ring-0.2-mm-slot-steps.png" in stdout
-    assert "ready, 1 of 4: ring, " in stderr
+    assert "compiled 1 of 4: ring, " in stderr
 
 
 def test_each_exponent_and_excitation_is_compiled(monkeypatch):
@@ -203,6 +203,13 @@ def test_each_model_that_can_be_mapped_has_each_defect(model):
 def test_units_are_spread_over_processes():
     paths = map_unordered(os.path.join, [("a", "b"), ("c", "d")], workers=2)
     assert sorted(paths) == ["a/b", "c/d"]
+
+
+def test_code_is_compiled_in_processes_that_end():
+    """Only the end of a process frees the memory of the compiler."""
+    processes = [list(map_in_new_processes(os.getpid, [()] * 3, workers=2)) for _ in range(2)]
+    assert [len(pids) for pids in processes] == [3, 3]
+    assert set(processes[0]).isdisjoint({*processes[1], os.getpid()})
 
 
 def test_interrupted_map_keeps_its_rows(small, monkeypatch):
