@@ -17,7 +17,11 @@ STATEMENT = re.compile(
     r"(?:[\s;,]*(?P<unit>[^\s;,\"']+))?"
 )
 """Name, number and unit, such as `Sampling rate: 12800 Hz`."""
-UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<unit>[^\s;,\"']+)", re.IGNORECASE)
+UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<units>.*)", re.IGNORECASE)
+WORD = re.compile(r"(?<![^\s;,\"'])[^\s;,\"'(\[][^\s;,\"']*")
+"""Word behind the name of a unit, except in brackets."""
+THOUSANDS = re.compile(r"(?<![\d.])[1-9]\d{0,2}\.\d{3}(?!\d)")
+"""Number whose point may separate thousands, in a table with decimal commas."""
 SPEED_WORDS = (*SPEEDS, "speed", "shaftspeed", "rotationalspeed", "rotationspeed", "rotatingspeed", "drehzahl")
 COMMA = re.compile(r"(?<=\d),(?=\d)")
 """Comma between two digits."""
@@ -37,20 +41,24 @@ class Statements(NamedTuple):
 
 
 def statements(lines: Sequence[str], decimal: str = ".", separator: str | None = None) -> Statements:
-    """Read the first statement of each value in lines of text; lines with unknown units are ignored.
+    """Read the first statement of each value in lines of text; lines with unknown or several units are ignored.
 
     decimal, separator: decimal sign and separator of the table below. A number such as `12,800` is ignored unless
-    its comma is one of both, because it may be 12.8 or 12800. After a colon it does not separate cells.
+    its comma is one of both, because it may be 12.8 or 12800. After a colon it does not separate cells. Likewise
+    `12.800` above a table with decimal commas is ignored.
     """
     rates: list[Stated[float]] = []
     speeds: list[Stated[float]] = []
     unit = None
     for line in (line.strip(MARKS) for line in lines):
         if decimal == ",":
+            if THOUSANDS.search(line):
+                continue
             line = COMMA.sub(".", line)
         unit_match = UNIT.match(line)
-        if unit_match and unit is None and any(unit_match["unit"] in units for units in FACTORS.values()):
-            unit = unit_match["unit"]
+        words = set(WORD.findall(unit_match["units"])) if unit_match else set()
+        if unit is None and len(words) == 1 and any(words <= units.keys() for units in FACTORS.values()):
+            (unit,) = words
         match = STATEMENT.match(line)
         header = HEADER.match(match["name"]) if match else None
         if match is None or header is None or _is_ambiguous(match, separator):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.measured.arrays import MAX_CHANGE, TIMES, rate_of_other_times, rises, sampled_speed, word_of
-from bearingsim.measured.content import Content, MeasuredError, Stated
+from bearingsim.measured.content import Content, MeasuredError, Stated, differ
 from bearingsim.measured.si import FACTORS, SECONDS
 from bearingsim.measured.statements import HEADER, MARKS, Statements, is_speed, speed_factor, statements
 from bearingsim.text.numbers import is_number
@@ -21,18 +21,19 @@ BYTE_ORDERS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 """Encodings by the first two bytes of a file."""
 WESTERN = "cp1252"
 """Encoding of other files: that of Windows in western Europe, in which nearly every byte is a character."""
-MAX_ROWS = 50
-"""Lines, the last of the first bytes, searched for a decimal comma."""
 LINE_END = re.compile(r"\r\n?|\n")
 """Ends of lines as pandas counts them; `str.splitlines` has others, such as form feeds."""
 DIGITS = re.compile(r"[+-]?\d+")
 FRACTION = re.compile(r"\d+(?:[eE][+-]?\d+)?")
 """Digits before and after a decimal comma."""
-COMMA = re.compile(r"\d,\d")
 DECIMAL_COMMAS = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?(?:\s+[+-]?\d+,\d+(?:[eE][+-]?\d+)?)+\s*")
 """Row of several numbers with decimal commas, separated by blanks."""
 GROUPED = re.compile(r"[+-]?\d{1,3}(?:(?P<thousands>[.,])\d{3})(?:(?P=thousands)\d{3})*(?P<decimal>[.,])\d+")
 """Number with a thousands separator and a different decimal sign."""
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+"""Number whose comma may separate thousands as well as decimals."""
+BLANKS = re.compile(r"\s+(?![\[(])")
+"""Blanks between the headers of columns, not those before a unit."""
 CLOCK = re.compile(r"\d:\d\d")
 UNITS = {unit for unit in SECONDS if unit} | {unit for units in FACTORS.values() for unit in units}
 """Units by which a second header line is recognised."""
@@ -108,7 +109,7 @@ def _layout(path: Path, lines: list[str]) -> Layout:
     separator = next((letter for letter in SEPARATORS if any(letter in _unquoted(line) for line in ends)), None)
     if separator == "," and all(DECIMAL_COMMAS.fullmatch(line) for line in ends):
         separator = None
-    decimal, thousands = _signs(lines[-MAX_ROWS:], separator)
+    decimal, thousands = _signs(path, lines, separator)
     rows = [n for n, line in enumerate(lines) if _is_numeric(line, separator, decimal, thousands)]
     if not rows:
         has_clock = any(CLOCK.search(line) for line in ends)
@@ -117,21 +118,40 @@ def _layout(path: Path, lines: list[str]) -> Layout:
     is_counted = len(rows) > 1 and _counts_columns(*(_cells(lines[row], separator) for row in rows[:2]))
     if is_counted:
         rows = rows[1:]
-    width = len(_cells(lines[rows[0]], separator))
-    above = [[line] if width == 1 else _cells(line, separator) for line in lines[: rows[0]] if line.strip()]
-    headers = None if is_counted else _headers(above, width)
+    table = [_cells(lines[row], separator) for row in rows]
+    width = len(table[0])
+    filled = max(number + 1 for row in table for number, cell in enumerate(row) if cell)
+    heads = [line for line in lines[: rows[0]] if any(map(str.isalnum, line))]  # the others are rules
+    above = [[line] if width == 1 else _header_cells(line, separator) for line in heads]
+    headers = None if is_counted else _headers(above, width) or _headers(above, filled)
     if separator == "," and headers is None and not is_counted:
         _refuse_ambiguous(path, lines[rows[0] :], above)
     names = headers or [f"column {number + 1}" for number in range(width)]
+    names += [""] * (width - len(names))  # rows end with separators
     return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]])
 
 
-def _signs(lines: list[str], separator: str | None) -> tuple[str, str | None]:
-    """Return the decimal sign of rows of numbers, and their thousands separator if a number has both signs."""
-    for match in (GROUPED.fullmatch(cell) for line in lines for cell in _cells(line, separator)):
+def _signs(path: Path, lines: list[str], separator: str | None) -> tuple[str, str | None]:
+    """Return the decimal sign of rows of numbers, and their thousands separator if a number has both signs.
+
+    Raises MeasuredError if all commas may separate thousands as well as decimals.
+    """
+    rows = [row for row in (_cells(line, separator) for line in lines) if all(map(_may_be_number, row))]
+    for match in (GROUPED.fullmatch(cell) for row in rows for cell in row):
         if match and match["decimal"] != match["thousands"]:
             return match["decimal"], match["thousands"]
-    return ("," if separator != "," and any(COMMA.search(line) for line in lines) else "."), None
+    cells = [cell for row in rows for cell in row if "," in cell and separator != ","]
+    if cells and all(map(THOUSANDS.fullmatch, cells)):
+        raise MeasuredError(
+            path,
+            f"has commas that may separate thousands or decimals, as in `{cells[0]}`: export with decimal points",
+        )
+    return ("," if cells else "."), None
+
+
+def _may_be_number(cell: str) -> bool:
+    """Check if a cell is empty or a number with a decimal point or comma, or with thousands separators."""
+    return not cell or bool(GROUPED.fullmatch(cell)) or is_number(cell.replace(",", "."))
 
 
 def _headers(above: list[list[str]], width: int) -> list[str] | None:
@@ -169,13 +189,15 @@ def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]]) -> N
 
 
 def read_parquet(path: Path) -> Content:
-    """Read a parquet file; needs pyarrow, the extra `parquet`."""
+    """Read a parquet file, with its index if that has a name; needs pyarrow, the extra `parquet`."""
     import pandas as pd
 
     try:
         table: pd.DataFrame = pd.read_parquet(path)
     except ImportError:
         raise MeasuredError(path, "parquet needs pyarrow: `pip install 'bearingsim[parquet]'`") from None
+    if table.index.name is not None:
+        table = table.reset_index()
     names = [str(name) for name in table if table[name].dtype.kind in "fiu"]
     return _content(path, names, [table[name].to_numpy() for name in names], Statements())
 
@@ -185,6 +207,11 @@ def _cells(line: str, separator: str | None) -> list[str]:
     if separator is not None and '"' in line:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
     return [cell.strip() for cell in (line.split(separator) if separator else line.split())]
+
+
+def _header_cells(line: str, separator: str | None) -> list[str]:
+    """Return the cells of a header line; a blank before a unit in brackets does not separate."""
+    return _cells(line, separator) if separator else BLANKS.split(line.strip())
 
 
 def _unquoted(line: str) -> str:
@@ -209,14 +236,12 @@ def _counts_columns(cells: list[str], below: list[str]) -> bool:
 def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
     """Return the content of columns: one named `time`, or a first one without a name that is evenly spaced.
 
-    Columns without numbers are omitted, and so is an unnamed column of row numbers.
+    Columns without numbers are omitted, and so are those of row numbers.
     """
     channels, units, other_speed = {}, {}, stated.other_speed
     times: list[Stated[np.ndarray]] = []
     speeds = {"": stated.speed} if stated.speed else {}
-    filled = [
-        n for n, column in enumerate(columns) if len(column) == 0 or not np.all(np.isnan(column.astype(float)))
-    ]
+    filled = [n for n, column in enumerate(columns) if not _is_empty(column) and not _counts(headers[n], column)]
     for number in filled:
         header, column = headers[number], columns[number].astype(float)
         name, unit = _name_and_unit(header)
@@ -231,10 +256,10 @@ def _content(path: Path, headers: list[str], columns: list[np.ndarray], stated: 
             factor = speed_factor(word_of(last), unit.lower())
             speed, end = sampled_speed(factor * column, f"the column `{header}`")
             stated_speed = speeds.get(owner, speed)
-            if abs(speed.value - stated_speed.value) > MAX_CHANGE * abs(speed.value):
+            if differ(stated_speed.value, speed.value, MAX_CHANGE):
                 other_speed = stated_speed
             speeds[owner], other_speed = speed, end or other_speed
-        elif name or not _counts(column):
+        else:
             if name in channels:
                 raise MeasuredError(path, f"has two columns `{name}`: rename or remove one of them")
             channels[name or f"column {number + 1}"] = column
@@ -252,9 +277,15 @@ def _name_and_unit(header: str) -> tuple[str, str]:
     return (match["name"], match["unit"] or "") if match else (header, "")
 
 
-def _counts(column: np.ndarray) -> bool:
-    """Check if a column contains row numbers."""
-    return len(column) > 1 and bool(np.all(np.diff(column) == 1.0))
+def _is_empty(column: np.ndarray) -> bool:
+    """Check if a column has rows, but no number."""
+    return len(column) > 0 and bool(np.all(np.isnan(column.astype(float))))
+
+
+def _counts(header: str, column: np.ndarray) -> bool:
+    """Check if a column contains row numbers, and is not named as time."""
+    is_time = word_of(_name_and_unit(header)[0].rpartition("/")[2]) in TIMES
+    return not is_time and len(column) > 1 and bool(np.all(np.diff(column.astype(float)) == 1.0))
 
 
 def _is_even(column: np.ndarray) -> bool:

@@ -68,6 +68,18 @@ READ = {
     "quotes": ('"time","acc"\n' + rows(T, X, form='"%.10g"'), "acc", "", None),
     "separator at the end": ("time;acc;\n" + rows(T, X, separator=";").replace("\n", ";\n"), "acc", "", None),
     "line that names the separator": ("sep=;\ntime;acc\n" + rows(T, X, separator=";"), "acc", "", None),
+    "separator at the end of rows only": (
+        "time [ms];acc [g]\n" + rows(1e3 * T, X, separator=";").replace("\n", ";\n"), "acc", "g", None,
+    ),
+    "units behind blanks": ("Time (ms)  Acc (g)\n" + rows(1e3 * T, X, separator="   "), "Acc", "g", None),
+    "rule below the names": ("time [ms];acc [g]\n--------\n" + rows(1e3 * T, X, separator=";"), "acc", "g", None),
+    "row numbers without a name": ("fs: 12800 Hz\n" + rows(np.arange(COUNT), X), "column 2", "", None),
+    "row numbers before the time": (rows(np.arange(COUNT), T, X), "column 3", "", None),
+    "row numbers with a name": ("Sample;t;acc\n" + rows(np.arange(COUNT), T, X, separator=";"), "acc", "", None),
+    "one unit twice": ("Unit;g;g\ntime;acc\n" + rows(T, X, separator=";"), "acc", "g", None),
+    "a point above decimal commas": (
+        "Drehzahl: 1.796 rpm\nZeit [s];a [g]\n" + rows(T, X, separator=";").replace(".", ","), "a", "g", None,
+    ),
     "numbered rows": (",time,acc\n" + rows(np.arange(COUNT), T, X), "acc", "", None),
     "bars": ("time|acc\n" + rows(T, X, separator="|"), "acc", "", None),
     "channels with numbers as names": ("time;1\n" + rows(T, X, separator=";"), "1", "", None),
@@ -83,6 +95,10 @@ REFUSED = {
     "clock": ("time,acc\n" + "10:11:12.5,1.5\n" * 40, "its times are clock times; export them in seconds"),
     "text below": ("time,acc\n" + rows(T, X) + "End of file\n", "'End of file'.*remove text below the headers"),
     "hours": ("time [h],acc\n" + rows(T, X), "has times in `h`: expected s, ms or us"),
+    "thousands without decimals": (
+        "t [s]\tacc\n" + "".join(f"{t}\t{int(1e5 * x):,d}\n" for t, x in zip(T, X, strict=True)),
+        "commas that may separate thousands or decimals, as in `34,558`",
+    ),
     "no rate": (rows(X), "states no sampling rate: give it, such as `--rate"),
     "two speeds": (
         "fs: 12800\na/rpm,a/x,b/rpm,b/x\n" + rows(0 * T + 1e3, X, 0 * T + 2e3, X),
@@ -146,6 +162,20 @@ def test_missing_samples_of_a_constant_speed_are_left_out(tmp_path):
     recording = read(tmp_path / "a.npz")
     assert list(recording.channels) == ["acc"]
     assert recording.speed.value == pytest.approx(1000.0 * pi / 30.0)
+
+
+def test_units_of_several_channels_are_not_those_of_all(tmp_path):
+    head = "Channel;acc;vel\nUnit;g;mm/s\nfs: 12800\n"
+    (tmp_path / "a.csv").write_text(head + rows(X, X, separator=";"))
+    assert [unit.value for unit in read(tmp_path / "a.csv").units.values()] == ["", ""]
+
+
+def test_a_decimal_comma_far_above_whole_numbers_is_read(tmp_path):
+    """A signal that ends at rest: its last rows have no decimals, its first one is no header."""
+    whole = rows(np.arange(0, 200, 2), np.zeros(100), separator=";", form="%d")
+    (tmp_path / "a.csv").write_text("a;b\n0,5;0,25\n1,5;0,75\n" + whole)
+    channels = read(tmp_path / "a.csv", Request(rate=RATE)).channels
+    assert [list(channels[name][:3]) for name in "ab"] == [[0.5, 1.5, 0.0], [0.25, 0.75, 0.0]]
 
 
 def test_statements_need_known_units(tmp_path):
