@@ -101,7 +101,10 @@ class Hdf5:
         if attribute.shape != () or not (attribute.dtype.kind in NUMBERS + "S" or (kind is not None and variable)):
             raise Unsafe(f"the attribute `{name}` is not one number or text")
         value = attributes[name]
-        return value.decode() if isinstance(value, bytes) else value
+        try:
+            return value.decode() if isinstance(value, bytes) else value
+        except UnicodeDecodeError:
+            raise Unsafe(f"the attribute `{name}` is not text in UTF-8") from None
 
     def cost(self, *names: str) -> int:
         """Return the memory (bytes) required by the values of some datasets."""

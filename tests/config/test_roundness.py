@@ -153,6 +153,14 @@ def test_repairs_are_reported_and_leave_the_form(tmp_path: Path, what: str) -> N
     np.testing.assert_allclose(amplitudes(path), EXPECTED, atol=5e-3)
 
 
+def test_a_rounded_end_of_the_turn_is_its_end(tmp_path: Path) -> None:
+    """2 pi printed with four decimals is 6.2832, which is 1.5e-5 more."""
+    angles = np.radians(TURN)
+    lines = [f"{angle:.4f},{value:.9g}" for angle, value in zip(angles, heights(TURN), strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["angle [rad],deviation [um]", *lines]))
+    np.testing.assert_allclose(amplitudes(tmp_path / "a.csv"), EXPECTED, atol=5e-3)
+
+
 def test_what_is_taken_is_reported(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", EVEN, heights(EVEN) + ECCENTRIC)
     (remark,) = notes([case(outer={"roundness": str(path)}, inner={"roundness": str(path)})])
@@ -175,6 +183,7 @@ WRONG_FILES = {
     "words": (f"{HEAD}\n0,high\n", "line 2: expected a number, got `high`"),
     "infinity": (f"{HEAD}\n0,inf\n", "line 2: `inf` is not finite"),
     "a point without angle": (f"{HEAD}\n0,1\n,2\n", "line 3: a point has no angle"),
+    "two profiles": ("angle [deg],deviation [um],deviation [um]\n0,1,2\n", "two columns are named `deviation`"),
     "nothing": ("", "no points in this file"),
     "a head alone": (f"{HEAD}\n", "no points in this file"),
     "few points": (f"{HEAD}\n" + "".join(f"{30 * n},{n % 2}\n" for n in range(12)), "12 points: at least 14"),

@@ -193,6 +193,14 @@ def test_damage_beyond_the_scan_along_the_roller(tmp_path: Path) -> None:
     assert read_scan(file).sizes[0] == pytest.approx(8e-3)
 
 
+def test_damage_beyond_the_scan_along_rolling(tmp_path: Path) -> None:
+    """A bowl of 1.2 mm along z, cut 0.1 mm after its middle, is no wider than a fifth of a side of 8 mm."""
+    depth, s = 50.0 * np.clip(1.0 - S**2 - (Z[:, None] / 0.6) ** 2, 0.0, None)[:, :33], S[:33]
+    file = write_grid(tmp_path / "a.csv", depth, s=s)
+    assert "extends to the scan's end along s and is cut off there" in notes_text(file)
+    assert read_scan(file).sizes[1] == pytest.approx(1.1e-3)
+
+
 @pytest.mark.parametrize(
     ("depth", "part"),
     [
@@ -227,6 +235,8 @@ def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
         ("s [mm],z [mm],depth [um]\n", "no points in this file"),
         ("s [mm],z [mm],depth [um]\n1,1,1\n1,1,2\n2,1,1\n2,2,1\n1,2,2\n", "two points have the same coordinates"),
         ("s [mm],z [mm],depth [um]\n1,,1\n", "a point has no coordinates"),
+        ("s [mm],z [mm],depth [um],depth [um]\n1,1,1,2\n", "two columns are named `depth`"),
+        ('s [mm],z [mm],depth [um]\n1,1,"1\n' + 50000 * "1,1,1\n", "has a quotation mark that is not closed"),
         (
             "s [mm],z [mm],depth [um]\n1,5,1\n2,6,1\n3,7,1\n",
             "the points do not form a grid: 3 points at 3 values of s",
@@ -265,6 +275,23 @@ def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
         (tmp_path / "a.h5").write_bytes(content)
         assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or truncated"
     assert "no points in this file" in refusal(write_hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
+
+
+@pytest.mark.parametrize("broken", ["position", "unit"])
+def test_unusable_values_of_an_hdf5_file_are_refused(tmp_path: Path, broken: str) -> None:
+    path = write_hdf5(tmp_path / "a.h5", bowl(), s=np.append(S[:-1], np.inf) if broken == "position" else S)
+    if broken == "unit":
+        with h5py.File(path, "r+") as file:
+            file["depth"].attrs["units"] = np.bytes_("µm".encode("latin-1"))
+    part = {"position": "a value of s is missing or infinite", "unit": "`units` is not text in UTF-8"}[broken]
+    assert part in refusal(path)
+
+
+def test_separators_at_the_end_of_lines_are_no_column(tmp_path: Path) -> None:
+    file = write_points(tmp_path / "a.csv", bowl())
+    head, *lines = file.read_text().splitlines()
+    file.write_text("\n".join([head, *(f"{line}," for line in lines)]))
+    assert read_scan(file).notes == ()
 
 
 def test_text_in_an_hdf5_file_is_refused(tmp_path: Path) -> None:

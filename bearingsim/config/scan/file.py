@@ -20,7 +20,7 @@ import hashlib
 import io
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from os.path import isdir, isfile
 from pathlib import Path
 from typing import NamedTuple
@@ -135,7 +135,12 @@ def text_rows(name: str, content: bytes) -> tuple[list[list[str]], list[int]]:
     lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
     if len(lines) < 2:
         raise ScanError("no points in this file")
-    rows = list(csv.reader(line for _, line in lines))
+    try:
+        rows = list(csv.reader(line for _, line in lines))
+    except csv.Error:
+        raise ScanError(
+            f"`{name}` has a quotation mark that is not closed", "write numbers without quotes"
+        ) from None
     _check_separator(rows[0][0])
     return rows, [n for n, _ in lines]
 
@@ -153,13 +158,27 @@ def echo(text: str, limit: int = MAX_ECHO) -> str:
     return f"`{stripped}`" if len(stripped) <= limit else f"`{stripped[: limit - 3]}...`"
 
 
+def column_matches(headers: Sequence[str], names: Sequence[str]) -> dict[str, tuple[int, str | None]]:
+    """Return the index and the unit of each column with one of the names. Raises ScanError for two of one name."""
+    columns: dict[str, tuple[int, str | None]] = {}
+    for number, match in enumerate(map(COLUMN.fullmatch, headers)):
+        if match and match[1] in names:
+            if match[1] in columns:
+                raise ScanError(f"two columns are named `{match[1]}`", "rename or remove one of them")
+            columns[match[1]] = (number, match[2])
+    return columns
+
+
+def unused_columns(headers: Sequence[str], used: Collection[int]) -> list[str]:
+    """Return a note on the columns that are not used and have a header; an empty list if there are none."""
+    unused = [header.strip() for number, header in enumerate(headers) if number not in used and header.strip()]
+    return [f"columns not used: {', '.join(unused)}"] if unused else []
+
+
 def _columns(headers: Sequence[str], wording: Wording) -> dict[str, tuple[int, float]]:
     """Return the index of each recognised column, and its factor to SI."""
-    columns = {}
-    for number, header in enumerate(headers):
-        match = COLUMN.fullmatch(header)
-        if match and match[1] in NAMES:
-            columns[match[1]] = (number, _factor(match[1], match[2], wording))
+    matches = column_matches(headers, NAMES)
+    columns = {name: (number, _factor(name, unit, wording)) for name, (number, unit) in matches.items()}
     missing = [name for name in ("s", "z") if name not in columns]
     if missing or ("depth" in columns) == ("height" in columns):
         required = "`s`, `z` and either `depth` or `height`"
@@ -184,9 +203,6 @@ def _factor(name: str, unit: str | None, wording: Wording) -> float:
 def _point_grid(rows: list[list[str]], numbers: list[int]) -> Grid:
     """Arrange a list of points as a grid."""
     columns = _columns(rows[0], CSV)
-    unused = [
-        header.strip() for n, header in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}
-    ]
     table = cell_values(rows[1:], numbers[1:], len(rows[0]))
     values = {name: table[:, number] * factor for name, (number, factor) in columns.items()}
     p = values.get("depth", values.get("height"))
@@ -202,8 +218,7 @@ def _point_grid(rows: list[list[str]], numbers: list[int]) -> Grid:
     depth = np.full((len(z), len(s)), np.nan)
     depth[row, column] = p
     notes = [f"{name} is decreasing and was sorted" for name in ("s", "z") if _is_descending(values[name])]
-    if unused:
-        notes.append(f"columns not used: {', '.join(unused)}")
+    notes += unused_columns(rows[0], {number for number, _ in columns.values()})
     return Grid(s, z, depth, tuple(notes))
 
 
@@ -298,8 +313,8 @@ def _check_axis(name: str, axis: np.ndarray) -> None:
     steps = np.diff(axis)
     if len(axis) == 0:
         raise ScanError("no points in this file")
-    if np.isnan(axis).any():
-        raise ScanError(f"a value of {name} is missing")
+    if not np.isfinite(axis).all():
+        raise ScanError(f"a value of {name} is missing or infinite")
     if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
         k = int(np.flatnonzero(steps * np.sign(axis[-1] - axis[0]) <= 0.0)[0]) + 1
         raise ScanError(f"{name} is not monotonic between values {k} and {k + 1}")

@@ -224,19 +224,24 @@ def _fit(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[np.n
 
 
 def _end_remarks(grid: Grid, damaged: np.ndarray) -> list[str]:
-    """Return a remark if damage is cut at the ends of z. Raises ScanError for damage at the ends of s."""
+    """Return remarks on damage that is cut at an end. Raises ScanError if it covers much of an end of s."""
     sides = {"s": damaged[:, [0, -1]], "z": damaged[[0, -1], :].T}
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
         message = f"there is no undamaged border: {share['s']:.0%} of a side along z deviate from the surroundings"
         raise ScanError(message, "include undamaged race before and after the defect")
-    if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _touches_ends(damaged)):
-        return ["the damage extends to the scan's end along z and is cut off there"]
-    return []
+    is_cut = {"s": _touches_ends(damaged.T), "z": share["z"] > DAMAGED_SHARE or _touches_ends(damaged)}
+    return [
+        f"the damage extends to the scan's end along {axis} and is cut off there"
+        for axis in is_cut
+        if is_cut[axis]
+    ]
 
 
 def _touches_ends(damaged: np.ndarray) -> bool:
     """Check if the largest damaged region touches the first or last row."""
+    if not damaged[[0, -1]].any():
+        return False
     regions = _regions(damaged)
     largest = int(np.argmax(np.bincount(regions.ravel())[1:])) + 1
     return bool(np.any(regions[[0, -1]] == largest))

@@ -19,15 +19,16 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.config.scan.file import (
-    COLUMN,
     MAX_ECHO,
     ScanError,
     cell_values,
     check_exists,
+    column_matches,
     digest_of,
     echo,
     read_content,
     text_rows,
+    unused_columns,
 )
 from bearingsim.text.units import UnitError, parse
 
@@ -44,6 +45,7 @@ MAX_JUMP, MAX_STEPS = 0.1, 3.0  # limits of the jump at the ends: share of the r
 MIN_ECCENTRICITY = 1e-9  # m; smaller ones are not reported
 SAME_ANGLE = 1e-6  # rad; closer angles are equal
 EVEN = 1e-3  # tolerance of even spacing, relative to the spacing
+ROUNDING = 0.01  # largest excess of a revolution by printed angles, relative to the spacing
 EXAMPLE = "the first line is `angle [deg],deviation [um]`"
 CACHED_PROFILES = 64
 
@@ -85,21 +87,17 @@ def _table(rows: list[list[str]], numbers: list[int]) -> Profile:
     table = cell_values(rows[1:], numbers[1:], len(rows[0]))
     name = DEVIATION if DEVIATION in columns else RADIUS
     angles, values = (table[:, number] * factor for number, factor in (columns["angle"], columns[name]))
-    used = {number for number, _ in columns.values()}
-    unused = [header.strip() for number, header in enumerate(rows[0]) if number not in used]
+    notes = unused_columns(rows[0], {number for number, _ in columns.values()})
     if np.isnan(angles).any():
         line = numbers[1 + int(np.flatnonzero(np.isnan(angles))[0])]
         raise ScanError(f"line {line}: a point has no angle", "`angle` must be in every line")
-    return Profile(angles, values, name, "", (f"columns not used: {', '.join(unused)}",) if unused else ())
+    return Profile(angles, values, name, "", tuple(notes))
 
 
 def _columns(headers: list[str]) -> dict[str, tuple[int, float]]:
     """Return the index of each recognised column, and its factor to SI."""
-    columns = {}
-    for number, header in enumerate(headers):
-        match = COLUMN.fullmatch(header)
-        if match and match[1] in ("angle", DEVIATION, RADIUS):
-            columns[match[1]] = (number, _factor(match[1], match[2]))
+    matches = column_matches(headers, ("angle", DEVIATION, RADIUS))
+    columns = {name: (number, _factor(name, unit)) for name, (number, unit) in matches.items()}
     if "angle" not in columns or (DEVIATION in columns) == (RADIUS in columns):
         listing = ", ".join(echo(header, MAX_ECHO // 3) for header in headers[:3])
         raise ScanError(f"expected columns `angle` and either `deviation` or `radius`, got {listing}", EXAMPLE)
@@ -144,11 +142,11 @@ def _one_turn(profile: Profile) -> Profile:
     angles, values = profile.angles[order], profile.values[order]
     if np.any(np.diff(order) != 1):
         notes.append("the angles are not ascending and were sorted")
-    span = float(angles[-1] - angles[0])
-    if span > 2.0 * pi + SAME_ANGLE:
+    steps = np.diff(angles)
+    span, rounding = float(angles[-1] - angles[0]), max(SAME_ANGLE, ROUNDING * float(np.median(steps)))
+    if span > 2.0 * pi + rounding:
         message = f"the angles cover {degrees(span):.4g} deg; a profile is one turn"
         raise ScanError(message, "give one revolution, and check the unit of `angle`")
-    steps = np.diff(angles)
     if np.any(steps < SAME_ANGLE):
         k = int(np.argmin(steps))
         raise ScanError(f"two points have the angle {degrees(angles[k]):.6g} deg", "give one value for each angle")
