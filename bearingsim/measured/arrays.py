@@ -1,13 +1,13 @@
 """Identification of signals, time, sampling rate and speed among the named arrays of a file."""
 
+import re
 from collections.abc import Mapping, Sequence
-from math import pi
 from pathlib import Path
 
 import numpy as np
 
 from bearingsim.measured.content import Content, MeasuredError, Stated, contradiction, differ
-from bearingsim.measured.si import HERTZ, SECONDS
+from bearingsim.measured.si import HERTZ, SECONDS, TURNS
 
 RATES = (
     "fs",
@@ -23,8 +23,8 @@ RATES = (
 STEPS = ("dt", "ts", "timestep", "sampletime", "sampleinterval", "samplinginterval", "deltax", "deltat")
 TIMES = ("t", "time", "times", "timestamp", "zeit", "xvalue")
 SPEEDS = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
-OWN_SPEED = "parameters.speed"
-"""End of the name of a job's speed (rad/s) in an exported file."""
+OWN_SPEED = re.compile(r"(?P<job>(?:.+\.)?job_[^.]+)\.parameters\.speed")
+"""Name of a job's speed (rad/s) in an exported file; other files have speeds in other units under such names."""
 MAX_CHANGE = 0.01
 """Largest relative change of a speed that counts as constant."""
 MIN_SAMPLES = 16
@@ -45,22 +45,23 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
     other_speed = None
     times: list[Stated[np.ndarray]] = []
     for name, values in arrays.items():
+        if np.iscomplexobj(values):
+            continue
         word, own_unit = word_of(name), (_own_unit(name, texts) or "").strip().lower()
         if values.size == 1:
-            number = float(np.real(values.ravel()[0]))
+            number = float(values.ravel()[0])
             if word in RATES and own_unit in HERTZ:
                 rates.append(Stated(HERTZ[own_unit] * number, f"the variable `{name}`"))
             elif word in STEPS and number > 0.0 and own_unit in SECONDS:
                 rates.append(Stated(1.0 / (SECONDS[own_unit] * number), f"the variable `{name}`"))
-            elif word in SPEEDS or word.endswith("rpm"):
-                speed = Stated(number * pi / 30.0, f"the variable `{name}`")
-                known_speed = speeds.setdefault(name.rpartition(".")[0], speed)
-                if other_speed is None and differ(speed.value, known_speed.value):
+            elif (word in SPEEDS or word.endswith("rpm")) and (own_unit or "rpm") in TURNS:
+                speed = Stated(number * TURNS[own_unit or "rpm"], f"the variable `{name}`")
+                group_speed = speeds.setdefault(name.rpartition(".")[0], speed)
+                if other_speed is None and differ(speed.value, group_speed.value):
                     other_speed = speed
-            elif name.lower().endswith(OWN_SPEED):
-                owner = name[: -len(OWN_SPEED)].rstrip(".")
-                if f"{name[: -len('speed')]}ramp_to" not in arrays:  # else that before the ramp
-                    speeds.setdefault(owner, Stated(number, f"the variable `{name}`"))
+            elif (match := OWN_SPEED.fullmatch(name)) and f"{match['job']}.parameters.ramp_to" not in arrays:
+                # with a ramp, the record has another speed
+                speeds.setdefault(match["job"], Stated(number, f"the variable `{name}`"))
         elif (
             word in TIMES
             and values.size >= MIN_SAMPLES
@@ -69,10 +70,12 @@ def content_of(path: Path, arrays: Mapping[str, np.ndarray], texts: Mapping[str,
             if own_unit not in SECONDS:
                 raise MeasuredError(path, f"has times in `{own_unit}`: expected s, ms or us")
             times.append(Stated(SECONDS[own_unit] * values.astype(float).ravel(), f"the variable `{name}`"))
-        elif word in SPEEDS and values.size == max(values.shape):
-            speed, end = sampled_speed(values.astype(float).ravel() * pi / 30.0, f"the variable `{name}`")
-            speeds.setdefault(name.rpartition(".")[0], speed)
-            other_speed = other_speed or end
+        elif word in SPEEDS and (own_unit or "rpm") in TURNS and values.size == max(values.shape):
+            samples = values.astype(float).ravel() * TURNS[own_unit or "rpm"]
+            speed, end = sampled_speed(samples, f"the variable `{name}`")
+            group_speed = speeds.setdefault(name.rpartition(".")[0], speed)
+            is_other = differ(speed.value, group_speed.value, MAX_CHANGE)
+            other_speed = other_speed or end or (speed if is_other else None)
         else:
             channels |= _columns(name, values)
     if times:
@@ -132,11 +135,12 @@ def word_of(name: str) -> str:
 
 def _columns(name: str, values: np.ndarray) -> dict[str, np.ndarray]:
     """Return the signals of an array: itself, or its rows or columns, whichever are longer."""
-    if np.iscomplexobj(values) or values.size < MIN_SAMPLES:
+    values = np.squeeze(values)
+    if values.ndim not in (1, 2) or max(values.shape) < MIN_SAMPLES:
         return {}
-    if values.ndim == 1 or min(values.shape) == 1:
-        return {name: values.ravel()}
-    if values.ndim != 2 or min(values.shape) > MAX_CHANNELS:
+    if values.ndim == 1:
+        return {name: values}
+    if min(values.shape) > MAX_CHANNELS:
         return {}
     columns = values if values.shape[0] >= values.shape[1] else values.T
     return {f"{name}.{number + 1}": columns[:, number] for number in range(columns.shape[1])}

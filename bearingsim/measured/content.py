@@ -97,14 +97,14 @@ MAX_DIFFERENCE = 1e-3
 """Largest relative difference of two statements of one value: printed values are rounded."""
 
 
-def differ(value: float, other: float) -> bool:
-    """Check if two statements of one value contradict each other."""
-    return not abs(value - other) <= MAX_DIFFERENCE * abs(other)
+def differ(value: float, other: float, limit: float = MAX_DIFFERENCE) -> bool:
+    """Check if two statements of one value contradict each other; limit: largest relative difference."""
+    return not abs(value - other) <= limit * abs(other)
 
 
 def contradiction(statements: "Sequence[Stated[float]]") -> "Stated[float] | None":
     """Return the first statement that differs from the first of all; None if there is none."""
-    return next((stated for stated in statements if differ(stated.value, statements[0].value)), None)
+    return next((stated for stated in statements[1:] if differ(stated.value, statements[0].value)), None)
 
 
 @dataclass(frozen=True)

@@ -6,48 +6,57 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.measured.content import Content, MeasuredError, Stated
+from bearingsim.measured.content import Content, MeasuredError, Stated, contradiction
+from bearingsim.text.numbers import is_number
 
 EXTRA = "`pip install 'bearingsim[formats]'`"
 
 FREQUENCY = 18
 """Type of an abscissa in dataset 58 that is a frequency; 17 is time, 0 unknown."""
+UNEVEN = 0
+"""Spacing of an abscissa in dataset 58 whose values are listed; 1 is even."""
 
 
 def read_uff(path: Path) -> Content:
-    """Read the time series (dataset 58) of a universal file."""
+    """Read the time series (dataset 58) of a universal file, with the instants of those of uneven spacing."""
     try:
         import pyuff
     except ImportError:
         raise MeasuredError(path, f"UFF needs pyuff: {EXTRA}") from None
     data = pyuff.UFF(str(path)).read_sets()
     sets: list[dict[str, Any]] = data if isinstance(data, list) else [data]
-    channels, units, steps = {}, {}, set()
+    channels, units, steps, times = {}, {}, list[Stated[float]](), list[Stated[np.ndarray]]()
     for number, entry in enumerate(sets):
         is_spectrum = entry.get("abscissa_spec_data_type") == FREQUENCY
         if entry.get("type") == 58 and not is_spectrum and not np.iscomplexobj(entry["data"]):
             name = str(entry.get("id1", "")).strip() or f"set {number + 1}"
             name = name if name not in channels and name.upper() != "NONE" else f"set {number + 1}"
+            if name in channels:
+                raise MeasuredError(path, f"has two time series `{name}`: rename or remove one of them")
             channels[name] = np.asarray(entry["data"], float)
-            steps.add(float(entry["abscissa_inc"]))
+            if entry.get("abscissa_spacing") == UNEVEN:
+                times.append(Stated(np.asarray(entry["x"], float), f"the abscissa of `{name}`"))
+            else:
+                steps.append(Stated(float(entry["abscissa_inc"]), "`abscissa_inc`"))
             unit = str(entry.get("ordinate_axis_units_lab", "")).strip()
             if unit and unit.upper() != "NONE":
                 units[name] = unit
     if not channels:
         raise MeasuredError(path, "has no time series (dataset 58)")
-    if len(steps) > 1:
+    are_several = any(not np.array_equal(time.value, times[0].value) for time in times) or (times and steps)
+    if are_several or contradiction(steps):
         raise MeasuredError(path, "has time series of several sampling rates: export one of them")
-    step = steps.pop()
-    return Content(channels, rate=Stated(1.0 / step, "`abscissa_inc`") if step > 0.0 else None, units=units)
+    rate = Stated(1.0 / steps[0].value, steps[0].source) if steps and steps[0].value > 0.0 else None
+    return Content(channels, times[0] if times else None, rate, units=units)
 
 
 def read_tdms(path: Path) -> Content:
-    """Read the channels of a TDMS file that have a waveform."""
+    """Read the channels of a TDMS file that have a waveform; all channels if none has one."""
     try:
         from nptdms import TdmsFile
     except ImportError:
         raise MeasuredError(path, f"TDMS needs nptdms: {EXTRA}") from None
-    channels, units, steps, speeds = {}, {}, set(), {}
+    channels, units, rates, speeds = {}, {}, dict[str, Stated[float]](), {}
     file = TdmsFile.read(str(path))
     for group in file.groups():
         for channel in group.channels():
@@ -57,15 +66,16 @@ def read_tdms(path: Path) -> Content:
                 continue
             name = f"{group.name}/{channel.name}"
             channels[name] = values.astype(float)
-            if "wf_increment" in channel.properties:
-                steps.add(float(channel.properties["wf_increment"]))
+            if float(channel.properties.get("wf_increment", 0.0)) > 0.0:
+                rates[name] = Stated(1.0 / float(channel.properties["wf_increment"]), "`wf_increment`")
             if channel.properties.get("unit_string"):
                 units[name] = str(channel.properties["unit_string"])
-            if "rpm" in properties:
+            if is_number(str(properties.get("rpm", ""))):
                 speeds[name] = Stated(float(properties["rpm"]) * pi / 30.0, "the property `rpm`")
     if not channels:
         raise MeasuredError(path, "has no channel with numbers")
-    if len(steps) > 1:
+    channels = {name: values for name, values in channels.items() if name in rates or not rates}
+    if contradiction(list(rates.values())):
         raise MeasuredError(path, "has channels of several sampling rates: export one of them")
-    step = steps.pop() if steps else 0.0
-    return Content(channels, None, Stated(1.0 / step, "`wf_increment`") if step > 0.0 else None, speeds, units)
+    speeds = {name: speed for name, speed in speeds.items() if name in channels}
+    return Content(channels, None, next(iter(rates.values()), None), speeds, units)

@@ -46,7 +46,7 @@ def read_npz(path: Path, most: float) -> Content:
         arrays = {name: _array(path, archive, name) for name in archive.files}
     arrays = {name: values for name, values in arrays.items() if isinstance(values, np.ndarray)}
     texts = {name: str(values) for name, values in arrays.items() if values.dtype.kind == "U" and values.size == 1}
-    return content_of(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiub"}, texts)
+    return content_of(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiubc"}, texts)
 
 
 def _array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.ndarray:

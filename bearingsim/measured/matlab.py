@@ -49,19 +49,28 @@ def _leaves(prefix: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]
 
 
 def read_hdf5(path: Path, most: float) -> Content:
-    """Read an HDF5 file: a MAT file v7.3, whose arrays are transposed, or a unit of stored results."""
+    """Read an HDF5 file: a MAT file v7.3, whose arrays are transposed, or a unit of stored results.
+
+    Units of datasets are their attributes `units` or `unit`.
+    """
     arrays: dict[str, np.ndarray] = {}
     texts: dict[str, str] = {}
     with path.open("rb") as stream, Hdf5(stream, most) as file:
         if "job" in file and "time" in file:
             return _unit(path, file)
         for name in _datasets(file, ""):
-            if name.startswith("#"):
+            if name.startswith("#") or file.has_attribute("MATLAB_empty", name):  # whose data are its shape
                 continue
+            key = name.replace("/", ".")
+            unit = next(
+                (attribute for attribute in ("units", "unit") if file.has_attribute(attribute, name)), None
+            )
+            if unit is not None:
+                texts[f"{key}.unit"] = str(file.attribute(unit, name, variable=True))
             if file.attribute("MATLAB_class", name, variable=True) == "char":
-                texts[name.replace("/", ".")] = "".join(map(chr, file.numbers(name).ravel()[:80]))
+                texts[key] = "".join(map(chr, file.numbers(name).ravel()[:80]))
             elif file.has_numbers(name):
-                arrays[name.replace("/", ".")] = file.numbers(name).T
+                arrays[key] = file.numbers(name).T
     return content_of(path, arrays, texts)
 
 

@@ -151,6 +151,23 @@ def test_two_speeds_of_a_mat_file_are_refused(tmp_path):
         read(tmp_path / "a.mat")
 
 
+def test_two_speeds_are_refused_if_one_is_sampled(tmp_path):
+    path = saved(tmp_path, x=NOISE, fs=float(RATE), rpm=1500.0, speed_rpm=np.full(N, 1800.0))
+    with pytest.raises(MeasuredError, match=r"states two speeds, 1500 rpm .* and 1800 rpm"):
+        read(path)
+
+
+@pytest.mark.parametrize("samples", [1, N])
+def test_a_speed_has_its_own_unit(tmp_path, samples):
+    path = saved(tmp_path, x=NOISE, fs=float(RATE), rpm=np.full(samples, 30.0), rpm_unit="Hz")
+    assert read(path).shaft == pytest.approx(30.0)
+
+
+def test_an_infinite_rate_is_one_statement(tmp_path):
+    with pytest.raises(MeasuredError, match="states a sampling rate of inf Hz"):
+        read(saved(tmp_path, x=NOISE, fs=np.inf))
+
+
 def test_two_speeds_above_a_table_are_refused(tmp_path):
     with pytest.raises(MeasuredError, match="states two speeds"):
         read(table(tmp_path, "Speed: 1796 rpm\nrpm: 900\ntime,acc", TIME, NOISE))

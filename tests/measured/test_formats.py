@@ -131,6 +131,86 @@ def test_a_speed_of_a_tdms_channel_precedes_that_of_its_group_and_file(tmp_path)
     assert speeds == pytest.approx([900.0 * pi / 30.0, 1200.0 * pi / 30.0])
 
 
+def test_a_tdms_channel_without_a_waveform_has_not_the_rate_of_another(tmp_path):
+    nptdms = pytest.importorskip("nptdms", reason="the extra `formats` is not installed")
+    with nptdms.TdmsWriter(str(tmp_path / "a.tdms")) as writer:
+        fast = [nptdms.ChannelObject("g", name, X[:, 0], {"wf_increment": step}) for name, step in
+                (("a", 1.0 / RATE), ("b", 1.0 / RATE + 1e-15))]  # fmt: skip
+        slow = nptdms.ChannelObject("log", "temperature", X[:100, 1], {"rpm": "idle"})
+        writer.write_segment([*fast, slow])
+    recording = read(tmp_path / "a.tdms")
+    assert list(recording.channels) == ["g/a", "g/b"]
+    assert recording.rate.value == pytest.approx(RATE)
+
+
+def test_an_uneven_abscissa_of_a_universal_file_is_its_time(tmp_path):
+    pyuff = pytest.importorskip("pyuff", reason="the extra `formats` is not installed")
+    uff(tmp_path / "a.uff")
+    even = pyuff.UFF(str(tmp_path / "a.uff")).read_sets()[0]
+    uneven = even | {"abscissa_spacing": 0, "abscissa_inc": 0.0}
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([uneven | {"x": T}], mode="overwrite")
+    assert read(tmp_path / "a.uff").rate.value == pytest.approx(RATE, rel=1e-5)
+    pyuff.UFF(str(tmp_path / "b.uff")).write_sets([uneven | {"x": T**1.01}], mode="overwrite")
+    with pytest.raises(MeasuredError, match="in the abscissa of `acc`"):
+        read(tmp_path / "b.uff", Request(rate=RATE))
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([even], mode="add")
+    with pytest.raises(MeasuredError, match="several sampling rates"):
+        read(tmp_path / "a.uff")
+
+
+def test_no_series_of_a_universal_file_replaces_another(tmp_path):
+    pyuff = pytest.importorskip("pyuff", reason="the extra `formats` is not installed")
+    uff(tmp_path / "a.uff")
+    first, second = pyuff.UFF(str(tmp_path / "a.uff")).read_sets()
+    sets = [first | {"id1": "set 2"}, second | {"id1": "NONE"}]
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets(sets, mode="overwrite")
+    with pytest.raises(MeasuredError, match="two time series `set 2`"):
+        read(tmp_path / "a.uff")
+
+
+def test_units_of_hdf5_are_attributes(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values, key, unit in (("acc", X[:, 0], "unit", "g"), ("time", 1e3 * T, "units", "ms")):
+            file[name] = values
+            file[name].attrs[key] = unit
+    recording = read(tmp_path / "a.h5")
+    assert (recording.rate.value, recording.units["acc"].value) == (pytest.approx(RATE), "g")
+
+
+def test_empty_arrays_of_matlab_are_omitted(tmp_path):
+    """MATLAB stores the shape of an empty array as its data."""
+    mat73(tmp_path / "a.mat")
+    with h5py.File(tmp_path / "a.mat", "r+") as file:
+        for name, kind in (("b_unit", "char"), ("dt", "double")):
+            file[name] = np.zeros(2, np.uint64)
+            file[name].attrs["MATLAB_class"], file[name].attrs["MATLAB_empty"] = np.bytes_(kind), np.uint8(1)
+    assert read(tmp_path / "a.mat").units["b"].value == ""
+
+
+def test_the_index_of_a_parquet_file_is_a_column_if_it_has_a_name(tmp_path):
+    pytest.importorskip("pyarrow")
+    pd.DataFrame({"acc [g]": X[:, 0]}, index=pd.Index(T, name="time [s]")).to_parquet(tmp_path / "a.parquet")
+    assert read(tmp_path / "a.parquet").rate.value == pytest.approx(RATE)
+
+
+@pytest.mark.parametrize("values", [X[None], X.T[:, :, None]], ids=["first", "last"])
+def test_an_axis_of_one_element_mixes_no_channels(tmp_path, values):
+    np.savez(tmp_path / "a.npz", x=values, fs=RATE)
+    channels = read(tmp_path / "a.npz").channels
+    assert np.array_equal(np.stack(list(channels.values()), 1), X)
+
+
+def test_short_arrays_are_no_signals(tmp_path):
+    np.savez(tmp_path / "a.npz", x=X[:, 0], fs=RATE, calibration=X[:4, :2] @ X[:2, :].repeat(2, 1), gains=X[:10])
+    assert list(read(tmp_path / "a.npz").channels) == ["x"]
+
+
+def test_complex_arrays_are_named(tmp_path):
+    np.savez(tmp_path / "a.npz", x=X[:, 0] + 1j * X[:, 1], fs=RATE)
+    with pytest.raises(MeasuredError, match="`x` is complex: save the real time signal"):
+        read(tmp_path / "a.npz")
+
+
 def test_scalars_of_hdf5_are_read(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["acc"], file["fs"], file["rpm"] = X[:, 0], RATE, 1796.0
@@ -346,3 +426,9 @@ def test_speed_before_a_ramp_is_not_that_of_an_exported_job():
     [steady, ramped] = (content_of(Path("a.mat"), arrays, {}) for arrays in (job, job | ramp))
     assert steady.speeds["job_1"].value == 188.5
     assert ramped.speeds == {}
+
+
+def test_a_speed_in_other_parameters_is_not_in_si(tmp_path):
+    """Only exports of this program are known to have rad/s under this name."""
+    savemat(tmp_path / "a.mat", {"parameters": {"speed": 1800.0}, "acc": X[:, 0], "fs": RATE})
+    assert read(tmp_path / "a.mat").speed is None
