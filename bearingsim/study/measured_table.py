@@ -51,6 +51,13 @@ def table_rows(
             )
     if len(problems) > count:
         return
+    if separator != "," and (texts := _mixed_decimals(table)):
+        listed, hint = (
+            " and ".join(f"`{text}`" for text in texts),
+            "use one decimal sign, and no thousands separator",
+        )
+        fail(Mark(str(path), header_line, 1, header), f"has numbers with a point and with a comma, {listed}", hint)
+        return
     for (number, line), cells in zip(rows, table, strict=True):
         mark = Mark(str(path), number, 1, line)
         if len(cells) != len(names):
@@ -66,6 +73,13 @@ def table_rows(
             fail(replace(mark, column=nameless[0]), "has a value in a column without a header", "name the column")
             return
         yield f"{path.name}:{number}", Node(dict(_entries(names, cells, mark, separator)), mark)
+
+
+def _mixed_decimals(table: Sequence[Sequence[tuple[str, int]]]) -> list[str]:
+    """Return a number with a decimal point and another with a comma; none unless the table has both."""
+    texts = [text for cells in table for text, _ in cells if is_number(text.replace(",", "."))]
+    pair = [next((text for text in texts if sign in text), None) for sign in (".", ",")]
+    return [text for text in pair if text is not None] if None not in pair else []
 
 
 def _numbered_lines(path: FilePath, fail: Callable[..., None]) -> list[tuple[int, str]]:

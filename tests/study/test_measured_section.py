@@ -56,6 +56,12 @@ def test_table_is_read_in_si_with_any_separator_and_decimal_sign(tmp_path, separ
     assert second.place == "line.csv:6"
 
 
+def test_a_table_with_points_and_commas_is_refused(tmp_path):
+    (tmp_path / "line.csv").write_text("load [N];velocity@BPFO [um/s]\n150;1,234\n300;9.4\n")
+    message = problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+    assert "numbers with a point and with a comma, `9.4` and `1,234`" in message
+
+
 def test_rows_in_the_study_are_read_as_those_of_a_table(tmp_path):
     row = "{load: 150 N, velocity@BPFO: 12 µm/s, outer_force.max: 0.2 kN, envelope@BPFO: 2 g^2}"
     (entry,) = load(tmp_path, f"measured: [{{points: [{row}], label: by hand, scale: true}}]\n").measured
