@@ -109,7 +109,7 @@ def show(
     Raises MissingError with all that is stated neither by the file nor by options, the bearing included.
     """
     from bearingsim.measured import MissingError, read
-    from bearingsim.measured.checks import dropout
+    from bearingsim.measured.checks import describe_dropouts
     from bearingsim.study import load_rolling_parts
 
     if figure is not None:
@@ -129,7 +129,7 @@ def show(
         canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
         measured.write(canvas, figure)
     fs = recording.rate.value
-    dropouts = (dropout(name, values, fs) for name, values in recording.channels.items())
+    dropouts = (describe_dropouts(name, values, fs) for name, values in recording.channels.items())
     for text in (*recording.remarks, *filter(None, dropouts)):
         say(text, err=True)
     if as_json:

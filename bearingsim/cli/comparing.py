@@ -60,7 +60,7 @@ def show(
     fit.
     """
     from bearingsim.diagnosis.comparison import common_band, compare
-    from bearingsim.measured.checks import dropout
+    from bearingsim.measured.checks import describe_dropouts
 
     if figure is not None:
         from bearingsim.plots import measured as figures
@@ -79,8 +79,8 @@ def show(
         names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
         signals = pair.simulated, pair.measured
         figures.write(figures.comparison_figure(*signals, pair.race, band, names, pair.unit, factor), figure)
-    remark_on_rest = dropout(pair.channels[1], pair.measured.series, pair.measured.fs)
-    for text in filter(None, (*pair.recording.remarks, remark_on_rest)):
+    remark_on_dropouts = describe_dropouts(pair.channels[1], pair.measured.series, pair.measured.fs)
+    for text in filter(None, (*pair.recording.remarks, remark_on_dropouts)):
         say(text, err=True)
     if as_json:
         say(json.dumps(_as_dict(job, pair, band, factor, detection, rows), indent=1))

@@ -1,4 +1,4 @@
-"""Files of measured signals: channels, sampling rate, units and speed, with the source of each."""
+"""Reading and checks of measured signals: channels, with sampling rate, units and speed, and their sources."""
 
 from bearingsim.measured.content import MeasuredError, MissingError, Recording, Request, Stated, StudyRequest
 from bearingsim.measured.files import FORMATS, read

@@ -1,4 +1,4 @@
-"""Refusal of signals that cannot be analysed."""
+"""Checks of signals: refusal of those that cannot be analysed, and remarks on dropouts."""
 
 from pathlib import Path
 
@@ -7,22 +7,23 @@ import numpy as np
 from bearingsim.measured.content import UNSPECIFIED, MeasuredError, Request
 
 MAX_CLIPPED = 1e-3
-"""Largest share of samples at the extremes, in runs of two and more."""
-
+"""Largest share of samples at the smallest or largest value, in runs of two and more."""
 MIN_LEVELS = 8
-"""Different values of a signal, under which equal neighbours at its extremes are due to its resolution."""
-
-LONGEST_REST = 0.02
-"""Largest share of a record without change that gives no remark."""
-SHORTEST_REST = 32
-"""Equal samples in a row that are no accident of a coarse resolution."""
+"""Number of different values below which equal neighbours at the extremes are due to a coarse resolution."""
+MAX_CONSTANT = 0.02
+"""Largest share of a record in constant runs that gives no remark."""
+MIN_RUN = 32
+"""Number of equal samples in a row that a coarse resolution alone does not explain."""
 
 
 def refuse_unusable(
     path: Path, channel: str, values: np.ndarray, rate: float, request: Request = UNSPECIFIED
 ) -> None:
-    """Raise MeasuredError for a signal (n,) at ``rate`` (Hz) with missing samples, without motion, too coarse, or
-    clipped."""
+    """Raise MeasuredError for an unusable signal (n,), sampled at ``rate`` (Hz).
+
+    Unusable are signals with missing or infinite samples, constant and clipped ones, and those of too few
+    different values. request: names the option or key that selects another channel.
+    """
     missing = np.flatnonzero(~np.isfinite(values))
     if len(missing):
         raise MeasuredError(
@@ -50,26 +51,26 @@ def refuse_unusable(
 
 
 def clipped_share(values: np.ndarray) -> float:
-    """Compute the share of samples at the largest or smallest value whose neighbour has the same value."""
+    """Compute the share of samples at the largest or smallest value that have a neighbour at the same value."""
     share = 0.0
     for extreme in (values.min(), values.max()):
         is_extreme = values == extreme
-        in_run = np.zeros(len(values), bool)
-        in_run[1:] = is_extreme[1:] & is_extreme[:-1]
-        in_run[:-1] |= in_run[1:]
-        share += float(np.count_nonzero(in_run & is_extreme)) / len(values)
+        has_equal_neighbour = np.zeros(len(values), bool)
+        has_equal_neighbour[1:] = is_extreme[1:] & is_extreme[:-1]
+        has_equal_neighbour[:-1] |= has_equal_neighbour[1:]
+        share += float(np.count_nonzero(has_equal_neighbour & is_extreme)) / len(values)
     return share
 
 
-def dropout(channel: str, values: np.ndarray, rate: float) -> str | None:
-    """Return a remark on the parts of a signal (n,) at ``rate`` (Hz) without change; None if they are short."""
-    edges = np.concatenate([[0], 1 + np.flatnonzero(np.diff(values)), [len(values)]])
-    lengths, begins = np.diff(edges), edges[:-1]
-    rests = lengths >= min(SHORTEST_REST, LONGEST_REST * len(values))
-    total = int(lengths[rests].sum())
-    if total <= LONGEST_REST * len(values):
+def describe_dropouts(channel: str, values: np.ndarray, rate: float) -> str | None:
+    """Return a remark on the constant parts of a signal (n,) at ``rate`` (Hz); None if they are short."""
+    bounds = np.concatenate([[0], 1 + np.flatnonzero(np.diff(values)), [len(values)]])
+    lengths, begins = np.diff(bounds), bounds[:-1]
+    is_long = lengths >= min(MIN_RUN, MAX_CONSTANT * len(values))
+    total = int(lengths[is_long].sum())
+    if total <= MAX_CONSTANT * len(values):
         return None
-    begin, count = float(begins[rests][0]) / rate, np.count_nonzero(rests)
+    begin, count = float(begins[is_long][0]) / rate, np.count_nonzero(is_long)
     parts, advice = (
         (f", in {count} parts", "check cable and range") if count > 1 else ("", "export a part without it")
     )

@@ -1,4 +1,4 @@
-"""Content of a file of signals, before and after its sampling rate, units and speed are known."""
+"""Content of a file of signals as stored, and as a recording with sampling rate, units and speed."""
 
 import shlex
 from collections.abc import Mapping, Sequence
@@ -18,11 +18,11 @@ EXAMPLES = {
     "unit": {"unit": "g"},
     "unit of integer samples": {"unit": "g", "full_scale": "50"},
 }
-"""Fields of a request that give what a file may lack, with example values."""
+"""Fields of a request, with example values, by the name of the quantity that a file may not state."""
 
 
 class MeasuredError(UserError):
-    """A file of signals cannot be read or used; the message names the file, the reason and the remedy."""
+    """Error in reading or using a file of signals; the message names the file, the reason and the remedy."""
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path}: {reason}")
@@ -30,8 +30,11 @@ class MeasuredError(UserError):
 
 
 class Request(NamedTuple):
-    """Values given by the user, which replace those of the file: rate (Hz), speed (rad/s), unit, and full scale of
-    integer samples in this unit; channel: name of the only one to read."""
+    """Values given by the user, which replace those of the file.
+
+    rate (Hz); speed (rad/s); unit of the samples; full_scale: value of the largest integer sample, in this unit;
+    channel: name of the only channel to read, None for all.
+    """
 
     rate: float | None = None
     speed: float | None = None
@@ -40,34 +43,34 @@ class Request(NamedTuple):
     channel: str | None = None
 
     def name(self, field: str) -> str:
-        """Name the option of a command that gives a field."""
+        """Return the option of a command that sets a field."""
         return f"--{field.replace('_', '-')}"
 
-    def example(self, values: Mapping[str, str]) -> str:
-        """Write values as options of a command."""
+    def format_values(self, values: Mapping[str, str]) -> str:
+        """Format the values of fields as options of a command."""
         return " ".join(f"{self.name(field)} {shlex.quote(value)}" for field, value in values.items())
 
 
 UNSPECIFIED = Request()
-"""Request by options of which none is given."""
+"""Request without values; its messages name options of a command."""
 
 
 class StudyRequest(Request):
-    """Request by the keys of a signal in a study, which messages name instead of options."""
+    """Request by the keys of a signal in a study; its messages name these keys instead of options."""
 
     def name(self, field: str) -> str:
-        """Name the key that gives a field."""
+        """Return the key that sets a field."""
         return field
 
-    def example(self, values: Mapping[str, str]) -> str:
-        """Write values as keys of a study."""
+    def format_values(self, values: Mapping[str, str]) -> str:
+        """Format the values of fields as keys of a study."""
         return ", ".join(f"{field}: {value}" for field, value in values.items())
 
 
 class MissingError(MeasuredError):
-    """Values are stated neither by the file nor by the user; the message names the options or keys that give them.
+    """Error for values that neither the file nor the user states; the message names the options or keys to set.
 
-    examples: fields of the request with an example value, by what is missing.
+    examples: fields of the request with example values, by the name of the missing quantity.
     """
 
     def __init__(
@@ -77,43 +80,43 @@ class MissingError(MeasuredError):
         listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
         advice = {1: "it", 2: "both"}.get(len(names), "them")
         values = {field: value for example in examples.values() for field, value in example.items()}
-        super().__init__(path, f"states {listed}: give {advice}, such as `{request.example(values)}`")
+        super().__init__(path, f"states {listed}: give {advice}, such as `{request.format_values(values)}`")
         self.path, self.examples = path, dict(examples)
 
     def with_missing(self, name: str, example: Mapping[str, str]) -> "MissingError":
-        """Return the error with one more missing value, which is named before the others."""
+        """Return a copy of the error with one more missing quantity, which is named before the others."""
         return MissingError(self.path, {name: example, **self.examples})
 
 
 @dataclass(frozen=True)
 class Stated(Generic[Value]):
-    """Value and its source, such as "the variable `fs`"."""
+    """Value with its source for messages, such as "the variable `fs`"."""
 
     value: Value
     source: str
 
 
 MAX_DIFFERENCE = 1e-3
-"""Largest relative difference of two statements of one value: printed values are rounded."""
+"""Largest relative difference of two statements of the same value, which may be rounded."""
 
 
 def differ(value: float, other: float, limit: float = MAX_DIFFERENCE) -> bool:
-    """Check if two statements of one value contradict each other; limit: largest relative difference."""
+    """Check if a value differs from another by more than a limit, relative to the other; NaN always differs."""
     return not abs(value - other) <= limit * abs(other)
 
 
-def contradiction(statements: "Sequence[Stated[float]]") -> "Stated[float] | None":
-    """Return the first statement that differs from the first of all; None if there is none."""
+def find_contradiction(statements: "Sequence[Stated[float]]") -> "Stated[float] | None":
+    """Return the earliest statement whose value differs from that of statement 0; None if all agree."""
     return next((stated for stated in statements[1:] if differ(stated.value, statements[0].value)), None)
 
 
 @dataclass(frozen=True)
 class Content:
-    """Arrays of a file by name, and what the file states about them.
+    """Channels (n,) of a file by name, with time, sampling rate, speeds and units if the file states them.
 
-    time: instants (s) of the samples, and the name of their array; rate in Hz; speeds in rad/s, by the beginning
-    of the names of their channels, empty for all; other_rate, other_speed: a second statement, which differs from
-    the first.
+    time: instants (s) of the samples; rate: sampling rate (Hz); speeds: rad/s, by the name of the channel or of
+    the group whose channels have this speed, "" for the whole file; units: by channel; other_rate, other_speed:
+    further statements, which contradict ``rate`` or a speed.
     """
 
     channels: Mapping[str, np.ndarray]
@@ -124,26 +127,30 @@ class Content:
     other_rate: Stated[float] | None = None
     other_speed: Stated[float] | None = None
     integer_range: float | None = None
-    """Largest value of integer samples, which have no unit."""
+    """Integer sample at full scale; None for samples that are not integers."""
 
     def speed_of(self, channel: str) -> Stated[float] | None:
-        """Return the speed of a channel: that of its group, or of the file; None if there are several others."""
-        owners = [
-            owner
-            for owner in self.speeds
-            if owner in ("", channel) or channel.startswith((f"{owner}.", f"{owner}/"))
+        """Return the speed of a channel: its own, or that of its innermost group or of the file.
+
+        Otherwise the speed that all other groups share; None if theirs differ, or if there is none.
+        """
+        groups = [
+            group
+            for group in self.speeds
+            if group in ("", channel) or channel.startswith((f"{group}.", f"{group}/"))
         ]
-        if owners:
-            return self.speeds[max(owners, key=len)]
+        if groups:
+            return self.speeds[max(groups, key=len)]
         speeds = list(self.speeds.values())
-        is_single = bool(speeds) and not any(differ(speeds[0].value, other.value) for other in speeds)
-        return speeds[0] if is_single else None
+        are_equal = bool(speeds) and not any(differ(speeds[0].value, other.value) for other in speeds)
+        return speeds[0] if are_equal else None
 
 
 class Recording(NamedTuple):
-    """Channels (n,) of a file by name, sampling rate (Hz), speed (rad/s) and units, with their sources.
+    """Channels (n,) of a file by name, with sampling rate (Hz), speed (rad/s) and units, and the sources of these.
 
-    remarks: statements of the file that the request contradicts.
+    speed: None if neither the file nor the request states it; units: by channel, "" if unknown; remarks:
+    statements of the file that the request replaces.
     """
 
     path: Path
@@ -155,7 +162,7 @@ class Recording(NamedTuple):
 
     @property
     def shaft(self) -> float:
-        """Frequency (Hz) of the shaft. Raises MeasuredError if the speed is not known."""
+        """Rotation frequency (Hz) of the shaft. Raises MissingError if the speed is unknown."""
         if self.speed is None:
             raise MissingError(self.path, {"speed": EXAMPLES["speed"]})
         return self.speed.value / (2.0 * pi)

@@ -6,35 +6,37 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.measured.content import Content, MeasuredError, Stated, contradiction
+from bearingsim.measured.content import Content, MeasuredError, Stated, find_contradiction
 from bearingsim.text.numbers import is_number
 
-EXTRA = "`pip install 'bearingsim[formats]'`"
-
-FREQUENCY = 18
-"""Type of an abscissa in dataset 58 that is a frequency; 17 is time, 0 unknown."""
-UNEVEN = 0
-"""Spacing of an abscissa in dataset 58 whose values are listed; 1 is even."""
+INSTALLATION = "`pip install 'bearingsim[formats]'`"
+FREQUENCY_TYPE = 18
+"""Data type of an abscissa of frequency in dataset 58; 17 is time, 0 unknown."""
+UNEVEN_SPACING = 0
+"""Spacing code of an abscissa in dataset 58 that is stored with the samples; 1 is even spacing."""
 
 
 def read_uff(path: Path) -> Content:
-    """Read the time series (dataset 58) of a universal file, with the instants of those of uneven spacing."""
+    """Read the time series (dataset 58) of a universal file; those of uneven spacing with their instants.
+
+    Raises MeasuredError without pyuff or time series, for two of the same name, and for several sampling rates.
+    """
     try:
         import pyuff
     except ImportError:
-        raise MeasuredError(path, f"UFF needs pyuff: {EXTRA}") from None
+        raise MeasuredError(path, f"UFF needs pyuff: {INSTALLATION}") from None
     data = pyuff.UFF(str(path)).read_sets()
     sets: list[dict[str, Any]] = data if isinstance(data, list) else [data]
     channels, units, steps, times = {}, {}, list[Stated[float]](), list[Stated[np.ndarray]]()
     for number, entry in enumerate(sets):
-        is_spectrum = entry.get("abscissa_spec_data_type") == FREQUENCY
+        is_spectrum = entry.get("abscissa_spec_data_type") == FREQUENCY_TYPE
         if entry.get("type") == 58 and not is_spectrum and not np.iscomplexobj(entry["data"]):
             name = str(entry.get("id1", "")).strip() or f"set {number + 1}"
             name = name if name not in channels and name.upper() != "NONE" else f"set {number + 1}"
             if name in channels:
                 raise MeasuredError(path, f"has two time series `{name}`: rename or remove one of them")
             channels[name] = np.asarray(entry["data"], float)
-            if entry.get("abscissa_spacing") == UNEVEN:
+            if entry.get("abscissa_spacing") == UNEVEN_SPACING:
                 times.append(Stated(np.asarray(entry["x"], float), f"the abscissa of `{name}`"))
             else:
                 steps.append(Stated(float(entry["abscissa_inc"]), "`abscissa_inc`"))
@@ -43,19 +45,22 @@ def read_uff(path: Path) -> Content:
                 units[name] = unit
     if not channels:
         raise MeasuredError(path, "has no time series (dataset 58)")
-    are_several = any(not np.array_equal(time.value, times[0].value) for time in times) or (times and steps)
-    if are_several or contradiction(steps):
+    has_other_times = any(not np.array_equal(time.value, times[0].value) for time in times) or (times and steps)
+    if has_other_times or find_contradiction(steps):
         raise MeasuredError(path, "has time series of several sampling rates: export one of them")
     rate = Stated(1.0 / steps[0].value, steps[0].source) if steps and steps[0].value > 0.0 else None
     return Content(channels, times[0] if times else None, rate, units=units)
 
 
 def read_tdms(path: Path) -> Content:
-    """Read the channels of a TDMS file that have a waveform; all channels if none has one."""
+    """Read the channels of a TDMS file that have a sampling interval, `wf_increment`; all if none has one.
+
+    Raises MeasuredError without nptdms or numbers, and for several sampling rates.
+    """
     try:
         from nptdms import TdmsFile
     except ImportError:
-        raise MeasuredError(path, f"TDMS needs nptdms: {EXTRA}") from None
+        raise MeasuredError(path, f"TDMS needs nptdms: {INSTALLATION}") from None
     channels, units, rates, speeds = {}, {}, dict[str, Stated[float]](), {}
     file = TdmsFile.read(str(path))
     for group in file.groups():
@@ -75,7 +80,7 @@ def read_tdms(path: Path) -> Content:
     if not channels:
         raise MeasuredError(path, "has no channel with numbers")
     channels = {name: values for name, values in channels.items() if name in rates or not rates}
-    if contradiction(list(rates.values())):
+    if find_contradiction(list(rates.values())):
         raise MeasuredError(path, "has channels of several sampling rates: export one of them")
     speeds = {name: speed for name, speed in speeds.items() if name in channels}
     return Content(channels, None, next(iter(rates.values()), None), speeds, units)

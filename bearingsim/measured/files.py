@@ -1,4 +1,4 @@
-"""Reader of files of signals: format by suffix, sampling rate, speed and units, and checks of the samples."""
+"""Reading of files of signals: reader by suffix, and choice of sampling rate, speed and units."""
 
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.measured.arrays import content_of
+from bearingsim.measured.arrays import identify_content
 from bearingsim.measured.content import (
     EXAMPLES,
     UNSPECIFIED,
@@ -25,31 +25,31 @@ from bearingsim.measured.sound import read_wav
 from bearingsim.measured.tables import read_csv, read_parquet
 
 MAX_BYTES = 1 << 30
-"""Largest file, and largest content of a compressed one (bytes)."""
-INFLATION = 20.0
+"""Size limit (bytes) of a file, and of the content of a compressed one."""
+MAX_INFLATION = 20.0
 """Largest plausible ratio of the size of an array to that of its file; noise does not compress."""
 MIN_LIMIT = 1 << 22
-"""Memory (bytes) that an array of any file may take."""
+"""Memory limit (bytes) of the arrays of a small file."""
 OF_FULL_SCALE = "of full scale"
-"""Unit of integer samples without a value at full scale."""
-UNEVEN = 0.5
-"""Largest deviation of an instant from even spacing, relative to a step: printed times are rounded."""
+"""Unit of integer samples whose value at full scale is unknown."""
+MAX_DEVIATION = 0.5
+"""Largest deviation of an instant from even spacing, relative to the sampling interval: times may be rounded."""
 
 
-def read_npz(path: Path, most: float) -> Content:
-    """Read the arrays of an NPZ file; most: largest memory (bytes) of them together."""
+def read_npz(path: Path, max_bytes: float) -> Content:
+    """Read the arrays of an NPZ file; max_bytes: memory limit of all arrays together."""
     with zipfile.ZipFile(path) as archive:
         size = sum(entry.file_size for entry in archive.infolist())
-    if size > most:
+    if size > max_bytes:
         raise MeasuredError(path, f"would take {size / 1e6:.3g} MB, which is not plausible for its size")
     with np.load(path, allow_pickle=False) as archive:
-        arrays = {name: _array(path, archive, name) for name in archive.files}
+        arrays = {name: _read_array(path, archive, name) for name in archive.files}
     arrays = {name: values for name, values in arrays.items() if isinstance(values, np.ndarray)}
     texts = {name: str(values) for name, values in arrays.items() if values.dtype.kind == "U" and values.size == 1}
-    return content_of(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiubc"}, texts)
+    return identify_content(path, {name: v for name, v in arrays.items() if v.dtype.kind in "fiubc"}, texts)
 
 
-def _array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+def _read_array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     """Return an array of an NPZ file. Raises MeasuredError if it contains Python objects."""
     try:
         return archive[name]
@@ -60,19 +60,19 @@ def _array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.ndarr
 
 
 FORMATS: dict[str, Callable[[Path, float], Content]] = {
-    ".csv": lambda path, most: read_csv(path),
-    ".txt": lambda path, most: read_csv(path),
-    ".wav": lambda path, most: read_wav(path),
+    ".csv": lambda path, max_bytes: read_csv(path),
+    ".txt": lambda path, max_bytes: read_csv(path),
+    ".wav": lambda path, max_bytes: read_wav(path),
     ".mat": read_mat,
     ".npz": read_npz,
-    ".parquet": lambda path, most: read_parquet(path),
+    ".parquet": lambda path, max_bytes: read_parquet(path),
     ".h5": read_hdf5,
     ".hdf5": read_hdf5,
-    ".uff": lambda path, most: read_uff(path),
-    ".unv": lambda path, most: read_uff(path),
-    ".tdms": lambda path, most: read_tdms(path),
+    ".uff": lambda path, max_bytes: read_uff(path),
+    ".unv": lambda path, max_bytes: read_uff(path),
+    ".tdms": lambda path, max_bytes: read_tdms(path),
 }
-"""Readers by suffix."""
+"""Readers by suffix; arguments: path, and memory limit (bytes)."""
 
 
 def read(
@@ -80,11 +80,10 @@ def read(
 ) -> Recording:
     """Read the channels of a file; values of the request take precedence over those of the file.
 
-    needs_speed: refuse a file without a speed unless the request gives it; needs_unit: name a missing unit, too,
-    if another value is missing.
-    Raises MissingError with all options, or keys of a study, that state what is missing; MeasuredError with the
-    reason and the remedy: an unknown or damaged format, a gap in time, a missing channel. OSError if the
-    file cannot be opened.
+    needs_speed: require a speed, of the file or of the request; needs_unit: if another value is missing, the
+    message names a missing unit as well. Raises MissingError for missing values, with the options, or keys of a
+    study, that set them; MeasuredError for an unknown or damaged format, uneven times, contradicting statements
+    and a missing channel; OSError if the file cannot be opened.
     """
     size = path.stat().st_size
     reader = FORMATS.get(path.suffix.lower())
@@ -98,7 +97,7 @@ def read(
     if size > MAX_BYTES:
         raise MeasuredError(path, f"has {size / 1e9:.3g} GB, above {MAX_BYTES / 1e9:.3g} GB: export a part of it")
     try:
-        content = reader(path, min(MAX_BYTES, max(MIN_LIMIT, INFLATION * size)))
+        content = reader(path, min(MAX_BYTES, max(MIN_LIMIT, MAX_INFLATION * size)))
     except MeasuredError:
         raise
     except Exception as error:
@@ -106,50 +105,51 @@ def read(
             raise
         reason = " ".join(str(error).replace(str(path), path.name).split())[:120] or type(error).__name__
         raise MeasuredError(path, f"cannot be read as a {path.suffix} file, it is damaged ({reason})") from error
-    missing = list(_missing(content, request, needs_speed))
+    missing = list(_list_missing(content, request, needs_speed))
     if missing and needs_unit:
-        missing += _missing_unit(content, request)
+        missing += _list_missing_unit(content, request)
     if missing:
         raise MissingError(path, {name: EXAMPLES[name] for name in missing}, request)
-    return _recording(path, content, request)
+    return _make_recording(path, content, request)
 
 
-def _missing(content: Content, request: Request, needs_speed: bool) -> Iterator[str]:
-    """Yield the names of values that neither the file nor the request states."""
+def _list_missing(content: Content, request: Request, needs_speed: bool) -> Iterator[str]:
+    """Yield the names of quantities that neither the file nor the request states, except units."""
     if content.rate is None and content.time is None and request.rate is None:
         yield "sampling rate"
     if needs_speed and not content.speeds and request.speed is None:
         yield "speed"
 
 
-def _missing_unit(content: Content, request: Request) -> Iterator[str]:
-    """Yield the name of the unit if no channel has one."""
+def _list_missing_unit(content: Content, request: Request) -> Iterator[str]:
+    """Yield the name of the unit if neither the request nor the file states one for the requested channels."""
     names = content.channels if request.channel is None else [request.channel]
     if request.unit is None and not any(name in content.units for name in names):
         yield "unit" if content.integer_range is None else "unit of integer samples"
 
 
-def _recording(path: Path, content: Content, request: Request) -> Recording:
+def _make_recording(path: Path, content: Content, request: Request) -> Recording:
+    """Apply a request to the content of a file. Raises MeasuredError."""
     channels = dict(content.channels)
     if request.channel is not None:
         if request.channel not in channels:
-            raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_listed(channels)}")
+            raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_list_channels(channels)}")
         channels = {request.channel: channels[request.channel]}
-    scale, scale_unit = _scale(path, content, request)
+    scale, unit_of_integers = _choose_scale(path, content, request)
     return Recording(
         path,
         {name: np.asarray(values, float) * scale for name, values in channels.items()},
-        _rate(path, content, request),
-        _speed(path, content, request, list(channels)),
-        {name: _unit(content.units.get(name), request, scale_unit) for name in channels},
-        tuple(_contradictions(path, content, request)),
+        _choose_rate(path, content, request),
+        _choose_speed(path, content, request, list(channels)),
+        {name: _choose_unit(content.units.get(name), request, unit_of_integers) for name in channels},
+        tuple(_list_replaced(path, content, request)),
     )
 
 
-def _contradictions(path: Path, content: Content, request: Request) -> Iterator[str]:
-    """Yield the values of a file that contradict the request, which takes precedence."""
+def _list_replaced(path: Path, content: Content, request: Request) -> Iterator[str]:
+    """Yield remarks on rates and speeds of a file that differ from those of the request, which replace them."""
     times = None if content.time is None or _is_coarse(content.time.value) else content.time
-    rates = content.rate, None if times is None else _rate_of_times(path, times, request)
+    rates = content.rate, None if times is None else _compute_rate(path, times, request)
     statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
         *(("rate", request.rate, rate, 1.0, "Hz") for rate in rates),
         *(("speed", request.speed, speed, 30.0 / pi, "rpm") for speed in content.speeds.values()),
@@ -162,46 +162,53 @@ def _contradictions(path: Path, content: Content, request: Request) -> Iterator[
             )
 
 
-def _listed(channels: dict[str, np.ndarray]) -> str:
+def _list_channels(channels: dict[str, np.ndarray]) -> str:
     names = [f"`{name}`" for name in channels]
     return f"{', '.join(names[:8])}{f' and {len(names) - 8} more' if len(names) > 8 else ''}"
 
 
-def _rate(path: Path, content: Content, request: Request) -> Stated[float]:
-    """Return the sampling rate (Hz), from the request, the file's own statement, or its times."""
+def _choose_rate(path: Path, content: Content, request: Request) -> Stated[float]:
+    """Return the sampling rate (Hz): of the request, of the times, or stated by the file, in this order.
+
+    Raises MeasuredError for uneven times, contradicting rates, and a rate that is not positive and finite.
+    """
     is_stated = request.rate is not None or content.rate is not None
     if content.time is not None and not (is_stated and _is_coarse(content.time.value)):
-        rate_of_times = _rate_of_times(path, content.time, request)
+        rate_of_times = _compute_rate(path, content.time, request)
         if request.rate is not None:
             return Stated(request.rate, request.name("rate"))
-        rounding = 1.0 + 1.0 / len(content.time.value)  # of the first and last time, by half a step each
+        rounding = 1.0 + 1.0 / len(content.time.value)  # of the ends of the time, by half a sampling interval each
         for stated in filter(None, (content.rate, content.other_rate)):
             if differ(stated.value, rate_of_times.value) and not (
                 rate_of_times.value / rounding <= stated.value <= rate_of_times.value * rounding
             ):
-                raise _two_rates(path, rate_of_times, stated, request)
+                raise _two_rates_error(path, rate_of_times, stated, request)
         return rate_of_times
     if request.rate is not None:
         return Stated(request.rate, request.name("rate"))
     if content.rate is None:
         raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]}, request)
-    rate = f"`{request.name('rate')}`"
     if content.other_rate is not None:
-        raise _two_rates(path, content.rate, content.other_rate, request)
+        raise _two_rates_error(path, content.rate, content.other_rate, request)
     if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
-        raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: give it by {rate}")
+        advice = f"give it by `{request.name('rate')}`"
+        raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: {advice}")
     return content.rate
 
 
-def _two_rates(path: Path, rate: Stated[float], other: Stated[float], request: Request) -> MeasuredError:
+def _two_rates_error(path: Path, rate: Stated[float], other: Stated[float], request: Request) -> MeasuredError:
+    """Return the error for two sampling rates (Hz) that contradict each other."""
     values = " and ".join(f"{stated.value:g} Hz ({stated.source})" for stated in (rate, other))
     return MeasuredError(
         path, f"states two sampling rates, {values}: give the right one by `{request.name('rate')}`"
     )
 
 
-def _speed(path: Path, content: Content, request: Request, names: list[str]) -> Stated[float] | None:
-    """Return the speed (rad/s) of channels. Raises MeasuredError if they have several."""
+def _choose_speed(path: Path, content: Content, request: Request, names: list[str]) -> Stated[float] | None:
+    """Return the speed (rad/s) of the request or of the named channels; None if neither states one.
+
+    Raises MeasuredError for a speed that is not positive and finite, and for several speeds.
+    """
     if request.speed is not None:
         return Stated(request.speed, request.name("speed"))
     speeds = [content.speed_of(name) for name in names]
@@ -222,13 +229,16 @@ def _speed(path: Path, content: Content, request: Request, names: list[str]) -> 
 
 
 def _is_coarse(time: np.ndarray) -> bool:
-    """Check if instants (s) are rounded to more than a step, so that most neighbours are equal."""
+    """Check if instants (s) are rounded so coarsely that most neighbours are equal."""
     steps = np.diff(time)
     return len(steps) > 0 and bool(np.all(steps >= 0.0)) and float(np.median(steps)) == 0.0
 
 
-def _rate_of_times(path: Path, time: Stated[np.ndarray], request: Request) -> Stated[float]:
-    """Return the sampling rate (Hz) of instants (s). Raises MeasuredError for a gap."""
+def _compute_rate(path: Path, time: Stated[np.ndarray], request: Request) -> Stated[float]:
+    """Compute the mean sampling rate (Hz) of instants (s).
+
+    Raises MeasuredError for missing or decreasing instants, gaps, uneven spacing and coarse rounding.
+    """
     steps = np.diff(time.value)
     if len(steps) == 0:
         raise MeasuredError(path, "has one sample only")
@@ -240,7 +250,7 @@ def _rate_of_times(path: Path, time: Stated[np.ndarray], request: Request) -> St
     median = float(np.median(steps))
     if median <= 0.0:
         raise MeasuredError(path, f"has times that do not increase, in {time.source}")
-    gaps = np.flatnonzero(np.abs(steps - median) > UNEVEN * median)
+    gaps = np.flatnonzero(np.abs(steps - median) > MAX_DEVIATION * median)
     if len(gaps):
         begin, step, expected = float(time.value[gaps[0]]), 1e3 * steps[gaps[0]], 1e3 * median
         raise MeasuredError(
@@ -250,7 +260,7 @@ def _rate_of_times(path: Path, time: Stated[np.ndarray], request: Request) -> St
         )
     mean = (time.value[-1] - time.value[0]) / len(steps)
     deviation = np.abs(time.value - time.value[0] - mean * np.arange(len(time.value))).max()
-    if deviation > UNEVEN * mean:
+    if deviation > MAX_DEVIATION * mean:
         raise MeasuredError(
             path,
             f"has unevenly spaced times in {time.source} (deviation up to {1e3 * deviation:.4g} ms): resample it",
@@ -258,10 +268,10 @@ def _rate_of_times(path: Path, time: Stated[np.ndarray], request: Request) -> St
     return Stated(float(1.0 / mean), time.source)
 
 
-def _scale(path: Path, content: Content, request: Request) -> tuple[float, str | None]:
-    """Return the factor of integer samples, and their unit if the request gives none.
+def _choose_scale(path: Path, content: Content, request: Request) -> tuple[float, str | None]:
+    """Return the factor of the samples, and the unit of integer samples without a full scale, else None.
 
-    Raises MeasuredError for a full scale of other samples.
+    Raises MeasuredError for a full scale of samples that are not integers.
     """
     if content.integer_range is None:
         if request.full_scale is not None:
@@ -275,11 +285,11 @@ def _scale(path: Path, content: Content, request: Request) -> tuple[float, str |
     return full_scale / content.integer_range, None if request.full_scale is not None else OF_FULL_SCALE
 
 
-def _unit(file_unit: str | None, request: Request, scale_unit: str | None) -> Stated[str]:
-    """Return the unit of a channel, and its source."""
-    if scale_unit is not None:
+def _choose_unit(file_unit: str | None, request: Request, unit_of_integers: str | None) -> Stated[str]:
+    """Return the unit of a channel and its source; "" if neither the request nor the file states it."""
+    if unit_of_integers is not None:
         fields = f"`{request.name('unit')}` and `{request.name('full_scale')}`"
-        return Stated(scale_unit, f"integer samples; set their unit by {fields}")
+        return Stated(unit_of_integers, f"integer samples; set their unit by {fields}")
     if request.unit is not None:
         return Stated(request.unit, request.name("unit"))
     if file_unit:

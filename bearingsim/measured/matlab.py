@@ -1,4 +1,4 @@
-"""MAT files: v5 by SciPy, v7.3, which are HDF5, by h5py."""
+"""Readers of MAT and HDF5 files: MAT v4 and v5 by SciPy, MAT v7.3, which is HDF5, by h5py."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,59 +7,64 @@ from typing import Any
 import numpy as np
 
 from bearingsim.hdf5 import Hdf5
-from bearingsim.measured.arrays import content_of
+from bearingsim.measured.arrays import identify_content
 from bearingsim.measured.content import Content, MeasuredError
 
 MAX_DEPTH = 6
-"""Deepest nesting of structs that is searched."""
+"""Deepest level of nested structs or groups that is searched."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def read_mat(path: Path, most: float) -> Content:
-    """Read a MAT file of any version; most: largest memory (bytes) of an array."""
+def read_mat(path: Path, max_bytes: float) -> Content:
+    """Read a MAT file of any version; max_bytes: memory limit of an array of a file of v7.3."""
     with path.open("rb") as file:
         beginning = file.read(8192)
     if _is_hdf5(beginning):
-        return read_hdf5(path, most)
+        return read_hdf5(path, max_bytes)
     from scipy.io import loadmat
 
     arrays: dict[str, np.ndarray] = {}
     texts: dict[str, str] = {}
     variables = loadmat(str(path), simplify_cells=True)
-    for name, value in _leaves("", {name: v for name, v in variables.items() if not name.startswith("__")}):
+    for name, value in _iterate_leaves(
+        "", {name: v for name, v in variables.items() if not name.startswith("__")}
+    ):
         if isinstance(value, str):
             texts[name] = value
         elif isinstance(value, np.ndarray | int | float) and np.asarray(value).dtype.kind in "fiubc":
             arrays[name] = np.asarray(value)
-    return content_of(path, arrays, texts)
+    return identify_content(path, arrays, texts)
 
 
 def _is_hdf5(beginning: bytes) -> bool:
-    """Check if a file is HDF5, which begins at byte 0, 512, 1024 or a further power of 2."""
+    """Check if the first 8 KiB of a file contain the signature of HDF5, at byte 0, 512, 1024, 2048 or 4096."""
     return any(beginning[offset : offset + 8] == HDF5_SIGNATURE for offset in (0, 512, 1024, 2048, 4096))
 
 
-def _leaves(prefix: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
-    """Yield the values of nested structs with their paths, `a.b`."""
+def _iterate_leaves(prefix: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """Yield the path, `a.b`, and the value of each field of nested structs."""
     if isinstance(value, dict) and depth < MAX_DEPTH:
         for name, entry in value.items():
-            yield from _leaves(f"{prefix}.{name}" if prefix else str(name), entry, depth + 1)
+            yield from _iterate_leaves(f"{prefix}.{name}" if prefix else str(name), entry, depth + 1)
     else:
         yield prefix, value
 
 
-def read_hdf5(path: Path, most: float) -> Content:
-    """Read an HDF5 file: a MAT file v7.3, whose arrays are transposed, or a unit of stored results.
+def read_hdf5(path: Path, max_bytes: float) -> Content:
+    """Read an HDF5 file: a unit file of stored results, a MAT file v7.3, or another file of numeric datasets.
 
-    Units of datasets are their attributes `units` or `unit`.
+    The unit of a dataset is its attribute `units` or `unit`. max_bytes: memory limit of a dataset.
     """
     arrays: dict[str, np.ndarray] = {}
     texts: dict[str, str] = {}
-    with path.open("rb") as stream, Hdf5(stream, most) as file:
+    with path.open("rb") as stream, Hdf5(stream, max_bytes) as file:
         if "job" in file and "time" in file:
-            return _unit(path, file)
-        for name in _datasets(file, ""):
-            if name.startswith("#") or file.has_attribute("MATLAB_empty", name):  # whose data are its shape
+            return _read_unit_file(path, file)
+        for name in _iterate_datasets(file, ""):
+            is_empty = file.has_attribute(
+                "MATLAB_empty", name
+            )  # MATLAB stores the shape of an empty array as data
+            if is_empty or name.startswith("#"):
                 continue
             key = name.replace("/", ".")
             unit = next(
@@ -70,22 +75,22 @@ def read_hdf5(path: Path, most: float) -> Content:
             if file.attribute("MATLAB_class", name, variable=True) == "char":
                 texts[key] = "".join(map(chr, file.numbers(name).ravel()[:80]))
             elif file.has_numbers(name):
-                arrays[key] = file.numbers(name).T
-    return content_of(path, arrays, texts)
+                arrays[key] = file.numbers(name).T  # MATLAB reverses the order of dimensions
+    return identify_content(path, arrays, texts)
 
 
-def _datasets(file: Hdf5, group: str, depth: int = 0) -> Iterator[str]:
-    """Yield the paths of the datasets in a group."""
+def _iterate_datasets(file: Hdf5, group: str, depth: int = 0) -> Iterator[str]:
+    """Yield the paths of the datasets in a group and its subgroups, except MATLAB's own groups (`#refs#`)."""
     for name in file.names(group):
         path = f"{group}/{name}" if group else name
         if not file.is_group(path):
             yield path
         elif depth < MAX_DEPTH and not name.startswith("#"):
-            yield from _datasets(file, path, depth + 1)
+            yield from _iterate_datasets(file, path, depth + 1)
 
 
-def _unit(path: Path, file: Hdf5) -> Content:
-    """Return the series of the jobs of a unit of stored results, `<job>/<channel>`."""
+def _read_unit_file(path: Path, file: Hdf5) -> Content:
+    """Return the series of all jobs in a unit file of stored results, named `<job>/<channel>`."""
     jobs, time = [str(job) for job in file.texts("job")], file.numbers("time")
     arrays: dict[str, np.ndarray] = {"time": time}
     texts: dict[str, str] = {}
@@ -96,5 +101,5 @@ def _unit(path: Path, file: Hdf5) -> Content:
                 arrays[f"{job}/{name}"] = file.numbers(name, row)
                 texts[f"{job}/{name}.unit"] = str(unit)
     if len(arrays) == 1:
-        raise MeasuredError(path, "is a unit of results without series: its study has `record: []`")
-    return content_of(path, arrays, texts)
+        raise MeasuredError(path, "is a unit file of results without series: its study has `record: []`")
+    return identify_content(path, arrays, texts)

@@ -1,4 +1,4 @@
-"""WAV files."""
+"""Reader of WAV files."""
 
 import re
 import warnings
@@ -8,43 +8,44 @@ import numpy as np
 
 from bearingsim.measured.content import Content, MeasuredError, Stated
 
-MARKS = (b"RIFF", b"RIFX", b"RF64")
-"""First bytes of WAV files."""
-STREAMED = b"\xff\xff\xff\xff"
-"""Size in the header of a stream, which lasts to the end of the file."""
-UNKNOWN = re.compile(r"Unknown wave file format: (\w+)")
-"""Message of SciPy for a compressed encoding."""
+SIGNATURES = (b"RIFF", b"RIFX", b"RF64")
+"""First four bytes of WAV files."""
+SIZE_OF_STREAM = b"\xff\xff\xff\xff"
+"""Size in the header of a streamed file, whose samples extend to its end."""
+UNSUPPORTED_ENCODING = re.compile(r"Unknown wave file format: (\w+)")
+"""Message of SciPy for an encoding other than PCM and floating point."""
 
 
 def read_wav(path: Path) -> Content:
-    """Read a WAV file, 8 to 64 bit or float; chunks without samples are skipped. Integer samples have no unit.
+    """Read a WAV file of integer (8 to 64 bit) or floating-point samples; other chunks are skipped.
 
-    The content contains their range.
+    Samples of 8 bit are unsigned; 128, their zero, is subtracted. Raises MeasuredError for other encodings, a
+    damaged file, and one without samples.
     """
     from scipy.io import wavfile
 
     with path.open("rb") as file:
-        mark, size = file.read(4), file.read(4)
-    if mark not in MARKS:
+        signature, size = file.read(4), file.read(4)
+    if signature not in SIGNATURES:
         raise MeasuredError(path, "is not a WAV file, which begins with `RIFF`: export the signal as WAV or CSV")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", wavfile.WavFileWarning)
-            warnings.filterwarnings("ignore", ".*not understood", wavfile.WavFileWarning)  # chunks of no samples
-            if mark == b"RIFF" and size == STREAMED:
+            warnings.filterwarnings("ignore", ".*not understood", wavfile.WavFileWarning)  # chunks without samples
+            if signature == b"RIFF" and size == SIZE_OF_STREAM:
                 warnings.filterwarnings("ignore", ".*EOF", wavfile.WavFileWarning)
             rate, samples = wavfile.read(path)
     except wavfile.WavFileWarning as warning:
         raise MeasuredError(path, f"is a damaged WAV file ({warning})") from None
     except ValueError as error:
-        encoding = UNKNOWN.search(str(error))
+        encoding = UNSUPPORTED_ENCODING.search(str(error))
         reason = (
             f"has samples encoded as {encoding[1]}"
             if encoding
             else "has fewer samples than its header states, or no header"
         )
         raise MeasuredError(path, f"{reason}: export it again, as PCM") from None
-    except (UnboundLocalError, ZeroDivisionError):  # SciPy does not check for samples
+    except (UnboundLocalError, ZeroDivisionError):  # raised by SciPy for a file without samples
         samples = np.empty(0)
     if samples.size == 0:
         raise MeasuredError(
@@ -52,11 +53,11 @@ def read_wav(path: Path) -> Content:
             "declares no samples in its header (streaming programs leave it empty): save the signal again as WAV",
         )
     columns = samples.reshape(len(samples), -1)
-    integer = columns.dtype.kind in "iu"
+    is_integer = columns.dtype.kind in "iu"
     values = columns.astype(float) - (128.0 if columns.dtype == np.uint8 else 0.0)
     names = ["signal"] if values.shape[1] == 1 else [f"channel {number + 1}" for number in range(values.shape[1])]
     return Content(
         dict(zip(names, values.T, strict=True)),
         rate=Stated(float(rate), "the WAV header"),
-        integer_range=float(2 ** (8 * columns.dtype.itemsize - 1)) if integer else None,
+        integer_range=float(2 ** (8 * columns.dtype.itemsize - 1)) if is_integer else None,
     )

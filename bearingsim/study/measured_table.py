@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 
 from bearingsim.measured.content import MeasuredError
 from bearingsim.measured.statements import HEADER
-from bearingsim.measured.tables import SEPARATORS, decoded
+from bearingsim.measured.tables import SEPARATORS, decode
 from bearingsim.text.numbers import is_number
 from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, problem
 
@@ -89,7 +89,7 @@ def _numbered_lines(path: FilePath, fail: Callable[..., None]) -> list[tuple[int
         fail(Mark(str(path)), f"has over {MAX_BYTES // 1000} kB, too much for a table of points", hint)
         return []
     try:
-        _, text = decoded(path, path.read_bytes())
+        _, text = decode(path, path.read_bytes())
     except MeasuredError as error:
         fail(Mark(str(path)), error.reason, "export the table as CSV")
         return []

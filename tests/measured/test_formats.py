@@ -11,7 +11,7 @@ import pytest
 from scipy.io import savemat, wavfile
 
 from bearingsim.measured import MeasuredError, Request, read
-from bearingsim.measured.arrays import content_of
+from bearingsim.measured.arrays import identify_content
 from bearingsim.measured.checks import clipped_share, refuse_unusable
 from bearingsim.measured.si import factor_to
 from tests.scenes.commands import STUDY, type_
@@ -423,7 +423,7 @@ def test_speed_before_a_ramp_is_not_that_of_an_exported_job():
     """The parameters of a job state its speed before the ramp; its record begins later."""
     job = {"job_1.ring_velocity_x": np.arange(99.0), "job_1.parameters.speed": np.array([188.5])}
     ramp = {"job_1.parameters.ramp_to": np.array([377.0])}
-    [steady, ramped] = (content_of(Path("a.mat"), arrays, {}) for arrays in (job, job | ramp))
+    [steady, ramped] = (identify_content(Path("a.mat"), arrays, {}) for arrays in (job, job | ramp))
     assert steady.speeds["job_1"].value == 188.5
     assert ramped.speeds == {}
 
