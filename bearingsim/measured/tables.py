@@ -239,8 +239,10 @@ def _split_cells(line: str, separator: str | None) -> list[str]:
 
 
 def _split_header_line(line: str, separator: str | None) -> list[str]:
-    """Split a line of headers into cells; a blank before a unit in brackets does not separate."""
-    return _split_cells(line, separator) if separator else HEADER_BLANKS.split(line.strip())
+    """Split a line of headers into cells, without quotes; a blank before a unit in brackets does not separate."""
+    if separator:
+        return _split_cells(line, separator)
+    return [cell.strip('"') for cell in HEADER_BLANKS.split(line.strip())]
 
 
 def _remove_quoted(line: str) -> str:

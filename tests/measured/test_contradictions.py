@@ -163,6 +163,10 @@ def test_a_speed_has_its_own_unit(tmp_path, samples):
     assert read(path).shaft == pytest.approx(30.0)
 
 
+def test_an_empty_speed_states_none(tmp_path):
+    assert read(saved(tmp_path, x=NOISE, fs=float(RATE), rpm=np.zeros(0))).speed is None
+
+
 def test_an_infinite_rate_is_one_statement(tmp_path):
     with pytest.raises(MeasuredError, match="states a sampling rate of inf Hz"):
         read(saved(tmp_path, x=NOISE, fs=np.inf))

@@ -72,6 +72,7 @@ READ = {
         "time [ms];acc [g]\n" + rows(1e3 * T, X, separator=";").replace("\n", ";\n"), "acc", "g", None,
     ),
     "units behind blanks": ("Time (ms)  Acc (g)\n" + rows(1e3 * T, X, separator="   "), "Acc", "g", None),
+    "quoted names and blanks": ('"time (ms)" "acc (g)"\n' + rows(1e3 * T, X, separator=" "), "acc", "g", None),
     "rule below the names": ("time [ms];acc [g]\n--------\n" + rows(1e3 * T, X, separator=";"), "acc", "g", None),
     "row numbers without a name": ("fs: 12800 Hz\n" + rows(np.arange(COUNT), X), "column 2", "", None),
     "row numbers before the time": (rows(np.arange(COUNT), T, X), "column 3", "", None),
