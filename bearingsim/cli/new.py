@@ -7,7 +7,7 @@ from pathlib import Path
 from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
 from bearingsim.shipped import matching_studies, shipped_studies
-from bearingsim.study import NEW_STUDY, SCHEMA_COMMENT, SCHEMA_FILE, outline, schema_text
+from bearingsim.study import NEW_STUDY, SCHEMA_COMMENT, SCHEMA_FILE, read_outline, schema_text
 from bearingsim.text.terminal import say
 from bearingsim.text.units import suggestion
 
@@ -26,7 +26,7 @@ def write_copy(name: str, path: Path | None) -> list[Path]:
     """
     source = find_study(name)
     path = path or Path(source.name)
-    study = outline(source, {}, quick=False)
+    study = read_outline(source, {}, quick=False)
     paths = [Path(file) for file in study.files if Path(file).is_file()] if study else []
     contents = {
         path.parent / file.relative_to(source.parent): file.read_text(encoding="utf-8")
@@ -56,7 +56,7 @@ def find_study(name: str) -> Path:
 
 def show_studies() -> None:
     """Print a table of the shipped studies, fewest cases first: name, title and number of cases."""
-    outlines = {name: outline(path, {}, quick=False) for name, path in shipped_studies().items()}
+    outlines = {name: read_outline(path, {}, quick=False) for name, path in shipped_studies().items()}
     counts = {name: study.cases if study else math.inf for name, study in outlines.items()}
     rows = []
     for name, path in sorted(shipped_studies().items(), key=lambda item: counts[item[0]]):

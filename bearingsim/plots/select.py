@@ -9,8 +9,8 @@ from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots.labels import COST, NONE, PlotError, printed, swept_text, unit_of, value_text
 from bearingsim.plots.lines import fundamental_lines, may_slip, races_of_all
-from bearingsim.study import Figure, dimension, stored_figure
-from bearingsim.study.figures import LIST_OF_NAMES, whole_names
+from bearingsim.study import Figure, dimension, restore_figure
+from bearingsim.study.figures import LIST_OF_NAMES, whole_name_hint
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
 
@@ -61,7 +61,7 @@ def is_numeric(distinct: Sequence[Any]) -> bool:
 def planned(results: "Results", rows: "pd.DataFrame", kind: str | None = None) -> list[Figure]:
     """List the figures of the study whose x is swept, of ``kind`` if given; automatic ones if there are none."""
     swept = list(results.plan["units"])
-    named = map(stored_figure, results.plan["figures"])
+    named = map(restore_figure, results.plan["figures"])
     figures = [
         figure for figure in named if kind in (None, figure.kind) or (kind == "phase" and not _is_signal(figure))
     ]
@@ -325,7 +325,7 @@ def _check(word: str, valid: Any, kind: str) -> None:
     if word not in valid:
         if kind == "feature" and (word in CHANNELS or word.rpartition(".")[0] in CHANNELS):
             raise PlotError(f"`{word}` is a channel, not a feature: add `--kind series` or `--kind spectrum`")
-        near = suggestion(word, list(valid)) or whole_names(word, list(valid))
+        near = suggestion(word, list(valid)) or whole_name_hint(word, list(valid))
         near = "" if word in FEATURES else near  # a feature is not a typo
         near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if read_band(word) else near
         is_long = len(valid) > MAX_LISTED

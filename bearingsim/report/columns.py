@@ -18,9 +18,9 @@ STEP_CHECK = ("step_error.line", "step_error.rms", "step_error.record", "chaotic
 
 def main_features(results: "Results", table: "pd.DataFrame") -> list[str]:
     """List the features with a value that the figures of the study name, else the default ones without errors."""
-    from bearingsim.study import stored_features
+    from bearingsim.study import plotted_features
 
-    features = with_values(stored_features(results.plan), table)
+    features = with_values(plotted_features(results.plan), table)
     return features or [name for name in default_features(results, table) if not name.startswith("error.")]
 
 

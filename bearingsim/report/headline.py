@@ -30,11 +30,11 @@ def feature_results(results: "Results") -> Iterator[Result]:
     """Yield each feature named by the figures, with its range, healthy range and the cases of its extremes."""
     from bearingsim.plots import select
     from bearingsim.report.columns import with_values
-    from bearingsim.study import stored_features
+    from bearingsim.study import plotted_features
 
     case_rows = select.case_rows(results)
     done_rows = case_rows[case_rows["status"] == "done"]
-    names = stored_features(results.plan) or select.default_y(results, case_rows)
+    names = plotted_features(results.plan) or select.default_y(results, case_rows)
     yield from (_result(results, done_rows, name) for name in with_values(names, done_rows))
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from bearingsim.config.names import Line
 from bearingsim.plots import labels, lines, select
 from bearingsim.plots.caption import CAPTION_FIELDS, SMALL_UNITS, defect_values, machine_values
-from bearingsim.study import stored_features
+from bearingsim.study import plotted_features
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.numbers import significant, span
 
@@ -93,7 +93,7 @@ def subject(results: "Results") -> str:
         return ""
     bearing = " / ".join(dict.fromkeys(map(str, parameters["bearing.name"])))
     defect = [f"defect of the {race}" for race in _races(parameters)] or ["no defect"]
-    names = list(dict.fromkeys(map(labels.feature_text, stored_features(results.plan))))
+    names = list(dict.fromkeys(map(labels.feature_text, plotted_features(results.plan))))
     varied = [labels.name_text(path) for path in select.varied(rows, list(units))]
     texts = [labels.in_sentence(name) for name in names[:2]] or ["vibration"]
     quantities = " and ".join(texts) + ", and others" * (len(names) > 2)

@@ -12,7 +12,7 @@ from bearingsim.runner.promises import accuracy_notes, selection_notes, withdraw
 from bearingsim.runner.summary import Findings
 from bearingsim.runner.variations import variation_effects
 from bearingsim.store import NOTABLE_ERROR, has_error_estimate, is_uncertain, relative_error
-from bearingsim.study import stored_features
+from bearingsim.study import plotted_features
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
@@ -37,7 +37,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     info = store.info(cases)
     damping_notes = list(damping.result_remarks(info))
     damping_warnings = [text for text in (*damping_notes, *_assumptions(plan)) if text.startswith(damping.WARNING)]
-    drawn_features = stored_features(plan)
+    drawn_features = plotted_features(plan)
     accuracy = plan["accuracy"]["within"] if plan.get("accuracy") else inf
     chaos_warnings = scatter_warnings(cases, drawn_features, min(NOTABLE_ERROR, accuracy / 2.0))
     return Findings(

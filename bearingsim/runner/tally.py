@@ -12,7 +12,7 @@ from bearingsim.errors import UserError
 from bearingsim.runner.findings import findings
 from bearingsim.runner.summary import Findings, RunSummary, group_failures
 from bearingsim.runner.work import Outcome
-from bearingsim.study import outline
+from bearingsim.study import read_outline
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -157,7 +157,7 @@ def completed_summary(
     It applies if the study has no `accuracy`, and files, overrides, program and working folder are unchanged.
     """
     started = time.perf_counter()
-    study_outline = outline(path, overrides, quick)
+    study_outline = read_outline(path, overrides, quick)
     if study_outline is None or study_outline.quick != quick:
         return None
     root = store.results_folder(study_outline.name, quick, out)

@@ -17,7 +17,7 @@ import numpy as np
 
 from bearingsim.config.names import read_band
 from bearingsim.simulation.trial import LARGEST_FORCE, Trial, part_count
-from bearingsim.study.goal import HEALTHY
+from bearingsim.study.goal import HEALTHY_SUFFIX
 
 CONFIDENCE = 0.975
 
@@ -39,7 +39,7 @@ def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
         turns = np.array_split(trial.forces, turn_count)
         return Value(float(trial.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
     share = 2.0 / turn_count
-    line = feature.removesuffix(HEALTHY)
+    line = feature.removesuffix(HEALTHY_SUFFIX)
     if feature != line and baseline is None:  # a bearing without defects
         return Value(0.0, np.zeros(part_count(trial.turns) - 1), share)
     if read_band(line) is not None and feature != line and baseline is not None:  # magnitudes are subtracted

@@ -19,7 +19,7 @@ from bearingsim.simulation.trial import (
     trial_passes,
 )
 from bearingsim.study import Study, healthy_case
-from bearingsim.study.goal import HEALTHY
+from bearingsim.study.goal import HEALTHY_SUFFIX
 from bearingsim.study.jobs import identity
 
 
@@ -80,7 +80,7 @@ def _passes(case: Case, *free_cases: Case | None) -> int:
 def required_features(study: Study) -> tuple[str, ...]:
     """List the features needed from each trial of a study."""
     assert study.goal is not None
-    return tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
+    return tuple(sorted({name.removesuffix(HEALTHY_SUFFIX) for name in study.goal.of}))
 
 
 @lru_cache(maxsize=1 << 17)
@@ -103,7 +103,7 @@ def _trial_id(
 def required_healthy_case(study: Study, case: Case) -> Case | None:
     """Return the healthy counterpart of a case, if a feature is relative to it, else None."""
     assert study.goal is not None
-    return healthy_case(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
+    return healthy_case(case) if any(name.endswith(HEALTHY_SUFFIX) for name in study.goal.of) else None
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[TrialRequest]:

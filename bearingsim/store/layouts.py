@@ -16,7 +16,7 @@ from bearingsim.figure_kinds import KINDS
 from bearingsim.store.own_files import ID
 from bearingsim.store.regular import Unreadable
 from bearingsim.study.design import BLOCK_DESIGNS
-from bearingsim.study.load import NAME
+from bearingsim.study.load import STUDY_NAME
 
 __all__ = ["Choices", "Failure", "Trials", "check", "check_plan"]
 
@@ -140,7 +140,7 @@ class MeasuredSet(Layout):
 
 
 class Plan(Layout):
-    study: Annotated[str, StringConstraints(pattern=f"^{NAME.pattern}$")]
+    study: Annotated[str, StringConstraints(pattern=f"^{STUDY_NAME.pattern}$")]
     quick: bool
     units: dict[Name, str]
     figures: list[Figure]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config.names import read_band
 from bearingsim.store.spread import has_unknown_scatter, reference_ratio, standard_error
-from bearingsim.study.goal import HEALTHY
+from bearingsim.study.goal import HEALTHY_SUFFIX
 from bearingsim.study.uncertainty import RIGID_RING
 
 if TYPE_CHECKING:
@@ -131,11 +131,11 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     import pandas as pd
 
     has_error = frame["status"] == "done"
-    if feature.endswith(HEALTHY) and "healthy" in frame:
+    if feature.endswith(HEALTHY_SUFFIX) and "healthy" in frame:
         has_error &= frame["healthy"] != ""
     if f"features/{feature}" not in frame:
         return pd.DataFrame(inf, index=frame.index, columns=[*ERROR_PARTS]).where(has_error)
-    scale, base = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
+    scale, base = scales(plan, frame, feature), feature.removesuffix(HEALTHY_SUFFIX)
     choices = plan["accuracy"]["jobs"]
 
     def trial_errors(part: str) -> "pd.Series[float]":
@@ -203,8 +203,8 @@ def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Au
             if value != value or reference != reference:  # NaN
                 continue
             scale = float(scale_values[feature][audit["of"]]) or abs(float(reference)) or 1.0
-            jobs = [*pair, *frame["healthy"].loc[pair]] if feature.endswith(HEALTHY) else pair
-            errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(list(dict.fromkeys(jobs)))
+            jobs = [*pair, *frame["healthy"].loc[pair]] if feature.endswith(HEALTHY_SUFFIX) else pair
+            errors = standard_error(frame, feature.removesuffix(HEALTHY_SUFFIX)).reindex(list(dict.fromkeys(jobs)))
             scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / scale
             yield AuditResult(audit["of"], feature, abs(float(value - reference)) / scale, scatter)
 
@@ -219,7 +219,7 @@ def incomplete_audits(plan: Mapping[str, Any], frame: "pd.DataFrame") -> list[st
         for audit in accuracy["audits"]
         if any(
             (audit["of"], feature) not in compared
-            and not (feature.endswith(HEALTHY) and healthy is not None and healthy.get(audit["of"]) == "")
+            and not (feature.endswith(HEALTHY_SUFFIX) and healthy is not None and healthy.get(audit["of"]) == "")
             for feature in accuracy["of"]
         )
     ]

@@ -1,9 +1,9 @@
 """Study files: reading, validation, and expansion into jobs."""
 
 from bearingsim.study.design import Design
-from bearingsim.study.figures import Figure, stored_features, stored_figure
+from bearingsim.study.figures import Figure, plotted_features, restore_figure
 from bearingsim.study.jobs import Job, Study, case_id, healthy_case
-from bearingsim.study.load import Outline, load_study, outline
+from bearingsim.study.load import Outline, load_study, read_outline
 from bearingsim.study.paths import dimension
 from bearingsim.study.rolling_parts import load_rolling_parts
 from bearingsim.study.schema import json_schema, schema_text
@@ -27,8 +27,8 @@ __all__ = [
     "json_schema",
     "load_rolling_parts",
     "load_study",
-    "outline",
+    "plotted_features",
+    "read_outline",
+    "restore_figure",
     "schema_text",
-    "stored_features",
-    "stored_figure",
 ]

@@ -1,7 +1,7 @@
 """Descriptions of the keys of a study, which only the JSON schema needs.
 
-Those of the fields of sections are the docstrings below them. Reading these from the source costs nothing at the
-start of a command; pydantic's `use_attribute_docstrings` would read them on import, which takes 0.06 s.
+The description of a section's field is the docstring below it, which is read from the source when the schema is
+built; pydantic's `use_attribute_docstrings` would read it on import, which delays every command by 0.06 s.
 """
 
 import ast
@@ -31,7 +31,7 @@ SWEEP_KEYS = {
     "zip": "Values that vary together, entry by entry; a list of mappings gives several groups.",
     "derived": "Values computed from other values by a formula, such as `defect.width / 16`.",
     "where": "Conditions on the combinations; only those that satisfy all are computed.",
-    "repeat": "Number of runs of each case with other seeds.",
+    "repeat": "Number of runs of each case, each with another seed.",
     "sobol": "Design of Sobol' points; it can be extended by a larger `n`.",
     "lhs": "Design by Latin hypercube sampling.",
     "saltelli": "Design for Sobol' sensitivity indices.",
@@ -86,9 +86,9 @@ def field_descriptions(section: type[Section]) -> dict[str, str]:
 
 
 def _docstrings(owner: type) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a class that a docstring follows, and these docstrings."""
-    for field, below in pairwise(_classes(inspect.getmodule(owner)).get(owner.__name__, ())):
-        match field, below:
+    """Yield the name and the docstring of each documented field of a class."""
+    for statement, following in pairwise(_classes(inspect.getmodule(owner)).get(owner.__name__, ())):
+        match statement, following:
             case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str() as text)):
                 yield name, text
 

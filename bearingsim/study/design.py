@@ -19,7 +19,7 @@ from bearingsim.text.yamlfile import Node, Problem, problem
 
 MAX_SEED = 999_999_999
 VALUES_PER_ROW = 10
-"""Limit of the values of a design, relative to the limit of rows: designs of more paths have fewer rows."""
+"""Limit of the values of a design (rows times paths), as a multiple of the limit of its rows."""
 KEYS = ("n", "seed", "over")
 EXAMPLE = "{n: 64, over: {load: [100 N, 200 N]}}"
 COUNT_NOUNS: dict[Kind, str] = {
@@ -109,8 +109,8 @@ def _read_design(kind: Kind, entry: Node, max_rows: int) -> tuple[SampledDesign,
     n, seed = _count(kind, entry, max_rows), _seed(entry)
     ranges = [range_of(path, node) for path, node in over.mapping.items()]
     columns = [
-        bounds.nodes(column)
-        for bounds, column in zip(ranges, unit_cube_points(kind, n, len(ranges), seed).T, strict=True)
+        values.nodes(probabilities)
+        for values, probabilities in zip(ranges, unit_cube_points(kind, n, len(ranges), seed).T, strict=True)
     ]
     paths = tuple(over.mapping)
     axis = Axis(paths, tuple(zip(*columns, strict=True)), tuple(over.mapping.values()))
@@ -130,8 +130,8 @@ def _count(kind: Kind, entry: Node, max_rows: int) -> int:
     n, d = int(node.text), len(entry.mapping["over"].mapping)
     rows = n * block_size(kind, d)
     if rows > max_rows:
-        size = f"{node.text} {COUNT_NOUNS[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
-        raise EntryError(node, f".n: {size}; at most {max_rows} are possible")
+        product = f"{node.text} {COUNT_NOUNS[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
+        raise EntryError(node, f".n: {product}; at most {max_rows} are possible")
     if rows * d > VALUES_PER_ROW * max_rows:
         message = (
             f".n: {rows} cases of {d} paths are {rows * d} values;"
@@ -156,12 +156,12 @@ def block_conflicts(kind: Kind, axes: Sequence[Axis], settings: SweepSettings) -
     for axis in (axis for axis in axes if len(axis.rows) > 1):
         mark = axis.keys[0].key or axis.keys[0].mark
         yield problem(mark, f"`{axis.paths[0]}` is swept {reason}", "give it one value, or a range in `over`")
-    for key, advice in NON_BLOCK_KEYS.items():
+    for key, advice in BLOCK_SPLITTING_KEYS.items():
         if key in settings:
             yield problem(settings[key].key or settings[key].mark, f"`{key}` {reason}", advice)
 
 
-NON_BLOCK_KEYS = {
+BLOCK_SPLITTING_KEYS = {
     "where": "omit it; ranges and `derived` can restrict parameters",
     "repeat": "omit it, or use `sobol`",
 }

@@ -12,7 +12,7 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.contact import WORD_TAG
-from bearingsim.study.paths import LIST_VALUED, all_paths, label, path_hint, written
+from bearingsim.study.paths import LIST_VALUED, all_paths, path_hint, path_label, path_text
 from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Mark, Node, Problem, plain, problem
 
@@ -82,9 +82,9 @@ def _validate(key: str, value: Any) -> Any:
 
 @cache
 def _adapter(key: str) -> TypeAdapter[Any]:
-    field = Case.model_fields[key]
-    kind: Any = Annotated[field.annotation, Field(), *field.metadata]
-    return TypeAdapter(kind)
+    model_field = Case.model_fields[key]
+    annotation: Any = Annotated[model_field.annotation, Field(), *model_field.metadata]
+    return TypeAdapter(annotation)
 
 
 def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Sections) -> Case | None:
@@ -103,10 +103,10 @@ def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Se
         errors = error.errors(include_url=False)[:MAX_PROBLEMS]
     for details in errors:
         for path, kind, entry in _problems(details, tree, swept):
-            problems.setdefault((mark_of(entry), label(path, 0), kind), entry)
+            problems.setdefault((mark_of(entry), path_label(path, 0), kind), entry)
     for conflict in _hidden_conflicts(data, errors):
         entry = _conflict_problem(conflict, tree, swept)
-        problems.setdefault((mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
+        problems.setdefault((mark_of(entry), path_label(conflict.paths[0], 0), conflict.kind), entry)
     return None
 
 
@@ -122,7 +122,7 @@ def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> No
             for path, kind, entry in _problems(details, tree, swept):
                 is_parent = kind in NON_SECTION_ERRORS and any(s[: len(path)] == path for s in swept)
                 if is_parent or (kind in SINGLE_VALUE_ERRORS and any(path[: len(s)] == s for s in swept)):
-                    problems.setdefault((mark_of(entry), label(path, 0), kind), entry)
+                    problems.setdefault((mark_of(entry), path_label(path, 0), kind), entry)
 
 
 def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
@@ -136,8 +136,8 @@ def mark_of(entry: Problem) -> Mark:
     return Mark(entry.file, entry.line, entry.column, entry.source_line)
 
 
-SIZES = {"defect.length": "the size along the axis", "defect.width": "the size along rolling"}
-"""Directions of the sizes of a defect, which are easily confused."""
+SIZE_DIRECTIONS = {"defect.length": "the size along the axis", "defect.width": "the size along rolling"}
+"""Directions in which the length and the width of a defect, which are easily confused, are measured."""
 
 
 def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iterator[tuple[Path, str, Problem]]:
@@ -151,22 +151,22 @@ def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iter
 
 
 def _problem(details: ErrorDetails, path: Path, tree: Node, swept: frozenset[Path]) -> Problem:
-    name, defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
+    name, n_defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
     if details["type"] == "missing":
-        dimension, size = all_paths().get(label(path, 0)), SIZES.get(label(path, 0))
-        hint = f"expected {EXPECTED[dimension]}{f', {size}' if size else ''}" if dimension else None
-        return _located_problem(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
+        dimension, direction = all_paths().get(path_label(path, 0)), SIZE_DIRECTIONS.get(path_label(path, 0))
+        hint = f"expected {EXPECTED[dimension]}{f', {direction}' if direction else ''}" if dimension else None
+        return _located_problem(_key_mark(tree, path[:-1]), path[:-1], n_defects, f"`{name}` is missing", hint)
     if details["type"] == "extra_forbidden":
-        return _located_problem(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
+        return _located_problem(_key_mark(tree, path), path[:-1], n_defects, *_unknown_key(name, path, tree))
     node, (message, hint) = _nearest_node(tree, path), _message(details)
-    is_single = label(path, 0) in all_paths().keys() - LIST_VALUED
+    is_single = path_label(path, 0) in all_paths().keys() - LIST_VALUED
     if node.items and is_single and path not in swept:
-        hint = hint or f"for several values use `sweep: {{{written(path, defects)}: [...]}}`"
-    return _located_problem(node.mark, path, defects, message, hint)
+        hint = hint or f"for several values use `sweep: {{{path_text(path, n_defects)}: [...]}}`"
+    return _located_problem(node.mark, path, n_defects, message, hint)
 
 
-def _located_problem(mark: Mark, path: Path, defects: int, message: str, hint: str | None) -> Problem:
-    location = written(path, defects)
+def _located_problem(mark: Mark, path: Path, n_defects: int, message: str, hint: str | None) -> Problem:
+    location = path_text(path, n_defects)
     return problem(mark, f"{location}: {message}" if location else message, hint)
 
 
@@ -185,7 +185,7 @@ def _message(details: ErrorDetails) -> tuple[str, str | None]:
 
 def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
     keys = _keys_at(path[:-1], tree)
-    return f"unknown key `{name}`", path_hint(name, keys, label(path[:-1], 0)) or f"valid: {', '.join(keys)}"
+    return f"unknown key `{name}`", path_hint(name, keys, path_label(path[:-1], 0)) or f"valid: {', '.join(keys)}"
 
 
 def _keys_at(path: Path, tree: Node) -> list[str]:
@@ -194,7 +194,7 @@ def _keys_at(path: Path, tree: Node) -> list[str]:
         entries = _nearest_node(tree, path).mapping
         law = entries["law"].text if "law" in entries else LAWS[path].match_law(entries)
         return list(LAWS[path].sections[law].model_fields)
-    prefix = label(path, 0) + "." if path else ""
+    prefix = path_label(path, 0) + "." if path else ""
     keys = [key.removeprefix(prefix) for key in all_paths() if key.startswith(prefix)]
     extra = ["name", "source"] if path in _NAMED_SECTIONS else [] if path else list(STUDY_KEYS)
     return [key for key in keys if "." not in key] + extra
@@ -234,8 +234,8 @@ def _conflict_problem(conflict: Conflict, tree: Node, swept: frozenset[Path]) ->
     written_paths = [path for path in conflict.paths if _is_written(tree, path)] or [conflict.paths[0]]
     swept_paths = [path for path in written_paths if any(path[: len(s)] == s for s in swept)]
     path = (swept_paths or written_paths)[0]
-    defects = len(tree.mapping.get("defects", tree).items)
-    return _located_problem(_nearest_node(tree, path).mark, path, defects, conflict.message, conflict.hint)
+    n_defects = len(tree.mapping.get("defects", tree).items)
+    return _located_problem(_nearest_node(tree, path).mark, path, n_defects, conflict.message, conflict.hint)
 
 
 def _is_written(tree: Node, path: Path) -> bool:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Range(NamedTuple):
-    """Distribution between two bounds (in ``unit``); ``quantiles``: quantile function on [0, 1)."""
+    """Distribution between two bounds, as nodes and as numbers in ``unit``; ``quantiles``: quantile function."""
 
     lower: Node
     upper: Node
@@ -153,7 +153,7 @@ def _geometric(low: float, high: float, probabilities: Sequence[float]) -> list[
 
 
 NORMAL_DIGITS = 9
-"""Decimals of a normal deviate that are independent of the machine."""
+"""Decimals of a standard normal deviate that are kept, so that designs do not depend on the machine."""
 
 
 def _normal(path: str, node: Node) -> Range:
@@ -187,8 +187,8 @@ def _normal(path: str, node: Node) -> Range:
 
 
 MAX_DEVIATIONS = 8
-"""Limit of the distance from the mean to the nearer bound, in standard deviations; the tail beyond contains less
-than 1e-15 of the distribution."""
+"""Limit of the distance from a mean outside the bounds to the nearer one, in standard deviations; the tail beyond
+contains less than 1e-15 of the distribution."""
 MAX_DEVIATION_RATIO = 1000
 """Limit of the ratio of standard deviation to range; with larger ones the density is practically uniform."""
 

@@ -18,7 +18,7 @@ def expand_tree(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
 
     A name without a file is left unchanged, because the validation of the case reports it with its position.
     """
-    tree = _locate_files(_name_deviations(_name_profiles(_list_defects(tree, problems))), folder)
+    tree = _locate_files(_expand_deviations(_expand_profiles(_list_defects(tree, problems))), folder)
     tree = _add_default(tree, "rig", "bvt5")
     for section, kind in _REFERENCES:
         if section in tree.mapping:
@@ -30,9 +30,11 @@ def expand_tree(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
 _EMPTY = Node("", Mark(""))
 
 _REFERENCES: tuple[tuple[str, Kind], ...] = (("bearing", "bearings"), ("rig", "rigs"))
+"""Sections that may name a file, each with the kind of the file."""
 
 
 def _list_defects(tree: Node, problems: list[Problem]) -> Node:
+    """Replace `defect: {...}` by the list `defects: [{...}]`; add a problem if both keys are present."""
     single = tree.mapping.get("defect")
     if single is None:
         return tree
@@ -44,12 +46,12 @@ def _list_defects(tree: Node, problems: list[Problem]) -> Node:
     return Node({"defects": defects} | others, tree.mark, tree.key)
 
 
-_RACES: tuple[Path, ...] = (("surfaces", "outer", "roundness"), ("surfaces", "inner", "roundness"))
+_ROUNDNESS_PATHS: tuple[Path, ...] = (("surfaces", "outer", "roundness"), ("surfaces", "inner", "roundness"))
 
 
-def _name_profiles(tree: Node) -> Node:
+def _expand_profiles(tree: Node) -> Node:
     """Replace `roundness: race.csv` by the mapping `{file: race.csv}`, whose keys can be swept."""
-    for path in _RACES:
+    for path in _ROUNDNESS_PATHS:
         profile = node_at(tree, path)
         if profile is not None and isinstance(profile.value, str) and profile.value != "none":
             section = Node({"file": Node(profile.value, profile.mark)}, profile.mark, profile.key)
@@ -57,16 +59,16 @@ def _name_profiles(tree: Node) -> Node:
     return tree
 
 
-_DIAMETER: Path = normal_form("surfaces.rollers.diameter")
+_DIAMETER_PATH: Path = normal_form("surfaces.rollers.diameter")
 
 
-def _name_deviations(tree: Node) -> Node:
+def _expand_deviations(tree: Node) -> Node:
     """Replace `diameter: [...]` by the mapping `{deviations: [...]}`, whose items can be swept."""
-    diameter = node_at(tree, _DIAMETER)
+    diameter = node_at(tree, _DIAMETER_PATH)
     if diameter is None or not isinstance(diameter.value, tuple):
         return tree
     deviations = Node({"deviations": replace(diameter, key=None)}, diameter.mark, diameter.key)
-    return put(tree, _DIAMETER, deviations)
+    return put(tree, _DIAMETER_PATH, deviations)
 
 
 def _locate_files(tree: Node, folder: FilePath) -> Node:
@@ -74,7 +76,7 @@ def _locate_files(tree: Node, folder: FilePath) -> Node:
     in ``folder``.
     """
     defects = tree.mapping.get("defects", _EMPTY).items
-    for path in (*(("defects", number) for number in range(len(defects))), *_RACES):
+    for path in (*(("defects", number) for number in range(len(defects))), *_ROUNDNESS_PATHS):
         file = node_at(tree, (*path, "file"))
         if file is not None and isinstance(file.value, str):
             candidates = [base / file.value for base in (FilePath(), folder)]
@@ -93,6 +95,7 @@ def _add_default(tree: Node, key: str, name: str) -> Node:
 
 
 def _open_file(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -> Node:
+    """Replace the name of a file by its content, whose problems are added; an unreadable file remains a name."""
     if not isinstance(node.value, str):
         return node
     try:

@@ -18,7 +18,8 @@ from bearingsim.text.yamlfile import MAX_PROBLEMS, Node, Problem, problem
 PLOT_COLUMNS = (*FEATURES, "seconds")
 """Columns of the results table that can be plotted on a y axis: features, and the CPU time of a job."""
 
-HEALTHY = "-healthy"
+HEALTHY_SUFFIX = "-healthy"
+"""Suffix of the change of a feature from the healthy baseline."""
 
 COMPUTING_MODELS: dict[str, tuple[str, ...]] = {
     "cage": tuple(model.name for model in MODELS.values() if model.slips),
@@ -57,7 +58,7 @@ class Figure:
         return () if KINDS[self.kind].of_jobs else self.y
 
 
-def stored_figure(entry: Mapping[str, Any]) -> Figure:
+def restore_figure(entry: Mapping[str, Any]) -> Figure:
     """Restore a figure from its plain data in a plan; kind and view are absent in plans of earlier versions."""
     lists = {key: tuple(entry.get(key, ())) for key in ("y", "by", "panels", "log")}
     stored: dict[str, Any] = {key: value for key, value in entry.get("view", {}).items() if key in VIEW_KEYS}
@@ -73,22 +74,22 @@ def stored_figure(entry: Mapping[str, Any]) -> Figure:
     )
 
 
-def stored_features(plan: Mapping[str, Any]) -> list[str]:
+def plotted_features(plan: Mapping[str, Any]) -> list[str]:
     """List the features on the y axes of the figures of a plan, each once."""
-    return list(dict.fromkeys(name for entry in plan["figures"] for name in stored_figure(entry).features))
+    return list(dict.fromkeys(name for entry in plan["figures"] for name in restore_figure(entry).features))
 
 
 def band_features(root: Node) -> dict[str, Node]:
     """Return the band features in figures and `accuracy` of a study, without the suffix `-healthy`."""
     features: dict[str, Node] = {}
     for node in _named_features(root):
-        name = node.text.removesuffix(HEALTHY)
+        name = node.text.removesuffix(HEALTHY_SUFFIX)
         if read_band(name) is not None:
             features.setdefault(name, Node(name, node.mark))
     return features
 
 
-def with_features(base: Node, requested: Mapping[str, Node]) -> Node:
+def add_features(base: Node, requested: Mapping[str, Node]) -> Node:
     """Add ``requested`` to the `features` of a case's tree; `features` that is not a list is left unchanged."""
     section = base.mapping.get("features")
     items = section.items if section is not None else ()
@@ -198,7 +199,7 @@ def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figu
 
 
 def _view(kind: str, entries: Mapping[str, Node], problems: list[Problem]) -> View | None:
-    """Parse the options of a figure; None, with a problem, if one is invalid or not an option of the kind."""
+    """Parse the options of a figure. If one is invalid, or not one of the kind, add a problem and return None."""
     texts = {key: entry.value if isinstance(entry.value, str) else _texts(entry) for key, entry in entries.items()}
     try:
         check_options(kind, {key: text for key, text in texts.items() if key not in ("kind", "title")})
@@ -245,7 +246,7 @@ def _check_word(
 ) -> None:
     if word not in words:
         choices = "valid: " + ", ".join(words) if 0 < len(words) < 10 else None
-        of_feature = _channel_or_band_hint(word) or whole_names(word, words) if words is PLOT_COLUMNS else ""
+        of_feature = _channel_or_band_hint(word) or whole_name_hint(word, words) if words is PLOT_COLUMNS else ""
         hint = (
             (of_feature or explanation(word) or suggestion(word, words) or choices or LIST_OF_NAMES)
             if len(problems) < MAX_PROBLEMS
@@ -256,26 +257,26 @@ def _check_word(
 
 
 ERRORS = ("error", "standard_error", "step_error")
-"""First words of the columns that are errors of a feature."""
+"""First parts of the names of columns that contain errors of a feature."""
 LIST_OF_NAMES = "docs/reference/features.md lists all features and channels"
 """Hint for a word that resembles no feature or channel."""
 
 
 def _channel_or_band_hint(word: str) -> str:
-    """Return the remedy for a channel, or a band, in place of a feature; empty for other words."""
+    """Return a hint for a channel, or a misspelt band, used as a feature; empty for other words."""
     if word in CHANNELS or word.rpartition(".")[0] in CHANNELS or roller_of(word) is not None:
         return f"it is a channel: `{{kind: series, y: {word}}}` draws it"
     return f"bands are named as in {EXAMPLES}" if _resembles_band(word) else ""
 
 
-def whole_names(word: str, features: Collection[str]) -> str:
-    """Suggest features of which a word is a part, such as `rms`; empty if there are none."""
+def whole_name_hint(word: str, features: Collection[str]) -> str:
+    """Return a hint at features whose names contain a word such as `rms`; empty if there are none."""
     names = [
         name
         for name in features
         if word.lower() in re.split("[.@]", name.lower())
         and name.partition(".")[0] not in ERRORS
-        and not name.endswith((".phase", "-scatter", HEALTHY))
+        and not name.endswith((".phase", "-scatter", HEALTHY_SUFFIX))
         and not re.search(r"@\d|[+-]", name)
     ]
     return f"the whole name is needed, as in {', '.join(f'`{name}`' for name in names[:3])}" if names else ""

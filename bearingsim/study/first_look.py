@@ -12,7 +12,7 @@ MAX_AXIS_VALUES = 50
 """Limit of the sampled rows of an axis: with 100 axes, validation takes one or two seconds."""
 
 
-def one_at_a_time(axes: Sequence[Axis]) -> Iterator[Row]:
+def vary_one_axis(axes: Sequence[Axis]) -> Iterator[Row]:
     """Yield combinations that vary one axis at a time over its sampled rows; all others are at their first row.
 
     The first and the last combination of the sweep are included.
@@ -20,7 +20,7 @@ def one_at_a_time(axes: Sequence[Axis]) -> Iterator[Row]:
     base = [axis.rows[0] for axis in axes]
     yield _pairs(axes, base)
     for index, axis in enumerate(axes):
-        for number in sampled_rows(axis):
+        for number in sample_rows(axis):
             yield _pairs(axes, [*base[:index], axis.rows[number], *base[index + 1 :]])
     yield _pairs(axes, [axis.rows[-1] for axis in axes])
 
@@ -29,7 +29,7 @@ def _pairs(axes: Sequence[Axis], rows: Sequence[tuple[Node, ...]]) -> Row:
     return [pair for axis, row in zip(axes, rows, strict=True) for pair in zip(axis.paths, row, strict=True)]
 
 
-def sampled_rows(axis: Axis) -> list[int]:
+def sample_rows(axis: Axis) -> list[int]:
     """List the indices of an axis' sampled rows, ascending, without 0.
 
     They are the last row, the rows of the extremes of each path, and the first row with each word or invalid text.

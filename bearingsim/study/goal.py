@@ -20,17 +20,23 @@ from bearingsim.text.units import UnitError, parse, show, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 MIN_WITHIN, MAX_WITHIN = 0.005, 0.5
-"""Limits of `accuracy`; the reference itself is not more accurate than the first."""
-HEALTHY = "-healthy"
+"""Limits of `accuracy`, relative; the reference model itself is not more accurate than the lower one."""
+HEALTHY_SUFFIX = "-healthy"
+"""Suffix of the change of a feature from the healthy baseline."""
 QUANTITIES = ("displacement", "velocity", "acceleration")
 GOAL_FEATURES = (
-    *(f"{quantity}@{line}{ending}" for quantity in QUANTITIES for line in LINES for ending in ("", HEALTHY)),
+    *(
+        f"{quantity}@{line}{ending}"
+        for quantity in QUANTITIES
+        for line in LINES
+        for ending in ("", HEALTHY_SUFFIX)
+    ),
     *(f"{quantity}.rms" for quantity in QUANTITIES),
     "outer_force.max",
 )
 """Features for which an accuracy can be required, besides those of bands."""
 EARLY_END_RATIO = 0.25
-"""Standard error at which a record ends early, relative to the accuracy: four of them equal the accuracy."""
+"""Standard error at which a record ends early, relative to the accuracy, which then is four standard errors."""
 CPU_SECONDS = "seconds"
 """Column of the CPU time, which is not a feature of the record."""
 MODEL_REASON, STEP_REASON = "which chooses it", "which needs the error bound of an automatic step"
@@ -66,16 +72,16 @@ def full_record_feature(plotted: Iterable[str]) -> str:
 def add_early_end(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
     """Add `until` to a case, a quarter of the accuracy, for all features of goal and figures.
 
-    An `until` of the case is kept, and monitors these features, too, as far as they are means. A case without it
-    is unchanged if it records series, needs features that are not means, or has a conflict with `until`.
+    A case's own `until` keeps its value; it monitors these features, too, as far as they are means. A case without
+    `until` is unchanged if it records series, or if a feature is not a mean; so is a case that conflicts with it.
     """
     names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.features)))
     if case.until is None and (case.record or full_record_feature(names)):
         return case
     races = [defect.race for defect in case.defects] or ["outer"]
     monitored = {"velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races), *case.features}
-    # the error of a change is that of its two amplitudes
-    means = dict.fromkeys(base for name in names if is_mean(base := name.removesuffix(HEALTHY)))
+    # the error of a change from the healthy baseline follows from the errors of both amplitudes
+    means = dict.fromkeys(base for name in names if is_mean(base := name.removesuffix(HEALTHY_SUFFIX)))
     until = EARLY_END_RATIO * goal.within if case.until is None else case.until
     others = tuple(name for name in means if name not in monitored)
     shortened = case.model_copy(update={"until": until, "features": case.features + others})
@@ -105,7 +111,7 @@ def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[P
 
 
 def _parse_within(node: Node, problems: list[Problem]) -> float:
-    """Parse `within`, a share; 0 if it is invalid."""
+    """Parse `within`, a share. If it is no number, add a problem and return 0."""
     try:
         share = parse(node.text, "share")
     except UnitError as error:

@@ -60,7 +60,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Variation:
-    """Job with another value (SI) of an uncertain parameter of a case."""
+    """Job with another ``value`` (SI) of the uncertain parameter ``what`` of a case."""
 
     case: Case
     what: str
@@ -75,9 +75,9 @@ class Variation:
 
 @dataclass(frozen=True)
 class Audit:
-    """Repetition of a job with the reference model; ``of``: id of the job that it checks.
+    """Recomputation of a job with the reference model; ``of``: id of the job that it checks.
 
-    baseline: healthy baseline of the repetition, if it has one.
+    baseline: healthy baseline of the recomputation, if it has one.
     """
 
     of: str
@@ -103,8 +103,8 @@ class ModelChoice(NamedTuple):
 class Selection:
     """Models chosen for a study with `accuracy` (``bearingsim/selection``).
 
-    jobs: choices by the id of the case; curves: features, and the ids on each curve; notes: remarks on choices
-    that were made for an earlier plan.
+    jobs: choices by the id of the case; curves: pairs of a feature and the ids on its curve; notes: remarks on
+    choices that were made for an earlier plan.
     """
 
     jobs: Mapping[str, ModelChoice]
@@ -156,7 +156,7 @@ class Study:
         rows = [("file", self.path), ("cases", str(len(self.swept_cases)))]
         for path, unit in self.units.items():
             values = list(dict.fromkeys(swept[path] for _, swept in self.swept_cases if path in swept))
-            rows.append((path, describe_values(values, partial(_written, path, unit))))
+            rows.append((path, describe_values(values, partial(_format_value, path, unit))))
         if self.goal is not None:
             rows.append(("accuracy", self.goal.text))
         rows.append(("figures", str(len(self.figures))))
@@ -178,9 +178,9 @@ class Study:
     @cached_property
     def _planned(self) -> tuple[Job, ...]:
         jobs: list[Job] = []
-        healthy_jobs: dict[str, Job] = {}  # by identity, because many cases share one
+        healthy_jobs: dict[str, Job] = {}  # by ``identity``, because many cases share a baseline
         for case, swept in self.swept_cases:
-            healthy_job = _baseline(case, swept)
+            healthy_job = _healthy_baseline(case, swept)
             jobs.append(
                 Job(case, swept, healthy_job and healthy_jobs.setdefault(identity(healthy_job.case), healthy_job))
             )
@@ -233,8 +233,8 @@ class Study:
         ]
 
 
-def _written(path: str, unit: str, value: float | str) -> str:
-    """Format a swept value in the unit of the study file, or of display if the first value is a word."""
+def _format_value(path: str, unit: str, value: float | str) -> str:
+    """Format a swept value in the unit of the study file; without one, in that of ``DISPLAY``."""
     if isinstance(value, str):
         return value
     kind = dimension(path)
@@ -263,7 +263,7 @@ def case_id(case: Case) -> str:
 
 
 def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:
-    """Return 16 hex digits, equal for cases with equal parameters.
+    """Return the hash of a case, 16 hex digits that are equal for cases with equal parameters.
 
     They depend on all parameters that affect the results (12 significant digits), on ``extra`` entries and the
     model's version, but not on unused parameters, or the names and sources of bearing, rig and material.
@@ -283,7 +283,7 @@ def _digest(case: Case, extra: tuple[tuple[str, Any], ...], version: int) -> str
     return hashlib.sha256(f"{{{text}}}".encode()).hexdigest()[:16]
 
 
-def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
+def _healthy_baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
     """Return the healthy baseline of a case, or None."""
     healthy = healthy_case(case)
     if healthy is None:
@@ -300,7 +300,7 @@ def healthy_case(case: Case) -> Case | None:
     changes: dict[str, Any] = {
         name: Case.model_fields[name].default for name in _defect_keys(case) & Case.model_fields.keys()
     }
-    # slices and the lines of defects depend on the defects
+    # slices, and the spectral lines of defects, exist only with the defects
     changes["record"] = tuple(name for name in case.record if slice_number(name) is None)
     changes["features"] = tuple(name for name in case.features if name not in MEANS)
     return case.model_copy(update=changes)

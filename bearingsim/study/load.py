@@ -26,7 +26,8 @@ from bearingsim.text import files_read
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
+STUDY_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
+"""Pattern of the name of a study, which is also that of its results folder."""
 PATH_KEYS = ("x", "by", "panels")
 """Keys of a figure whose values are paths of the study."""
 
@@ -107,8 +108,8 @@ def _measured(
 
 
 def _measured_files(root: Node, folder: FilePath) -> Iterator[FilePath]:
-    """Yield the files of measured values, found or not, in the working directory and in the folder of the
-    study."""
+    """Yield the possible paths of the files of measured values, whether or not they exist: in the working
+    directory, and in the folder of the study."""
     section = root.mapping.get("measured")
     for entry in section.items if section is not None else ():
         signals = entry.mapping.get("signals")
@@ -121,7 +122,7 @@ def _measured_files(root: Node, folder: FilePath) -> Iterator[FilePath]:
 def _with_goal(study: Study, goal: Goal, plan: Plan) -> Study:
     """Add the accuracy to a study; records end early once their standard errors are well below it."""
 
-    variants: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}  # `otherwise` is called case by case
+    variants: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}  # cache: changes recur for each case
 
     def cases_with(changes: Mapping[str, str]) -> list[Case | None]:
         key = tuple(changes.items())
@@ -199,7 +200,7 @@ class Outline(NamedTuple):
     cases: int
 
 
-def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outline | None:
+def read_outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outline | None:
     """Read the outline of a study file; None if the file has problems."""
     try:
         file = _open(path, overrides)
@@ -230,11 +231,11 @@ class _StudyFile(NamedTuple):
 
 
 def _missing_file_hint(path: FilePath) -> str:
-    """Return a hint to a similar file, or to the only shipped study, with the name of a missing file."""
+    """Return a hint for a missing file: the shipped study of its name if there is one, else a similar file."""
     matches = matching_studies(path.name)
     if len(matches) == 1:
         return f"a shipped study has this name: `bearingsim new --from {matches[0]}`"
-    with suppress(OSError):  # a name too long for a file
+    with suppress(OSError):  # a name longer than the file system allows
         return suggestion(str(path), [str(file) for file in path.parent.glob("*.y*ml")])
     return ""
 
@@ -279,7 +280,7 @@ def _rename_keys(node: Node, is_path: bool = False) -> Node:
 
 
 def _new_path(path: str) -> str:
-    """Replace a deprecated first word of a path such as `defect.width`."""
+    """Replace a deprecated key at the beginning of a path."""
     head, dot, rest = path.partition(".")
     return DEPRECATED_KEYS.get(head, head) + dot + rest
 
@@ -316,7 +317,7 @@ def _name(root: Node, problems: list[Problem]) -> str:
     if node is None:
         problems.append(problem(root.mark, "`study` is missing", "give the study a name, as in `study: first`"))
         return ""
-    if not isinstance(node.value, str) or not NAME.fullmatch(node.value):
+    if not isinstance(node.value, str) or not STUDY_NAME.fullmatch(node.value):
         message = f"study: expected a name of letters, digits, `-`, `_` and `.`, got `{node.text}`"
         problems.append(problem(node.mark, message))
     return node.text

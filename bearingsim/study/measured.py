@@ -32,14 +32,15 @@ KEYS = ("points", "signals", "label", "scale")
 SIGNAL_KEYS = ("file", "at", "rate", "speed", "unit", "channel", "full_scale")
 MAX_SIGNALS = 100
 """Limit of the signals of an entry."""
-SIGNED = (".phase", "-healthy", "cage.slip.mean")
+SIGNED_ENDINGS = (".phase", "-healthy", "cage.slip.mean")
 """Endings of the features that can be negative."""
 
 
 class Cases(NamedTuple):
-    """Cases of a study with their swept values, and functions that locate a path and return its swept spelling.
+    """Cases of a study with their swept values (``swept``).
 
-    features: those of bands and envelopes that the study names.
+    locate: function that returns the location of a path in a case; spelling: function that returns a path as the
+    sweep spells it; features: those of bands and envelopes that the study names.
     """
 
     swept: Sequence[tuple[Case, Mapping[str, float | str]]]
@@ -74,17 +75,17 @@ class _Reader:
         self.labels: list[str] = []
 
     def read(self, entry: Node, number: int) -> MeasuredSet | None:
-        """Read an entry; None, with problems, if it is invalid."""
+        """Read an entry. If it is invalid, add its problems and return None."""
         count, earlier = len(self.problems), len(self.remarks)
         if not self.check_keys(entry, KEYS, "measured"):
             return None
         points, signals = entry.mapping.get("points"), entry.mapping.get("signals")
         if points is None and signals is None:
-            self.fail(entry.mark, "measured: expected `points` or `signals`", "as in `{points: line.csv}`")
+            self.add_problem(entry.mark, "measured: expected `points` or `signals`", "as in `{points: line.csv}`")
             return None
-        scale = self.switch(entry.mapping.get("scale"))
-        read = [*(self.points(points) if points is not None else ())]
-        read += self.signals(signals) if signals is not None else ()
+        scale = self.read_flag(entry.mapping.get("scale"))
+        new_points = [*(self.read_points(points) if points is not None else ())]
+        new_points += self.read_signals(signals) if signals is not None else ()
         if len(self.problems) > count:
             return None
         named = entry.mapping.get("label")
@@ -93,52 +94,52 @@ class _Reader:
         if not label.strip() or label in self.labels:
             reason = f"two sources have the label `{label}`" if label.strip() else "the label is empty"
             mark = entry.mark if named is None else named.mark
-            self.fail(mark, f"measured: {reason}", "give it another one, as in `label: test rig`")
+            self.add_problem(mark, f"measured: {reason}", "give it another one, as in `label: test rig`")
         self.labels.append(label)
-        inside = tuple(self.inside(label, read))
+        inside = tuple(self.points_inside(label, new_points))
         return MeasuredSet(label, scale, inside, tuple(self.remarks[earlier:]))
 
-    def fail(self, mark: Mark, message: str, hint: str | None = None) -> None:
+    def add_problem(self, mark: Mark, message: str, hint: str | None = None) -> None:
         self.problems.append(problem(mark, message, hint))
 
     def check_keys(self, node: Node, keys: Sequence[str], location: str) -> bool:
         """Add a problem for a node that is not a mapping, and for unknown keys; return True if there is none."""
         if not isinstance(node.value, dict):
-            self.fail(node.mark, f"{location}: expected a mapping of {', '.join(keys)}")
+            self.add_problem(node.mark, f"{location}: expected a mapping of {', '.join(keys)}")
             return False
         unknown = [key for key in node.mapping if key not in keys]
         for key in unknown:
             mark = node.mapping[key].key or node.mark
             hint = suggestion(key, keys) or f"valid: {', '.join(keys)}"
-            self.fail(mark, f"{location}: unknown key `{key}`", hint)
+            self.add_problem(mark, f"{location}: unknown key `{key}`", hint)
         return not unknown
 
-    def switch(self, node: Node | None) -> bool:
+    def read_flag(self, node: Node | None) -> bool:
         if node is not None and node.text not in ("true", "false"):
-            self.fail(node.mark, f"measured: expected `true` or `false`, got `{node.text}`")
+            self.add_problem(node.mark, f"measured: expected `true` or `false`, got `{node.text}`")
         return node is not None and node.text == "true"
 
-    def find(self, node: Node) -> FilePath | None:
-        """Return the file that a node names; None, with a problem, if there is none."""
+    def find_file(self, node: Node) -> FilePath | None:
+        """Return the file that a node names. If there is none, add a problem and return None."""
         if not isinstance(node.value, str):
-            self.fail(node.mark, "measured: expected the name of a file")
+            self.add_problem(node.mark, "measured: expected the name of a file")
             return None
         candidates = [base / node.value for base in (FilePath(), self.folder)]
         path = next(filter(isfile, candidates), None)
         if path is None:
             locations = " and ".join(dict.fromkeys(str(candidate.absolute().parent) for candidate in candidates))
             if any(map(isdir, candidates)):
-                self.fail(node.mark, f"measured: `{node.value}` is a folder", "name a file in it")
+                self.add_problem(node.mark, f"measured: `{node.value}` is a folder", "name a file in it")
             else:
-                self.fail(node.mark, f"measured: no file `{node.value}`", f"searched in {locations}")
+                self.add_problem(node.mark, f"measured: no file `{node.value}`", f"searched in {locations}")
         return path
 
     # Points
 
-    def points(self, node: Node) -> Iterator[MeasuredPoint]:
+    def read_points(self, node: Node) -> Iterator[MeasuredPoint]:
         """Yield the points of a table, or of a list of rows in the study."""
         if isinstance(node.value, str):
-            path = self.find(node)
+            path = self.find_file(node)
             rows = [] if path is None else list(table_rows(path, self.problems, self.check_header))
         else:
             marks = [item.mark for item in node.items]
@@ -147,55 +148,60 @@ class _Reader:
                 for m, item in zip(marks, node.items, strict=True)
             ]
             if not rows:
-                self.fail(
+                self.add_problem(
                     node.mark, "measured: expected a file, or a list of rows", "as in `[{load: 150 N, ...}]`"
                 )
         for location, row in rows:
-            point = self.point(location, row)
+            point = self.read_point(location, row)
             if point is not None:
                 yield point
 
     def check_header(self, name: str, number: str, mark: Mark) -> None:
-        """Add a problem for a header that is neither feature nor path, and a number ("": none) in a wrong unit."""
+        """Add a problem for a header ``name`` that is neither feature nor path, or a ``number`` in a wrong unit.
+
+        number: one in the unit of the column, empty for a column of words.
+        """
         node = Node(number, mark, mark)
         if name not in FEATURES:
             if self.is_path(name, node) and number:
-                self.converted({name: node})
+                self.convert_parameters({name: node})
         elif number:
-            self.feature(name, node)
+            self.convert_feature(name, node)
 
-    def point(self, location: str, row: Node) -> MeasuredPoint | None:
-        """Read a row of parameters and features; None, with problems, if it is invalid."""
+    def read_point(self, location: str, row: Node) -> MeasuredPoint | None:
+        """Read a row of parameters and features. If it is invalid, add its problems and return None."""
         count = len(self.problems)
         if not isinstance(row.value, dict):
-            self.fail(row.mark, "measured: expected a row such as `{load: 150 N, velocity@BPFO: 12 um/s}`")
+            self.add_problem(row.mark, "measured: expected a row such as `{load: 150 N, velocity@BPFO: 12 um/s}`")
             return None
         names = [name for name in row.mapping if name in FEATURES]
-        features = {name: self.feature(name, row.mapping[name]) for name in names}
-        parameters = self.converted({path: node for path, node in row.mapping.items() if path not in names})
+        features = {name: self.convert_feature(name, row.mapping[name]) for name in names}
+        parameters = self.convert_parameters(
+            {path: node for path, node in row.mapping.items() if path not in names}
+        )
         if not features and len(self.problems) == count:
-            self.fail(row.mark, "measured: the row has no feature", "as in `velocity@BPFO: 12 um/s`")
+            self.add_problem(row.mark, "measured: the row has no feature", "as in `velocity@BPFO: 12 um/s`")
         valid = {name: value for name, value in features.items() if value is not None}
         return MeasuredPoint(parameters, valid, location) if len(self.problems) == count else None
 
-    def feature(self, name: str, node: Node) -> float | None:
-        """Convert a feature to SI; None, with a problem, if its unit is not one of the feature's."""
+    def convert_feature(self, name: str, node: Node) -> float | None:
+        """Convert a feature to SI. If its unit is not one of the feature's, add a problem and return None."""
         unit = FEATURES[name].unit
         try:
             number, written = split(node.text)
         except UnitError as error:
-            self.fail(node.mark, f"measured: {name}: {error}")
+            self.add_problem(node.mark, f"measured: {name}: {error}")
             return None
         factor = factor_to(unit, written)
         if factor is None:
             units = ", ".join(filter(None, FACTORS.get(unit, {unit: 1.0}))) or "none"
             reason = f"`{written}` is not a unit of {name}" if written else f"the unit of {name} is missing"
-            self.fail(node.mark, f"measured: {reason}", f"units: {units}")
+            self.add_problem(node.mark, f"measured: {reason}", f"units: {units}")
             return None
         if not isfinite(factor * float(number)):
-            self.fail(node.mark, f"measured: {name}: the number is too large, got `{node.text}`")
-        elif float(number) < 0.0 and not name.endswith(SIGNED):
-            self.fail(node.mark, f"measured: {name} is never negative, got `{node.text}`")
+            self.add_problem(node.mark, f"measured: {name}: the number is too large, got `{node.text}`")
+        elif float(number) < 0.0 and not name.endswith(SIGNED_ENDINGS):
+            self.add_problem(node.mark, f"measured: {name} is never negative, got `{node.text}`")
         return factor * float(number)
 
     def is_path(self, path: str, node: Node) -> bool:
@@ -206,12 +212,12 @@ class _Reader:
             hint = suggestion(path, list(FEATURES)) if "@" in path or "." in path else ""
             if not hint and "(" not in str(error):
                 hint = "expected a parameter as in `sweep`, or a feature"
-            self.fail(node.key or node.mark, f"measured: {error}", hint or None)
+            self.add_problem(node.key or node.mark, f"measured: {error}", hint or None)
             return False
         return True
 
-    def converted(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
-        """Convert parameters to SI, by the spelling of their paths in the sweep; words stay."""
+    def convert_parameters(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
+        """Convert parameters to SI; words remain. Keys are the paths as the sweep spells them."""
         values: dict[str, float | str] = {}
         for path, node in entries.items():
             if not self.is_path(path, node):
@@ -223,38 +229,40 @@ class _Reader:
             try:
                 values[spelling] = parse(node.text, kind)
             except UnitError as error:
-                self.fail(node.mark, f"measured: {path}: {error}")
+                self.add_problem(node.mark, f"measured: {path}: {error}")
         return values
 
     # Signals
 
-    def signals(self, section: Node) -> Iterator[MeasuredPoint]:
+    def read_signals(self, section: Node) -> Iterator[MeasuredPoint]:
         """Yield a point with the features of each signal."""
         if not section.items or len(section.items) > MAX_SIGNALS:
             message = f"measured: expected a list of up to {MAX_SIGNALS} signals"
-            self.fail(section.mark, message, "as in `[{file: run1.wav, at: {load: 150 N}}]`")
+            self.add_problem(section.mark, message, "as in `[{file: run1.wav, at: {load: 150 N}}]`")
         for node in section.items[:MAX_SIGNALS]:
             if self.check_keys(node, SIGNAL_KEYS, "measured: signals"):
-                yield from self.signal(node)
+                yield from self.read_signal(node)
 
-    def signal(self, node: Node) -> Iterator[MeasuredPoint]:
+    def read_signal(self, node: Node) -> Iterator[MeasuredPoint]:
         """Yield the point of one signal, unless it is invalid."""
         from bearingsim.study.measured_signals import signal_point
 
         entries, count = node.mapping, len(self.problems)
         if "file" not in entries:
-            self.fail(node.mark, "measured: `file` is missing", "as in `{file: run1.wav, at: {load: 150 N}}`")
+            self.add_problem(
+                node.mark, "measured: `file` is missing", "as in `{file: run1.wav, at: {load: 150 N}}`"
+            )
             return
-        path = self.find(entries["file"])
+        path = self.find_file(entries["file"])
         named = entries.get("at")
         if named is not None and not isinstance(named.value, dict):
-            self.fail(named.mark, "measured: `at` expects parameters", "as in `at: {load: 150 N}`")
-        parameters = self.converted(named.mapping if named is not None else {})
+            self.add_problem(named.mark, "measured: `at` expects parameters", "as in `at: {load: 150 N}`")
+        parameters = self.convert_parameters(named.mapping if named is not None else {})
         request = StudyRequest(
-            self.quantity("rate", entries, "frequency"),
-            self.quantity("speed", entries, "rotation"),
+            self.read_quantity("rate", entries, "frequency"),
+            self.read_quantity("speed", entries, "rotation"),
             entries["unit"].text if "unit" in entries else None,
-            self.quantity("full_scale", entries, "number"),
+            self.read_quantity("full_scale", entries, "number"),
             entries["channel"].text if "channel" in entries else None,
         )
         if len(self.problems) > count or path is None:
@@ -263,39 +271,42 @@ class _Reader:
         own_speed = speed if isinstance(speed, float) else None
         try:
             signal, features, remarks = signal_point(
-                path, request, self.nearest(parameters), own_speed, self.cases.features
+                path, request, self.nearest_cases(parameters), own_speed, self.cases.features
             )
         except MeasuredError as error:
-            self.fail(entries["file"].mark, f"measured: {error}")
+            self.add_problem(entries["file"].mark, f"measured: {error}")
             return
         self.remarks += remarks
         name = str(entries["file"].value)  # with its folder: several may have a file of one name
         source = name if request.channel is None else f"{name} ({request.channel})"
         yield MeasuredPoint(parameters, features, source, signal)
 
-    def quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
-        """Return a positive quantity (SI) of a signal; None, with a problem if it is invalid."""
+    def read_quantity(self, key: str, entries: Mapping[str, Node], kind: Any) -> float | None:
+        """Return a positive quantity (SI) of a signal; None if it is absent or, with a problem, invalid."""
         if key not in entries:
             return None
         try:
             value = parse(entries[key].text, kind)
         except UnitError as error:
-            self.fail(entries[key].mark, f"measured: {key}: {error}")
+            self.add_problem(entries[key].mark, f"measured: {key}: {error}")
             return None
         if value <= 0.0:
-            self.fail(entries[key].mark, f"measured: {key}: expected {EXPECTED[kind]} above zero")
+            self.add_problem(entries[key].mark, f"measured: {key}: expected {EXPECTED[kind]} above zero")
         return value
 
-    def nearest(self, parameters: Mapping[str, float | str]) -> list[Case]:
-        """Return the cases that have most of the values: their bearing, speed and sampling serve a signal."""
+    def nearest_cases(self, parameters: Mapping[str, float | str]) -> list[Case]:
+        """Return the cases that agree with most of the values; they provide bearing, speed and sampling."""
         counts = [sum(same(swept.get(p), v) for p, v in parameters.items()) for _, swept in self.cases.swept]
         most = max(counts)
         return [case for (case, _), count in zip(self.cases.swept, counts, strict=True) if count == most]
 
     # Values outside the study
 
-    def inside(self, label: str, points: Iterable[MeasuredPoint]) -> Iterator[MeasuredPoint]:
-        """Yield the points at the study's fixed values, by their swept values only; remark on the others."""
+    def points_inside(self, label: str, points: Iterable[MeasuredPoint]) -> Iterator[MeasuredPoint]:
+        """Yield the points at the study's fixed values, reduced to their swept values; add remarks.
+
+        Points at other fixed values are skipped with a remark; points beyond a swept range are kept with one.
+        """
         left_out: dict[str, list[str]] = {}
         beyond: dict[str, list[str]] = {}
         for point in points:
@@ -330,7 +341,7 @@ class _Reader:
         return {path: list(values) for path, values in ranges.items()}
 
     def fixed_value(self, path: str) -> Any:
-        """Return the value of a path that is not swept, in SI; of a section its name or law."""
+        """Return the value (SI) of a path that is not swept; for a section its name, law or shape."""
         steps = self.cases.locate(path)
         try:
             value = value_at(self.cases.swept[0][0], steps[:-1] if steps[-1] == "law" else steps)

@@ -23,17 +23,18 @@ from bearingsim.text.files_read import digest
 
 Value = TypeVar("Value")
 TOLERANCE = 0.02
-"""Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
+"""Largest relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
 MIN_PROMINENCE = 4.0
 """Minimum ratio of a line to the local median; white noise alone reaches 3 to 4."""
 MIN_RATIO = 1.2
-"""Minimum ratio of sampling rates for the low-pass of the slower one, which is zero at 0.6 of its rate."""
+"""Minimum ratio of the measured to the simulated sampling rate at which the low-pass of the simulated record is
+applied; its stop band begins at 0.6 of that record's rate."""
 SAME = 1e-3
 """Relative difference up to which sampling rates are equal."""
 MIN_PASSES = 20
-"""Ball passes below which a remark is made: level and lines of fewer depend on where the record begins."""
+"""Ball passes below which a remark is made, because level and lines then depend on where the record begins."""
 MIN_BINS = 3.0
-"""Minimum distance of a line from zero, in lines of the spectrum."""
+"""Minimum distance of a line from zero frequency, in bins of the spectrum."""
 
 
 class MeasuredSignal(NamedTuple):
@@ -53,11 +54,11 @@ def signal_point(
 ) -> tuple[SignalFile, dict[str, float], list[str]]:
     """Read a signal and compute its features (SI); also return remarks.
 
-    cases: those that the signal is compared with; they give its bearing, and the sampling rate of their records,
-    the low-pass of which level and shape share. speed: of the signal's point (rad/s), None if it does not name
-    one; the speed of the file, or of the request, takes precedence. features: bands and envelopes to compute in
-    addition. Raises MeasuredError, also for cases of several bearings or sampling rates, and for several speeds
-    of which none is stated: the lines of one would be compared with those of another.
+    cases: those that the signal is compared with; they provide the bearing, and the sampling rate of the simulated
+    records, whose low-pass is applied before level and shape are computed. speed: of the signal's point (rad/s),
+    None if it does not name one; the speed of the file, or of the request, takes precedence. features: bands and
+    envelopes to compute in addition. Raises MeasuredError, also for cases of several bearings or sampling rates,
+    and for several speeds of which none is stated, because lines at different speeds would then be compared.
     """
     recording = read(path, request)
     speeds = sorted({case.speed for case in cases}) if speed is None else [speed]
@@ -93,7 +94,7 @@ def _shared(path: Path, name: str, values: Sequence[Value]) -> Value:
 
 def _remarks_on_passes(path: Path, signal: MeasuredSignal, speeds: Sequence[float]) -> Iterator[str]:
     """Yield remarks on a record of few ball passes, and on other speeds (rad/s) of the signal's cases."""
-    seconds, ball_pass_rate = len(signal.series) / signal.fs, signal.lines.outer  # the inner race has more passes
+    seconds, ball_pass_rate = len(signal.series) / signal.fs, signal.lines.outer  # BPFO, which is below BPFI
     if seconds * ball_pass_rate < MIN_PASSES:
         yield (
             f"{path.name} lasts {seconds:.3g} s, under {MIN_PASSES} ball passes: its values depend on where it "
@@ -145,7 +146,7 @@ def _series(path: Path, recording: Recording, request: Request) -> tuple[str, st
 
 def _features(signal: MeasuredSignal, sampling: float, names: Sequence[str]) -> Iterator[tuple[str, float]]:
     """Yield name and value of each feature; sampling: rate (Hz) of the simulated record."""
-    for name, value in statistics(_low_passed(signal, sampling)).items():
+    for name, value in statistics(_apply_low_pass(signal, sampling)).items():
         yield f"{signal.quantity}.{name}", value
     frequency, amplitude = spectrum(signal.series, signal.fs)
     for name, line in LINES.items():
@@ -157,10 +158,10 @@ def _features(signal: MeasuredSignal, sampling: float, names: Sequence[str]) -> 
             yield name, _band_value(signal, feature, end)
 
 
-def _low_passed(signal: MeasuredSignal, sampling: float) -> np.ndarray:
-    """Return the series (n,) through the low-pass of a simulated record sampled at ``sampling`` (Hz).
+def _apply_low_pass(signal: MeasuredSignal, sampling: float) -> np.ndarray:
+    """Apply the low-pass of a simulated record sampled at ``sampling`` (Hz) to the series; return it (n,).
 
-    A series that is sampled about as fast has passed a low-pass of its own, and is returned unchanged.
+    A series of about the same sampling rate was low-pass filtered when measured, and is returned unchanged.
     """
     from bearingsim.core.sampling import sampling_kernel
 
@@ -174,6 +175,9 @@ def _low_passed(signal: MeasuredSignal, sampling: float) -> np.ndarray:
 
 
 def _band_value(signal: MeasuredSignal, feature: BandFeature, end: float) -> float:
+    """Compute a band feature (SI); nan if the band exceeds the flat part of the signal's spectrum, or the
+    envelope's bandwidth does not contain the line. end: upper limit (Hz) of the default band.
+    """
     band = feature.band or (0.0, end)
     if band[1] > FLAT * signal.fs * (1.0 + 1e-9):
         return float("nan")

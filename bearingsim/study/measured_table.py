@@ -20,9 +20,9 @@ def table_rows(
 ) -> Iterator[tuple[str, Node]]:
     """Yield position and entries of each row of a table in a text file; values have the unit of their column.
 
-    Columns are separated by a semicolon, tab, comma or bar. ``check_header`` adds a problem for a wrong name of a
-    column, or number with its unit ("" for a column of words), at a position; rows below a wrong header are not
-    read. Mistakes are added to ``problems``.
+    Columns are separated by a semicolon, tab, comma or bar. ``check_header`` receives the name of a column, a
+    number with its unit ("" for a column of words), and its position, and adds a problem if one is wrong; the rows
+    are then not read. Other mistakes are added to ``problems``.
     """
 
     def fail(mark: Mark, message: str, hint: str | None = None) -> None:
@@ -37,9 +37,9 @@ def table_rows(
     matches = [HEADER.match(text) for text, _ in header_cells]
     names = [((match and match["name"]) or "", (match and match["unit"]) or "") for match in matches]
     columns = [name for name, _ in names]
-    twice = next((name for name in columns if name and columns.count(name) > 1), None)
-    if twice is not None:
-        fail(Mark(str(path), header_line, 1, header), f"has two columns `{twice}`", "remove one of them")
+    duplicate = next((name for name in columns if name and columns.count(name) > 1), None)
+    if duplicate is not None:
+        fail(Mark(str(path), header_line, 1, header), f"has two columns `{duplicate}`", "remove one of them")
         return
     count, table = len(problems), [_cells(line, separator) for _, line in rows]
     for index, ((name, unit), (_, column)) in enumerate(zip(names, header_cells, strict=True)):
@@ -83,7 +83,7 @@ def _mixed_decimals(table: Sequence[Sequence[tuple[str, int]]]) -> list[str]:
 
 
 def _numbered_lines(path: FilePath, fail: Callable[..., None]) -> list[tuple[int, str]]:
-    """Return number and text of the header and the rows of a file; none after a problem by ``fail``."""
+    """Return line number and text of the header and the rows of a file; none if a problem is added by ``fail``."""
     if path.stat().st_size > MAX_BYTES:
         hint = "give means of repeated measurements, or fewer columns"
         fail(Mark(str(path)), f"has over {MAX_BYTES // 1000} kB, too much for a table of points", hint)
@@ -107,7 +107,7 @@ def _numbered_lines(path: FilePath, fail: Callable[..., None]) -> list[tuple[int
 def _entries(
     names: Sequence[tuple[str, str]], cells: Sequence[tuple[str, int]], mark: Mark, separator: str
 ) -> Iterator[tuple[str, Node]]:
-    """Yield the values of a row that are not empty; decimal commas are read if they do not separate."""
+    """Yield the non-empty values of a row by column; commas are decimal unless they separate the columns."""
     for (name, unit), (cell, column) in zip(names, cells, strict=True):
         if cell:
             number = cell if separator == "," else cell.replace(",", ".")
@@ -118,7 +118,7 @@ def _entries(
 def _cells(line: str, separator: str) -> list[tuple[str, int]]:
     """Return the cells of a line, without quotes, with their columns from 1.
 
-    Separators in quotes do not separate; what follows an open quote is left out.
+    Separators in quotes do not separate; the text after an unclosed quote is omitted.
     """
     cells: list[tuple[str, int]] = []
     column, pieces, is_quoted = 1, list[str](), False

@@ -8,8 +8,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class SignalFile:
-    """File of a measured signal (absolute path), its channel and SI unit, and what the study states about it, by
-    the names of ``Request``; digest: SHA-256 of the file, "" in plans of earlier versions."""
+    """File of a measured signal (absolute path), its channel and SI unit, and the statements of the study on it
+    (fields of ``StudyRequest``); digest: SHA-256 of the file, "" in plans of earlier versions."""
 
     path: str
     channel: str
@@ -20,7 +20,10 @@ class SignalFile:
 
 @dataclass(frozen=True)
 class MeasuredPoint:
-    """Measured features (SI) at values of swept paths (SI, or words); place: file and line, for messages."""
+    """Measured features (SI) at values of swept paths (SI, or words).
+
+    place: source for messages: file and line of a table, or file and channel of a signal.
+    """
 
     parameters: dict[str, float | str]
     features: dict[str, float]
@@ -42,7 +45,7 @@ class MeasuredSet:
 
 
 SAME = 1e-6
-"""Relative difference up to which a measured parameter equals that of a case: tables are rounded."""
+"""Relative difference up to which a measured parameter equals that of a case, because tables are rounded."""
 
 
 def same(value: Any, other: float | str) -> bool:

@@ -17,7 +17,7 @@ from bearingsim.text.units import Dimension, nearest_words, suggestion
 from bearingsim.text.yamlfile import Node
 
 SYNONYMS: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
-"""Paths that are replaced by synonyms."""
+"""Alternative paths of a value, each with the path that replaces it."""
 ITEM_LISTS = (
     "surfaces.outer.harmonics",
     "surfaces.inner.harmonics",
@@ -35,7 +35,7 @@ LIST_VALUED = (
     *(f"surfaces.{race}.roundness.orders" for race in ("outer", "inner")),
     *ITEM_LISTS,
 )
-"""Paths whose value is a list, so that a list of values is one of lists."""
+"""Paths whose value is a list, so that sweeping them takes a list of lists."""
 
 
 class Field(NamedTuple):
@@ -59,11 +59,11 @@ class Field(NamedTuple):
 @cache
 def known_paths() -> dict[str, Dimension | None]:
     """List every path that can be swept, with its dimension (None: words or whole sections)."""
-    return {path: fields[-1].dimension for path, fields in fields_at().items()}
+    return {path: fields[-1].dimension for path, fields in fields_by_path().items()}
 
 
 @cache
-def fields_at() -> dict[str, list[Field]]:
+def fields_by_path() -> dict[str, list[Field]]:
     """List the fields at every path that can be swept; several laws may define a field at the same path."""
     fields: dict[str, list[Field]] = {}
     for path, field in _walk(Case, ""):
@@ -71,11 +71,11 @@ def fields_at() -> dict[str, list[Field]]:
     return fields
 
 
-KEYS_OF_FILE = {
+STUDY_KEY_HINTS = {
     name: f"`{name}` is a key of the study: write it into the file{remark}"
     for name, remark in (("accuracy", ", instead of `model`"), ("uncertainty", ""), ("figures", ""), ("sweep", ""))
 }
-"""Hints for keys of a study that are no paths of its cases."""
+"""Hints for keys of a study that are not paths into its cases."""
 
 
 @lru_cache(maxsize=1 << 12)
@@ -99,14 +99,14 @@ def parse_path(text: str, tree: Node) -> Path:
     """Parse a path into a case with the lists of a tree. Raises ValueError for an unknown path."""
     plain = without_number(text)
     if plain not in known_paths():
-        hint = KEYS_OF_FILE.get(text) or _renumber(path_hint(plain, known_paths()), text, plain)
+        hint = STUDY_KEY_HINTS.get(text) or _renumber(path_hint(plain, known_paths()), text, plain)
         raise ValueError(f"no such path `{text}`" + (f" ({hint})" if hint else ""))
     head, *rest = text.split(".")
-    defects = len(tree.mapping.get("defects", tree).items)
+    n_defects = len(tree.mapping.get("defects", tree).items)
     if head == "defect":
-        return ("defects", _only_defect(text, defects), *rest)
+        return ("defects", _only_defect(text, n_defects), *rest)
     if head == "defects" and rest:
-        return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
+        return ("defects", _numbered_defect(int(rest[0]), n_defects), *rest[1:])
     items = _list_of(plain)
     if items and (text != plain or plain != items):
         return _path_into_list(text, items, tree)
@@ -146,7 +146,7 @@ def intended_paths(text: str) -> list[str]:
 
 
 def _renumber(hint: str, text: str, plain: str) -> str:
-    """Return a path or a hint, with the number of the list's item that ``text`` has and ``plain`` has not."""
+    """Insert the number of the list's item, which ``text`` has and ``plain`` lacks, into a path or hint."""
     if text == plain:
         return hint
     items = _list_of(plain) or "defect"
@@ -190,17 +190,17 @@ def normal_form(text: str) -> Path:
     return SYNONYMS.get((head, *rest), (head, *rest))
 
 
-def label(path: Path, defects: int) -> str:
+def path_label(path: Path, n_defects: int) -> str:
     """Format a path without the numbers of items, except for that of one of several ``defects``."""
     if len(path) > 1 and path[0] == "defects":
-        head = "defect" if defects <= 1 else f"defects.{int(path[1]) + 1}"
+        head = "defect" if n_defects <= 1 else f"defects.{int(path[1]) + 1}"
         return ".".join([head, *map(str, path[2:])])
     return ".".join(str(step) for step in path if isinstance(step, str))
 
 
-def written(path: Path, defects: int) -> str:
+def path_text(path: Path, n_defects: int) -> str:
     """Format a path as users type it."""
-    plain = label(path, defects)
+    plain = path_label(path, n_defects)
     steps = (str(step + 1) if isinstance(step, int) else step for step in path)
     return ".".join(steps) if _list_of(plain) else plain
 
@@ -240,6 +240,7 @@ def value_at(case: Case, path: Path) -> Any:
 
 
 def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Field]]:
+    """Yield every path below a section, with its field; deeper sections follow the section that contains them."""
     for name in section.model_fields:
         if name in ("name", "source", "digest"):  # computed, or labels without effect on results
             continue
@@ -276,15 +277,15 @@ def _is_number(step: str) -> bool:
     return step.isdecimal() and len(step) < 5
 
 
-def _only_defect(text: str, defects: int) -> int:
-    if defects > 1:
-        raise ValueError(f"which of the {defects} defects? (use `{text.replace('defect', 'defects.1', 1)}`)")
-    if defects == 0 and text != "defect":
+def _only_defect(text: str, n_defects: int) -> int:
+    if n_defects > 1:
+        raise ValueError(f"which of the {n_defects} defects? (use `{text.replace('defect', 'defects.1', 1)}`)")
+    if n_defects == 0 and text != "defect":
         raise ValueError(f"`{text}`: the study has no `defect`")
     return 0
 
 
-def _numbered_defect(number: int, defects: int) -> int:
-    if not 1 <= number <= defects:
-        raise ValueError(f"there is no defect {number} (the study has {defects}, counted from 1)")
+def _numbered_defect(number: int, n_defects: int) -> int:
+    if not 1 <= number <= n_defects:
+        raise ValueError(f"there is no defect {number} (the study has {n_defects}, counted from 1)")
     return number - 1

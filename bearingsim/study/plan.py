@@ -17,14 +17,15 @@ from bearingsim.study.case_builder import MAX_INVALID_CASES, CaseBuilder, SweptV
 from bearingsim.study.design import BLOCK_DESIGNS, SampledDesign, block_conflicts, draw_design
 from bearingsim.study.diagnose import STUDY_KEYS, Problems, check_replaced
 from bearingsim.study.expand import expand_tree
-from bearingsim.study.figures import with_features
-from bearingsim.study.first_look import one_at_a_time
+from bearingsim.study.figures import add_features
+from bearingsim.study.first_look import vary_one_axis
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import LIST_VALUED, dimension, normal_form, parse_path, put
 from bearingsim.study.quick import quick_problems, quick_values
 from bearingsim.study.relations import Relations, Row, parse_relations
 from bearingsim.study.sweep import (
     Axis,
+    combinations,
     drop_paths,
     is_list_of_lists,
     is_sweep,
@@ -32,7 +33,6 @@ from bearingsim.study.sweep import (
     parse_sweep,
     repeat_axes,
     replace_axis,
-    rows_of,
     single_axis,
     unit_of,
     with_one_seed,
@@ -61,8 +61,8 @@ class Plan:
 
     settings: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
     case_problems: problems of single cases; repeated: numbers of combinations, by the paths in which they differ
-    from the first one with an equal case; twice: numbers of combinations that differ in no value, by the paths of
-    which a list repeats values; named_paths: paths named by a sweep, valid or not; key_paths: locations
+    from the first one with an equal case; duplicates: numbers of combinations equal in all values, by the paths
+    whose lists repeat a value; named_paths: paths named by a sweep, valid or not; key_paths: locations
     of the valid ones in a case; notes: remarks on the sweep; variants: cache of ``cases_with``.
     """
 
@@ -75,7 +75,7 @@ class Plan:
     problems: list[Problem] = field(default_factory=list)
     case_problems: Problems = field(default_factory=dict)
     repeated: Counter[tuple[str, ...]] = field(default_factory=Counter)
-    twice: Counter[tuple[str, ...]] = field(default_factory=Counter)
+    duplicates: Counter[tuple[str, ...]] = field(default_factory=Counter)
     named_paths: set[str] = field(default_factory=set)
     key_paths: dict[str, Path] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -85,7 +85,7 @@ class Plan:
     def build(
         cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool, features: Mapping[str, Node]
     ) -> "Plan":
-        """Build the plan of a file from its base and sweep, then `quick`, the overrides and further features."""
+        """Build the plan of a file: base and sweep, changed by `quick` and the overrides, with ``features``."""
         entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
         plan = cls(Node(entries, root.mark), folder)
         plan.expand()
@@ -95,7 +95,7 @@ class Plan:
             plan.apply_quick(root.mapping["quick"])
         for path, text in overrides.items():
             plan.override(path, text)
-        plan.base = with_features(plan.base, features)
+        plan.base = add_features(plan.base, features)
         plan.add_design()
         plan.axes = [axis for axis in plan.axes if plan.check_axis(axis)]
         plan.add_relations()
@@ -114,10 +114,10 @@ class Plan:
             self.problems.append(problem(sweep.key or sweep.mark, message))
             return []
         self.named_paths |= set(map(self.swept_spelling, paths))
-        kinds = [node for key, node in sweep.mapping.items() if key in KINDS]
-        if len(kinds) > 1:
+        designs = [node for key, node in sweep.mapping.items() if key in KINDS]
+        if len(designs) > 1:
             message = "sweep: a second design; a study has one"
-            self.problems.append(problem(kinds[1].key or kinds[1].mark, message))
+            self.problems.append(problem(designs[1].key or designs[1].mark, message))
         for key in (key for key in sweep.mapping if key in SWEEP_SETTINGS):
             self.settings = update_setting(self.settings, key, sweep.mapping[key])
         axes = parse_sweep(sweep, self.problems)
@@ -139,7 +139,7 @@ class Plan:
             self.set_value(key, node, node.key or node.mark)
 
     def sweep_over(self, axis: Axis) -> None:
-        """Replace all sweeps of an axis' paths by the axis; note a `zip` that this takes apart."""
+        """Replace all sweeps of an axis' paths by the axis; add a note if this splits a `zip`."""
         for other in self.axes:
             remaining = drop_paths([other], axis.paths)
             if len(axis.rows) > 1 and remaining not in ([], [other]):
@@ -235,7 +235,7 @@ class Plan:
         self.relations = parse_relations(self.settings, self.locate, swept_key_paths.__contains__, self.problems)
         self.key_paths |= {derived.path: derived.key_path for derived in self.relations.derived}
         for path, entry in self.entries().items():
-            if path in FEATURES:  # both would be a column of this name
+            if path in FEATURES:  # the table would have two columns of this name
                 message = f"`{path}` is also a feature of the extension `{owner(FEATURES[path].compute)}`"
                 self.problems.append(problem(entry.key or entry.mark, message, "rename the feature"))
 
@@ -281,7 +281,7 @@ class Plan:
         return math.prod(len(axis.rows) for axis in self.axes)
 
     def check_count(self) -> None:
-        """Remove the axes and add a problem if there are too many combinations."""
+        """Add a problem and remove the axes if there are too many combinations."""
         if self.count > MAX_CASES:
             mark = self.axes[0].keys[0].mark
             self.problems.append(problem(mark, f"sweep: {self.count} cases; at most {MAX_CASES} are possible"))
@@ -298,7 +298,7 @@ class Plan:
     def sample_cases(self) -> list[Case]:
         """Build a sample of the cases, which reveals most problems."""
         check_replaced(self.base, frozenset(self.key_paths.values()), self.case_problems)
-        sample = (self.builder.case(row) for row in self.builder.rows(one_at_a_time(self.axes)))
+        sample = (self.builder.case(row) for row in self.builder.rows(vary_one_axis(self.axes)))
         return [case for case in sample if case is not None]
 
     def cases(self) -> list[tuple[Case, SweptValues]]:
@@ -308,7 +308,7 @@ class Plan:
         first_rows: dict[str, Row] = {}
         indices: list[int] = []
         invalid = 0
-        for row in self.builder.rows(rows_of(self.axes)):
+        for row in self.builder.rows(combinations(self.axes)):
             case = self.builder.case(row)
             if case is not None:
                 key, values = identity(case), swept_values(case, row, self.key_paths)
@@ -316,7 +316,7 @@ class Plan:
                 differing = tuple(path for path in values if values[path] != first_values[path])
                 self.repeated[differing] += 1
                 if (first_row := first_rows.setdefault(key, row)) is not row and not differing:
-                    self.twice[self._repeated_paths(row, first_row)] += 1
+                    self.duplicates[self._repeated_paths(row, first_row)] += 1
                 indices.append(numbers.setdefault(key, len(numbers)))
             elif (invalid := invalid + 1) == MAX_INVALID_CASES:
                 break
@@ -325,7 +325,7 @@ class Plan:
         return list(cases.values())
 
     def _repeated_paths(self, row: Row, first_row: Row) -> tuple[str, ...]:
-        """Return the paths for which two rows have other entries of a list; a design draws its points anew."""
+        """Return the paths in which two rows have different entries of a list; those of a design are omitted."""
         drawn_axes = 0 if self.sampled_design is None else 1  # the axis of a design is the first
         listed = {path for axis in self.axes[drawn_axes:] for path in axis.paths}
         pairs = zip(row, first_row, strict=True)
@@ -334,7 +334,7 @@ class Plan:
     def repetition_notes(self) -> Iterator[str]:
         """Yield a remark for the combinations left out because their case is equal to that of another one."""
         total = self.repeated.total()
-        reasons = ((" with repeated values of", self.twice), (", equal to cases with another", self.repeated))
+        reasons = ((" with repeated values of", self.duplicates), (", equal to cases with another", self.repeated))
         for reason, counts in reasons:
             for paths, count in counts.items():
                 if paths:
@@ -348,7 +348,7 @@ class Plan:
         self.relations.excluded.clear()
         reads_seed = self.relations.reads("seed")
         axes = self.axes if reads_seed else list(map(with_one_seed, self.axes))
-        cases = filter(None, map(self.builder.case, self.builder.rows(rows_of(axes))))
+        cases = filter(None, map(self.builder.case, self.builder.rows(combinations(axes))))
         example = next(cases, None)
         if example is None and self.relations.excluded:
             self.problems.append(self.relations.no_cases_problem())
@@ -372,7 +372,7 @@ class Plan:
         changed = CaseBuilder(self.base, self.folder, self.key_paths | key_paths)
         changes = [(path, Node(text, self.base.mark)) for path, text in values.items()]
         cases: dict[str, Case | None] = {}
-        for row in self.builder.rows(rows_of(self.axes)):
+        for row in self.builder.rows(combinations(self.axes)):
             case = self.builder.case(row)
             if case is not None:
                 unchanged = [pair for pair in row if self.key_paths[pair[0]] not in key_paths.values()]
@@ -393,7 +393,7 @@ class Plan:
         return {path: unit_of(path, node) for path, node in first_values.items()} | derived
 
     def all_problems(self) -> list[Problem]:
-        """List all problems, except for missing values with an invalid sweep."""
+        """List all problems, except for values that are missing because their sweep is invalid."""
         invalid, problems = self.named_paths - self.key_paths.keys(), self.case_problems.items()
         return self.problems + [
             p for (_, path, kind), p in problems if not (kind == "missing" and path in invalid)

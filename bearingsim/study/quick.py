@@ -15,7 +15,10 @@ def quick_values(quick: Node) -> dict[str, Node]:
 
 
 def quick_problems(quick: Node, axes: Iterable[Axis]) -> Iterator[Problem]:
-    """Yield problems of `quick`: no mapping, or a path set or swept twice, in any spelling. axes: of its sweep."""
+    """Yield problems of `quick`: it is not a mapping, or a path, in any spelling, is set or swept twice.
+
+    axes: those of its sweep.
+    """
     if not isinstance(quick.value, dict):
         message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
         yield problem(quick.mark, message)

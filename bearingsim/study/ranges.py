@@ -1,4 +1,4 @@
-"""Warnings of cases outside the models' range of validity, which are computed nevertheless."""
+"""Warnings about cases outside the models' range of validity, which are computed nevertheless."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -17,9 +17,9 @@ from bearingsim.text.units import show
 
 RATED_PRESSURE = {"roller": 4.0e9, "ball": 4.2e9}
 """Pa: contact pressure at the static rating of ISO 76:2006 (permanent dent of 1e-4 of the roller diameter)."""
-SPEED_FACTOR = 1e6 * 1e-3 * 2.0 * pi / 60.0
-"""rad/s m; limit of n d_m, 1e6 mm/min. Limiting speeds in catalogues (SKF: NU 210 ECP, 6205) are 0.6e6 to 0.7e6
-with oil; spindles and turbines above 1e6 use special cages and oil jets."""
+MAX_SPEED_FACTOR = 1e6 * 1e-3 * 2.0 * pi / 60.0
+"""m rad/s: limit of the speed factor n d_m, 1e6 mm/min. Limiting speeds in catalogues (SKF: NU 210 ECP, 6205) are
+0.6e6 to 0.7e6 mm/min with oil; spindles and turbines above 1e6 mm/min use special cages and oil jets."""
 
 RangeCheck = tuple[Callable[[Case], float], Callable[[Case], str]]
 """Functions of a case: the ratio of a value to its limit, and the warning if it exceeds 1."""
@@ -40,7 +40,7 @@ def range_warnings(cases: Sequence[Case], features: Sequence[str]) -> Iterator[s
         (lambda case: pressure(case) / RATED_PRESSURE[case.bearing.element], pressure_warning),
         (lambda case: load(case) / static_rating(case), load_warning),
         (preload_ratio, preload_warning),
-        (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, speed_warning),
+        (lambda case: top_speed(case) * case.bearing.pitch_diameter / MAX_SPEED_FACTOR, speed_warning),
         (lambda case: 2.0 * line(case)[0] / case.sampling, lambda case: line_warning(case, *line(case))),
         (lambda case: coarseness(case) if plots_statistics or records_series(case) else 0.0, crossing_warning),
     )
@@ -135,7 +135,7 @@ def load_warning(case: Case) -> str:
 
 
 def preload_ratio(case: Case) -> float:
-    """Return the largest static force of the inner race on an element over the load; 0 without preload.
+    """Return the largest static force of the inner race on an element divided by the load; 0 without preload.
 
     Without preload no element carries more than the load. The inner race does not carry centrifugal forces.
     """
@@ -171,8 +171,8 @@ def top_speed(case: Case) -> float:
 
 
 def speed_warning(case: Case) -> str:
-    """Return the warning of a speed above ``SPEED_FACTOR``."""
-    factor = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
+    """Return the warning of a speed above ``MAX_SPEED_FACTOR``."""
+    factor = top_speed(case) * case.bearing.pitch_diameter / MAX_SPEED_FACTOR
     rpm = show(top_speed(case), "rpm")
     return f"{rpm} is n d_m = {factor:.2g}e6 mm/min, above 1e6; heat and ring growth are not modelled"
 
@@ -197,7 +197,7 @@ def records_series(case: Case) -> bool:
 
 
 def coarseness(case: Case) -> float:
-    """Return the ratio of MIN_SAMPLES to the samples of the shortest crossing; 0 without defects or filter."""
+    """Return the ratio of MIN_SAMPLES to the samples per shortest crossing; 0 without defects or low-pass."""
     crossing = shortest_crossing(case)
     return MIN_SAMPLES / (crossing * case.sampling) if crossing < inf and case.antialias else 0.0
 
@@ -216,11 +216,11 @@ def shortest_crossing(case: Case) -> float:
 
 
 def crossing_warning(case: Case) -> str:
-    """Return the warning of a defect crossed in less than ``MIN_SAMPLES``."""
+    """Return the warning of a defect crossed in fewer samples than ``MIN_SAMPLES``."""
     crossing = shortest_crossing(case)
     samples, sampling = crossing * case.sampling, MIN_SAMPLES / crossing
-    end, advice = f"{PASSBAND * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_round_up(sampling), 'kHz')}`"
-    return f"the record ends at {end} ({samples:.2g} samples per crossing); {advice} gives 8"
+    limit, advice = f"{PASSBAND * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_round_up(sampling), 'kHz')}`"
+    return f"the record ends at {limit} ({samples:.2g} samples per crossing); {advice} gives 8"
 
 
 def _round_up(frequency: float) -> float:

@@ -96,7 +96,7 @@ class Relations:
 
 
 class UndefinedValue(Exception):
-    """Error for a formula without a value in a case; ``problem``: the reason."""
+    """Error for a formula that has no value in a case; ``problem``: the reason."""
 
     def __init__(self, reason: Problem) -> None:
         self.problem = reason
@@ -123,20 +123,23 @@ def _number_of(path: str, text: str) -> float | None:
 
 
 def parse_relations(
-    settings: SweepSettings, key_path: KeyPathOf, swept: Callable[[Path], bool], problems: list[Problem]
+    settings: SweepSettings, key_path: KeyPathOf, is_swept: Callable[[Path], bool], problems: list[Problem]
 ) -> Relations:
     """Parse `derived` and `where`; invalid entries are omitted, and their problems added.
 
-    swept: function that returns True for a location that the study sweeps.
+    is_swept: function that returns True for a location in a case that the study sweeps.
     """
-    derived = [_derived(path, node, key_path, swept, problems) for path, node in _entries(settings, problems)]
-    where = [_condition(node, key_path, problems) for node in _conditions(settings, problems)]
+    derived = [
+        _parse_derived(path, node, key_path, is_swept, problems)
+        for path, node in _derived_entries(settings, problems)
+    ]
+    where = [_parse_condition(node, key_path, problems) for node in _conditions(settings, problems)]
     formulas = [formula for formula in derived if formula is not None]
     conditions = tuple(condition for condition in where if condition is not None)
     return Relations(_sort(formulas, key_path, problems), conditions, key_path)
 
 
-def _entries(settings: SweepSettings, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
+def _derived_entries(settings: SweepSettings, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
     section = settings.get("derived")
     if section is None:
         return
@@ -161,13 +164,13 @@ def _conditions(settings: SweepSettings, problems: list[Problem]) -> tuple[Node,
     return conditions
 
 
-def _derived(
-    path: str, node: Node, key_path: KeyPathOf, swept: Callable[[Path], bool], problems: list[Problem]
+def _parse_derived(
+    path: str, node: Node, key_path: KeyPathOf, is_swept: Callable[[Path], bool], problems: list[Problem]
 ) -> Derived | None:
     key = node.key or node.mark
     try:
         location = key_path(path)
-        if swept(location):
+        if is_swept(location):
             problems.append(problem(key, f"`{path}` is both swept and derived"))
             return None
         formula = read(node)
@@ -185,7 +188,7 @@ def _derived(
     return Derived(path, location, formula, node)
 
 
-def _condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expression | None:
+def _parse_condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expression | None:
     try:
         formula = read(node)
         kind = formula.kind(lambda name: _kind(name, key_path))
@@ -207,7 +210,7 @@ def _kind(path: str, key_path: KeyPathOf) -> Kind:
 
 
 def _sort(derived: list[Derived], key_path: KeyPathOf, problems: list[Problem]) -> tuple[Derived, ...]:
-    """Sort derived values by dependence; add problems for duplicates and circular dependences."""
+    """Sort derived values by their dependences; add problems for duplicates and circular dependences."""
     by_key_path: dict[Path, Derived] = {}
     for value in derived:
         if value.key_path in by_key_path:

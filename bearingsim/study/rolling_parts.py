@@ -1,4 +1,4 @@
-"""Bearing of `bearingsim freq`, whose file needs only the keys that determine the characteristic frequencies."""
+"""Bearing of `bearingsim freq`: its file needs only the keys that determine the characteristic frequencies."""
 
 from dataclasses import replace
 from typing import Any

@@ -20,8 +20,8 @@ from bearingsim.study.design import MAX_SEED
 from bearingsim.study.distributions import DISTRIBUTIONS
 from bearingsim.study.figures import PLOT_COLUMNS
 from bearingsim.study.goal import EXCLUDED_KEYS, GOAL_FEATURES, STEP_REASON
-from bearingsim.study.load import NAME
-from bearingsim.study.paths import ITEM_LISTS, fields_at, known_paths, without_number
+from bearingsim.study.load import STUDY_NAME
+from bearingsim.study.paths import ITEM_LISTS, fields_by_path, known_paths, without_number
 from bearingsim.study.section_schemas import describe, one_of, section_schemas
 from bearingsim.study.sweep import GENERATORS, MAX_VALUES
 from bearingsim.study.uncertainty import NONE, PARAMETER_KINDS, UNKNOWN, ParameterKind
@@ -53,14 +53,14 @@ def json_schema() -> Schema:
             return defect
         if path in _FIRST_QUANTITIES:
             return _definition(f"Any {known_paths()[without_number(path)]}")
-        return one_of(_ref(names, *field) for field in fields_at()[DEPRECATED_KEYS.get(path, path)])
+        return one_of(_ref(names, *field) for field in fields_by_path()[DEPRECATED_KEYS.get(path, path)])
 
     schema: Schema = {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "bearingsim study",
         "type": "object",
         "properties": {
-            "study": _TEXT | {"pattern": f"^{NAME.pattern}$"},
+            "study": _TEXT | {"pattern": f"^{STUDY_NAME.pattern}$"},
             **case,
             "defect": defect,
             **{
@@ -162,7 +162,7 @@ def _kind(path: str) -> str:
     """Return the kind of generated values of a path: a dimension, `whole`, or empty if none are possible."""
     plain = without_number(path)
     dimension = known_paths().get(plain)
-    return dimension or ("whole" if any(int in field.marks for field in fields_at().get(plain, ())) else "")
+    return dimension or ("whole" if any(int in field.marks for field in fields_by_path().get(plain, ())) else "")
 
 
 def _values(path: str, value: Schema) -> Schema:
@@ -257,11 +257,11 @@ def _figure() -> Schema:
     return _closed_mapping(keys) | {"if": of_signals, "then": {}, "else": {"required": ["y", "x"]}}
 
 
-def _uncertain_values(unknown: ParameterKind) -> Schema:
-    if unknown.choices:
+def _uncertain_values(parameter: ParameterKind) -> Schema:
+    if parameter.choices:
         return {"const": UNKNOWN}
-    value = quantity_schema(unknown.dimension, POSITIVE if unknown.positive else "")
-    if unknown.samples:
+    value = quantity_schema(parameter.dimension, POSITIVE if parameter.positive else "")
+    if parameter.samples:
         return value
     return {"type": "array", "items": value, "minItems": 2}
 

@@ -7,13 +7,13 @@ from pydantic.json_schema import models_json_schema
 from bearingsim.config.fields import Schema, Section
 from bearingsim.config.sections.ring import SupportPoint
 from bearingsim.study.descriptions import field_descriptions
-from bearingsim.study.paths import fields_at
+from bearingsim.study.paths import fields_by_path
 
 
 def section_schemas() -> tuple[dict[type[Section], str], dict[str, Schema]]:
     """Return the names of the sections with swept fields, and the schemas of all sections by name."""
     swept: dict[type[Section], None] = dict.fromkeys(
-        field.section for fields in fields_at().values() for field in fields
+        field.section for fields in fields_by_path().values() for field in fields
     )
     listed: tuple[type[Section], ...] = (*swept, SupportPoint)  # the items of a list that is swept as a whole
     refs, document = models_json_schema([(section, "validation") for section in listed])

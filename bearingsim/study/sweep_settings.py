@@ -12,7 +12,7 @@ COMMAND_LINE_SETTINGS = ("repeat", *(f"{kind}.{name}" for kind in KINDS for name
 """Keys that `--set` can change, in addition to paths."""
 
 SweepSettings = dict[str, Node]
-"""Entries of a study, by key of ``SWEEP_SETTINGS``."""
+"""Entries of a sweep, by key of ``SWEEP_SETTINGS``."""
 
 
 def update_setting(settings: SweepSettings, key: str, node: Node) -> SweepSettings:

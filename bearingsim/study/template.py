@@ -31,7 +31,7 @@ defect:
   width: 0.8 mm                   # in the rolling direction
   depth: 0.05 mm
   angle: 0 deg                    # from the most loaded position
-  # offset: 0 mm                  # axial distance from the roller's middle; tilts rollers (spatial)
+  # offset: 0 mm                  # axial distance from the roller's centre; tilts rollers (spatial)
   # edge: {radius: 20 um}         # or {ramp: 50 um}; default: sharp
 # excitation: envelope            # geometric path of the roller; or half-sine-pulse, soft-edge, ...
 

@@ -3,7 +3,7 @@
     uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 10 um], bracket: [0.5, 2]}
 
 Each case is repeated with each value, one parameter at a time: `damping` is c/k of the law `kraemer`, `bracket` a
-factor on the stiffness of the bracket. Of two values, the middle is computed as well.
+factor on the stiffness of the bracket. Between two values, their mean is computed as well (``midpoint``).
 
     uncertainty: {support: unknown}
 
@@ -67,7 +67,7 @@ class ParameterKind:
     samples: int = 0
 
     def midpoint(self, low: float, high: float) -> float:
-        """Return the middle of a range: the geometric mean of positive parameters, else the arithmetic mean."""
+        """Return the mean of two values: the geometric mean for positive parameters, else the arithmetic mean."""
         return sqrt(low * high) if self.positive else 0.5 * (low + high)
 
     def range_text(self, values: Sequence[float]) -> str:
@@ -116,12 +116,13 @@ def _with_support(case: Case, value: float, number: int) -> Case:
 
 
 HEIGHT_RATIO = 1.7
-"""Mean of peak to valley over the amplitude A of A n^-1.3, orders 2 to 200 with random phases (40 samples)."""
+"""Mean ratio of the peak-to-valley height of a race to the amplitude A of its spectrum A n^-1.3, orders 2 to 200
+with random phases (40 samples)."""
 FORM_SAMPLES = 3
 
 
 def _with_form(case: Case, height: float, number: int) -> Case:
-    """Return the case with random waviness of both races; its rollers remain those of its own seed."""
+    """Return the case with random waviness of both races; the surfaces of its rollers remain unchanged."""
     race = RaceSurface(spectrum=Spectrum(amplitude=height / HEIGHT_RATIO, seed=number))
     surfaces = case.surfaces or Surfaces()
     return case.model_copy(update={"surfaces": surfaces.model_copy(update={"outer": race, "inner": race})})
@@ -159,6 +160,7 @@ DEFAULT_DAMPING = UncertainParameter("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6
 SAMPLED_JOBS = 3
 """Number of jobs that are varied in a study without `uncertainty`."""
 BENDING_RING = "bending ring"
+"""Ability of the models with a flexible outer ring."""
 MAX_ADDED_SHARE = 0.1
 """Limit of the jobs added to a study without `uncertainty`, relative to its jobs."""
 
@@ -319,10 +321,10 @@ def sample_cases(cases: Sequence[Case], jobs: int) -> list[Case]:
 
 
 def group_by_kind(pairs: Iterable[tuple[str, float]]) -> dict[str, list[float]]:
-    """Group values (SI) by kind of uncertainty."""
+    """Group values (SI) by uncertain parameter."""
     values: dict[str, list[float]] = {}
-    for kind, value in pairs:
-        values.setdefault(kind, []).append(value)
+    for name, value in pairs:
+        values.setdefault(name, []).append(value)
     return values
 
 

@@ -40,7 +40,7 @@ INACTIVE: dict[str, Any] = {
     },
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
-"""Values without effect, which are omitted from ids so that new fields do not change the ids of results."""
+"""Values of fields without effect; ids omit them, so that a new field does not change the ids of results."""
 
 OLD_NAMES = {new: old for old, new in DEPRECATED_KEYS.items()}
 """Deprecated names of keys, which ids still use so that renaming does not change the ids of results."""
@@ -78,7 +78,7 @@ def relevant_fields(case: Case) -> dict[str, str]:
 
 
 def _is_inactive(name: str, value: Any) -> bool:
-    """Return True for a field without effect; of sections with inactive keys, one that is not given."""
+    """Return True for a field without effect; a section with inactive keys is one if it is None."""
     inactive = INACTIVE.get(name, ...)
     return value is None if isinstance(inactive, dict) else bool(value == inactive)
 

@@ -7,7 +7,7 @@ import pytest
 from bearingsim.cli.new import find_study, write_copy
 from bearingsim.errors import UserError
 from bearingsim.shipped import shipped_studies
-from bearingsim.study import SCHEMA_COMMENT, SCHEMA_FILE, load_study, outline
+from bearingsim.study import SCHEMA_COMMENT, SCHEMA_FILE, load_study, read_outline
 from tests.conftest import ROOT
 from tests.scenes.commands import type_
 from tests.scenes.editor import schema_errors
@@ -21,7 +21,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def files_read(study: Path) -> dict[str, str]:
     """The digests of the files that a study reads beside its own, by name."""
-    read = outline(study, {}, quick=False)
+    read = read_outline(study, {}, quick=False)
     assert read is not None
     return {Path(name).name: digest for name, digest in read.files.items() if digest and name != str(study)}
 

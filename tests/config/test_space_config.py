@@ -15,7 +15,7 @@ from bearingsim.core.parts.cage_in_space import CageInPlane
 from bearingsim.core.parts.flanges import NoFlanges
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 from bearingsim.simulation import limits
-from bearingsim.study.jobs import _baseline, case_id
+from bearingsim.study.jobs import _healthy_baseline, case_id
 from tests.scenes.nf308 import CHI
 
 DEFECT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
@@ -208,7 +208,7 @@ def test_too_many_slices_are_reported_with_other_problems() -> None:
 def test_healthy_case_with_line_loads_keeps_its_slices() -> None:
     record = ["ring.velocity", "roller.1.outer_line_load"]
     aside = case(defect=DEFECT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
-    baseline = _baseline(aside, {})
+    baseline = _healthy_baseline(aside, {})
     assert baseline is not None
     assert slice_count(aside) == 25
     assert slice_count(baseline.case) == 24

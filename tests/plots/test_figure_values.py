@@ -11,7 +11,7 @@ from bearingsim.plots.passage import passages
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import case_of, load_jobs
 from bearingsim.plots.window import passage_of
-from bearingsim.study import StudyError, stored_figure
+from bearingsim.study import StudyError, restore_figure
 from tests.scenes.figure_results import long_curves, only, results, text_of
 from tests.scenes.signal_results import STUDY, make_results, record_of
 
@@ -255,7 +255,7 @@ def test_invalid_figure_of_a_study_is_refused_at_its_position(make_results, figu
 
 def test_figures_of_plans_without_kind_are_sweeps():
     entry = {"y": ["velocity@BPFO"], "x": "load", "by": [], "panels": [], "where": {}, "title": None, "log": []}
-    figure = stored_figure(entry)
+    figure = restore_figure(entry)
     assert (figure.kind, figure.view) == ("sweep", View())
     assert figure.features == ("velocity@BPFO",)
 
@@ -264,7 +264,7 @@ def test_a_stored_view_is_restored():
     view = view_of("spectrum", {"range": "0..2 kHz", "db": "true", "from": "1 ms"})
     entry = {"y": [], "x": "", "by": [], "panels": [], "where": {}, "title": None, "log": [], "kind": "spectrum",
              "view": {"range": [0.0, 2000.0], "db": True, "start": 1e-3, "of a later version": 1}}  # fmt: skip
-    assert stored_figure(entry).view == view
+    assert restore_figure(entry).view == view
 
 
 def marks_of(ax):

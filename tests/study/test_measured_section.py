@@ -9,7 +9,7 @@ from scipy.io import wavfile
 
 from bearingsim.diagnosis import Lines
 from bearingsim.study import load_study
-from bearingsim.study.measured_signals import MeasuredSignal, _features, _low_passed
+from bearingsim.study.measured_signals import MeasuredSignal, _features, _apply_low_pass
 from bearingsim.text.yamlfile import StudyError
 
 STUDY = """\
@@ -364,7 +364,7 @@ def test_an_envelope_has_no_line_above_its_bandwidth():
 
 def test_the_low_pass_keeps_the_length_of_a_series_shorter_than_its_taps():
     series = np.full(20, 3.0)
-    assert _low_passed(measured_signal(series, 20480.0), 2048.0) == pytest.approx(series)
+    assert _apply_low_pass(measured_signal(series, 20480.0), 2048.0) == pytest.approx(series)
 
 
 def test_a_swept_word_is_within_the_sweep_in_any_case(tmp_path):

@@ -15,7 +15,7 @@ from bearingsim.assemble.rest import largest_load
 from bearingsim.config import Case
 from bearingsim.study import StudyError, load_study
 from bearingsim.study.ranges import (
-    SPEED_FACTOR,
+    MAX_SPEED_FACTOR,
     coarseness,
     contact_pressure,
     frequency,
@@ -243,7 +243,7 @@ def test_unphysical_values_are_refused(write: Write, text: str, message: str) ->
 def test_speed_limit_is_below_the_burst_speed_of_steel(write: Write) -> None:
     """NF308 at 560 m/s on the inner race, where n d_m is 200 times its limit."""
     load_study(write(BASE.replace("1800 rpm", "200000 rpm") + "load: 1 N\n"))
-    assert pytest.approx(104.72, rel=1e-4) == SPEED_FACTOR  # 1e6 mm/min in rad/s m
+    assert pytest.approx(104.72, rel=1e-4) == MAX_SPEED_FACTOR  # 1e6 mm/min in rad/s m
 
 
 # Models that leave out what a case asks for
