@@ -14,7 +14,7 @@ import numpy as np
 
 from bearingsim.bench import external, report
 from bearingsim.bench.plan import Setting, Settings
-from bearingsim.cli.bench import chart
+from bearingsim.cli.bench import draw_chart
 from benchmarks.speed import peers
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -78,7 +78,7 @@ def main() -> None:
     peer_settings = settings(options.quick)
     external.SOLVERS.update({name: solver(name) for name in peer_settings if name in SOLVERS})
     missing = {name: reason for name, reason in peers.missing_peers().items() if name in SOLVERS.values()}
-    files = chart(None, [], options.quick, folder, options.jobs, {SCENE: peer_settings}, missing)
+    files = draw_chart(None, [], options.quick, folder, options.jobs, {SCENE: peer_settings}, missing)
     print(*files, sep="\n")
     if not options.quick:
         copy_to_docs(folder)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from bearingsim import memory
-from bearingsim.cli.plan import plan_of
+from bearingsim.cli.plan import price_study
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.runner.packing import Cost, worker_note, workers_in_memory
@@ -76,7 +76,7 @@ def test_job_exceeding_memory_is_refused_before_the_run(monkeypatch: pytest.Monk
     study: Any = SimpleNamespace(
         jobs=lambda: [SimpleNamespace(case=case, swept={}, is_baseline=False, is_variation=False)], units={}
     )
-    (text,) = plan_of(study, 1).refusal_texts
+    (text,) = price_study(study, 1).refusal_texts
     assert "GB of memory" in text
     assert "use a shorter `duration`" in text
 

@@ -72,7 +72,7 @@ def default_scenes(quick: bool) -> tuple[str, ...]:
     return tuple(_read_plan()["quick"]["scenes"]) if quick else ORDER
 
 
-def plan_of(case: Case, quick: bool) -> Plan:
+def make_plan(case: Case, quick: bool) -> Plan:
     """Return the plan of runs for a case."""
     kind = "quick" if quick else "usual"
     if MODELS[case.model].sliced:
@@ -110,7 +110,7 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
     if variant.case.method is None:
         yield run(REFERENCE, "", Setting(step=0.25))  # four times as many instants
         return
-    plan = plan_of(variant.case, quick)
+    plan = make_plan(variant.case, quick)
     for role, settings in ((POINT, plan.methods), (REFERENCE, _solvable_settings(variant, plan.references))):
         for method, values in settings.items():
             yield from (run(role, method, setting) for setting in values)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 KURTOGRAM = "kurtogram"
 BAND = re.compile(r"^\s*(?P<low>[\d.]+)\s*(?P<unit>k?Hz)?\s*(?:-|\.\.)\s*(?P<high>[\d.]+)\s*(?P<last>k?Hz)\s*$")
-BEARING = "bearing", {"bearing": "6205"}
-"""Name of the bearing where it is missing, and an example of its option."""
+MISSING_BEARING = "bearing", {"bearing": "6205"}
+"""Name of a missing bearing, and an example of its option, as ``MissingError`` takes them."""
 LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 VERDICTS = {
     "outer": "outer race",
@@ -33,7 +33,7 @@ VERDICTS = {
 Band = tuple[float, float] | str | None
 
 
-def request_of(
+def make_request(
     rate: str | None, speed: str | None, unit: str | None, full_scale: float | None, channel: str | None
 ) -> "Request":
     """Return the values of the options, which replace those of the file. Raises BadParameter."""
@@ -119,9 +119,9 @@ def show(
     try:
         recording = read(file, request, needs_speed=True)
     except MissingError as error:
-        raise error if bearing is not None else error.with_missing(*BEARING) from None
+        raise error if bearing is not None else error.with_missing(*MISSING_BEARING) from None
     if bearing is None:
-        raise MissingError(file, dict([BEARING]))
+        raise MissingError(file, dict([MISSING_BEARING]))
     parts = load_rolling_parts(bearing)
     results = _diagnose_channels(file, recording, parts, tolerance, band)
     clearest = max(results, key=lambda name: _clearness(results[name][0]))
@@ -136,10 +136,10 @@ def show(
         say(json.dumps(as_dict(recording, bearing, tolerance, results, clearest), indent=1))
         return
     _print_header(recording, parts.name or bearing, tolerance, results[clearest][0])
-    for name, (diagnosis, _, chosen) in results.items():
+    for name, (diagnosis, _, used_band) in results.items():
         say("")
         say(f"{name}: {verdict_text(diagnosis)}" if len(results) > 1 else verdict_text(diagnosis))
-        _print_evidence(diagnosis, chosen)
+        _print_evidence(diagnosis, used_band)
     if figure is not None:
         say(f"\n{short_path(figure)}")
 
@@ -161,28 +161,30 @@ def _diagnose_channels(
     for name, values in recording.channels.items():
         refuse_unusable(file, name, values, fs)
         image = kurtogram(values, fs)
-        chosen = image.best if band == KURTOGRAM else band if isinstance(band, tuple) else default_band(fs)
+        used_band = image.best if band == KURTOGRAM else band if isinstance(band, tuple) else default_band(fs)
         try:
-            refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), chosen)
+            refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), used_band)
         except Unsuitable as error:
             raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
-        diagnosis = diagnose(values, fs, parts, shaft, tolerance, chosen)
+        diagnosis = diagnose(values, fs, parts, shaft, tolerance, used_band)
         unit = recording.units[name].value
-        alike = {key: series for key, series in recording.channels.items() if recording.units[key].value == unit}
-        size = without_width_across(diagnosis.size, name, alike, fs)
-        results[name] = diagnosis._replace(size=size), image, chosen
+        same_unit = {
+            key: series for key, series in recording.channels.items() if recording.units[key].value == unit
+        }
+        size = without_width_across(diagnosis.size, name, same_unit, fs)
+        results[name] = diagnosis._replace(size=size), image, used_band
     return results
 
 
 def _other_channel(recording: "Recording", name: str) -> str:
-    """Return the advice to name the longest channel if it is longer than an unsuitable one."""
+    """Return the advice to name the longest channel if it is longer than the unsuitable one; else empty."""
     lengths = {channel: len(values) for channel, values in recording.channels.items()}
     longest = max(lengths, key=lambda channel: lengths[channel])
     return f"; or name a longer one, `--channel {longest}`" if lengths[longest] > lengths[name] else ""
 
 
 def _clearness(diagnosis: "Diagnosis") -> tuple[bool, float]:
-    """Return the order of channels: those with a named race first, then by the score over the threshold."""
+    """Return the sort key of a channel: whether a race is named, then the score's excess over the threshold."""
     score = diagnosis.findings[diagnosis.best].comb.score
     return diagnosis.verdict in VERDICTS, score - diagnosis.threshold
 
@@ -238,10 +240,10 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
     rows = []
     for race, finding in diagnosis.findings.items():
         envelope, levelled = (
-            ", ".join(f"{round(db(height))}" for height in heights) for heights in finding.comb.heights
+            ", ".join(f"{round(power_db(height))}" for height in heights) for heights in finding.comb.heights
         )
         sidebands = (
-            ", ".join(f"{round(_db_of_log(value))}" for value in values[1:])
+            ", ".join(f"{round(_log_power_db(value))}" for value in values[1:])
             for values in (finding.shaft_sidebands, finding.cage_sidebands)
         )
         rows.append(
@@ -264,7 +266,7 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
 
 
 def _print_remarks(diagnosis: "Diagnosis") -> None:
-    """Print other causes of the strongest periodicities, and the width of the defect."""
+    """Print other possible causes of the line and of the strongest other periodicity, and the defect's width."""
     from bearingsim.diagnosis import NONE
     from bearingsim.diagnosis.size import remark
     from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
@@ -315,18 +317,18 @@ def _equivalent(diagnosis: "Diagnosis") -> str:
     return f", equal to {turns:.4g} for the orders of its lines" if turns > diagnosis.turns else ""
 
 
-def db(height: float) -> float:
-    """Convert a height over the local median (power) to dB."""
+def power_db(height: float) -> float:
+    """Convert the height of a line, the ratio of its power to the local median, to dB."""
     from math import log10
 
     return 10.0 * log10(max(height, 1e-3))
 
 
-def _db_of_log(value: float) -> float:
+def _log_power_db(value: float) -> float:
     """Convert log(1 + height) to dB."""
     from math import expm1
 
-    return db(expm1(value))
+    return power_db(expm1(value))
 
 
 def as_dict(
@@ -376,10 +378,10 @@ def _channel_dict(
                 "found_hz": finding.comb.frequency,
                 "deviation": finding.deviation,
                 "score_db": decibels(finding.comb.score),
-                "envelope_db": [db(height) for height in finding.comb.heights[0]],
-                "levelled_db": [db(height) for height in finding.comb.heights[1]],
-                "shaft_sidebands_db": [_db_of_log(value) for value in finding.shaft_sidebands],
-                "cage_sidebands_db": [_db_of_log(value) for value in finding.cage_sidebands],
+                "envelope_db": [power_db(height) for height in finding.comb.heights[0]],
+                "levelled_db": [power_db(height) for height in finding.comb.heights[1]],
+                "shaft_sidebands_db": [_log_power_db(value) for value in finding.shaft_sidebands],
+                "cage_sidebands_db": [_log_power_db(value) for value in finding.cage_sidebands],
             }
             for race, finding in diagnosis.findings.items()
         },

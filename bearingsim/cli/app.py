@@ -149,7 +149,7 @@ def check(
 
         loaded_study = runner.with_models(loaded_study, out, jobs, run_trials=pilots)
     with announcer(seconds=SILENCE_S) as announcements:
-        study_plan = plan.plan_of(loaded_study, jobs, announcements)
+        study_plan = plan.price_study(loaded_study, jobs, announcements)
     if as_json:
         say(plan_table.as_json(study_plan))
     else:

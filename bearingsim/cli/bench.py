@@ -19,11 +19,11 @@ def show(study: Path | None, scenes: Sequence[str], quick: bool, folder: Path | 
         raise typer.BadParameter("name a study or built-in scenes, not both", param_hint="--scene")
     default_folder = "bench-chart-quick" if quick else "bench-chart"
     target = folder or Path("results") / (f"bench-{study.stem}" if study is not None else default_folder)
-    for file in chart(study, scenes, quick, target, jobs):
+    for file in draw_chart(study, scenes, quick, target, jobs):
         say(short_path(file))
 
 
-def chart(
+def draw_chart(
     study: Path | None,
     names: Sequence[str],
     quick: bool,

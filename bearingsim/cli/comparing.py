@@ -29,10 +29,10 @@ NO_SERIES = "run the study with `record: [ring.acceleration]`, for example, inst
 
 
 class Pair(NamedTuple):
-    """Simulated and measured signal of a bearing, names of their channels, the race with the defect, unit.
+    """Simulated and measured signal of a bearing, names of their channels, the race with the defect, and unit.
 
-    The unit is SI, that of the job's channel; if the simulated signal is scaled to a measured one of another or an
-    unknown unit, it is that of the file.
+    The unit is that of the job's channel (SI). If the simulated signal is scaled to a measured one in another unit,
+    or in an unknown one, it is that of the file.
     """
 
     simulated: "Signal"
@@ -56,8 +56,8 @@ def show(
     """Print features of a job's channel and of a measured signal, and draw both.
 
     request: values of the options, which replace those of the file; y: the job's channel; scale: multiply the
-    simulated signal by a factor, to the measured RMS. Raises UserError for a channel, unit or speed that does not
-    fit.
+    simulated signal by the factor that gives it the measured RMS. Raises UserError for an unsuitable channel, unit
+    or speed.
     """
     from bearingsim.diagnosis.comparison import common_band, compare
     from bearingsim.measured.checks import describe_dropouts
@@ -66,12 +66,12 @@ def show(
         from bearingsim.plots import measured as figures
 
         figures.check_path(figure)
-    pair = _pair(results, job, file, request, y, scale)
+    pair = _read_pair(results, job, file, request, y, scale)
     band = common_band(pair.simulated, pair.measured)
-    detection, remark = _line_detection(pair)
+    detection, line_remarks = _detect_line(pair)
     line = detection.comb.frequency if detection and detection.objection is None else math.nan
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
-    factor = _ratio_of_levels(rows[0], job, pair) if scale else None
+    factor = _rms_ratio(rows[0], job, pair) if scale else None
     if factor is not None:
         pair = pair._replace(simulated=pair.simulated._replace(series=factor * pair.simulated.series))
         rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
@@ -87,13 +87,13 @@ def show(
         return
     _print_signals(job, pair, band, factor)
     _print_features(rows, detection is not None)
-    for text in remark:
+    for text in line_remarks:
         say(text)
     if figure is not None:
         say(short_path(figure))
 
 
-def _pair(results: "Results", job: str, file: Path, request: "Request", y: str | None, scale: bool) -> Pair:
+def _read_pair(results: "Results", job: str, file: Path, request: "Request", y: str | None, scale: bool) -> Pair:
     """Read both signals, in one unit unless the simulated one is scaled, with the lines at their speeds."""
     from bearingsim.diagnosis.comparison import Signal
     from bearingsim.measured import read
@@ -101,12 +101,12 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     from bearingsim.plots import lines
 
     series, parameters = results.series(job), _parameters(results, job)
-    channel = _channel(list(series.channels), y)
+    channel = _choose_channel(list(series.channels), y)
     recording = read(file, request, needs_unit=not scale)
     name, rate = _only_channel(recording), recording.rate.value
     refuse_unusable(file, name, recording.channels[name], rate)
     unit = series.units[channel]
-    factor = _factor(recording, name, channel, unit, scale)
+    factor = _unit_factor(recording, name, channel, unit, scale)
     values = recording.channels[name] * (factor or 1.0)
     info = results.info().loc[job].to_dict()
     shaft = _steady_speed(job, lines.speeds(parameters, info, series.time)) / (2.0 * math.pi)
@@ -120,8 +120,8 @@ def _pair(results: "Results", job: str, file: Path, request: "Request", y: str |
     )
 
 
-def _ratio_of_levels(row: "Row", job: str, pair: Pair) -> float:
-    """Return the factor from the simulated to the measured RMS. Raises UserError for a simulated one of zero."""
+def _rms_ratio(row: "Row", job: str, pair: Pair) -> float:
+    """Return the ratio of the measured to the simulated RMS. Raises UserError if the simulated one is zero."""
     from bearingsim.plots.recorded import unit_of
     from bearingsim.plots.units import ROUNDING
 
@@ -134,9 +134,9 @@ def _ratio_of_levels(row: "Row", job: str, pair: Pair) -> float:
     return row.measured / row.simulated
 
 
-def _line_detection(pair: Pair) -> "tuple[Detection | None, list[str]]":
-    """Compare the race's line with the rest of the measured signal; None if that is not possible. Also return a
-    remark."""
+def _detect_line(pair: Pair) -> "tuple[Detection | None, list[str]]":
+    """Compare the race's line with the rest of the measured signal; None if it cannot be assessed. Also return
+    remarks."""
     from bearingsim.diagnosis.comparison import detect_line
     from bearingsim.diagnosis.suitability import Unsuitable
     from bearingsim.diagnosis.thresholds import decibels
@@ -155,11 +155,11 @@ def _line_detection(pair: Pair) -> "tuple[Detection | None, list[str]]":
     elif result.is_crowded:
         reason = f"not significant, {100.0 * result.crowded:.0f} % of all periodicities are as strong ({values})"
     else:
-        reason = _stronger(result, pair)
+        reason = _describe_stronger(result, pair)
     return result, [f"{line} of the measured signal: {reason}; check speed and bearing by `bearingsim analyze`"]
 
 
-def _stronger(detection: "Detection", pair: Pair) -> str:
+def _describe_stronger(detection: "Detection", pair: Pair) -> str:
     """Describe the periodicity that the measured signal has instead of the line of the race."""
     from bearingsim.diagnosis.comparison import TOLERANCE
     from bearingsim.diagnosis.thresholds import decibels
@@ -183,7 +183,7 @@ def _source_of_speed(recording: "Recording") -> str:
 
 
 def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: float | None) -> None:
-    """Print duration, rate and speed of both signals, and what was done to them."""
+    """Print duration and rate of both signals, the speed of the measurement, the common band, and the scaling."""
     (channel, name), rate = pair.channels, pair.recording.rate
     say(
         f"job {job}: {channel}, {len(pair.simulated.series) / pair.simulated.fs:.4g} s at {pair.simulated.fs:g} Hz"
@@ -213,7 +213,7 @@ def _print_features(rows: "list[Row]", is_assessed: bool) -> None:
             row.name,
             pretty(row.unit),
             *(_number(value) for value in (row.simulated, row.measured)),
-            *_differences(row),
+            *_difference_and_ratio(row),
         ]
         for row in rows
     ]
@@ -299,7 +299,7 @@ def only_job(results: "Results") -> str:
 
 
 def _steady_speed(job: str, speed: "np.ndarray") -> float:
-    """Return the mean of a job's speed (n,), in rad/s. Raises UserError if a ramp changes it in the record."""
+    """Return the mean (rad/s) of a job's ``speed`` (n,). Raises UserError if a ramp changes it in the record."""
     from bearingsim.measured.arrays import MAX_CHANGE
 
     mean = float(speed.mean())
@@ -329,7 +329,7 @@ def lines_of(parameters: Mapping[str, Any], shaft: float) -> "Lines":
     return Lines(shaft=shaft, **{name: frequency(line, values) for name, line in kinds.items()})
 
 
-def _channel(channels: list[str], y: str | None) -> str:
+def _choose_channel(channels: list[str], y: str | None) -> str:
     """Return the channel to compare: the requested one, else the first acceleration."""
     if not channels:
         raise UserError(f"the job has no time series: {NO_SERIES}")
@@ -352,9 +352,11 @@ def _only_channel(recording: "Recording") -> str:
     return names[0]
 
 
-def _factor(recording: "Recording", name: str, channel: str, unit: str, scale: bool) -> float | None:
-    """Return the factor from the measured unit to that of the job's channel; None if there is none and the
-    simulated signal is scaled."""
+def _unit_factor(recording: "Recording", name: str, channel: str, unit: str, scale: bool) -> float | None:
+    """Return the factor from the unit of the file to that of the job's channel.
+
+    If there is none, return None if the simulated signal is scaled, else raise MeasuredError.
+    """
     from bearingsim.measured import MeasuredError
     from bearingsim.measured.files import OF_FULL_SCALE
     from bearingsim.measured.si import FACTORS, factor_to
@@ -373,7 +375,7 @@ def _factor(recording: "Recording", name: str, channel: str, unit: str, scale: b
     return factor
 
 
-def _differences(row: Any) -> list[str]:
+def _difference_and_ratio(row: Any) -> list[str]:
     if not (math.isfinite(row.simulated) and math.isfinite(row.measured)):
         return ["-", "-"]
     ratio = row.simulated / row.measured if row.unit != "dB" and row.measured else math.nan

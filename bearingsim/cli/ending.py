@@ -63,7 +63,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
 def _next_command(results: "Results") -> tuple[str, str]:
     """Return the command that shows the results, and its options.
 
-    A study without figures that sweeps nothing has spectra, if it stores series, and else only a table.
+    A study without figures that sweeps nothing has only spectra, or only a table if it stores no series.
     """
     from bearingsim.plots.labels import PlotError
     from bearingsim.plots.select import case_rows, planned

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 TABLE_FORMATS, SERIES_FORMATS = ("csv", "parquet"), ("csv", "mat")
 
 
-def targets(
+def choose_files(
     results: "Results",
     features: Path | None,
     jobs: Sequence[str],
@@ -45,20 +45,20 @@ def targets(
     return table, series
 
 
-def features(results: "Results", target: Path) -> None:
+def write_features(results: "Results", target: Path) -> None:
     """Write the table of jobs to csv or parquet (`-`: to stdout).
 
     Values are in SI; csv has headers with units, and swept speeds in the unit of the study.
     """
     writers: dict[str, Callable[[pd.DataFrame], bytes]] = {
         "csv": lambda table: csv_text(_with_units(table, results.plan["units"])).encode(),
-        "parquet": _parquet,
+        "parquet": _to_parquet,
     }
     write = writers[_suffix(target, TABLE_FORMATS)]
     _write(target, write(results.table()))
 
 
-def series(results: "Results", jobs: Sequence[str], target: Path) -> None:
+def write_series(results: "Results", jobs: Sequence[str], target: Path) -> None:
     """Write the recorded series (SI) of some jobs to csv or mat (`-`: to stdout).
 
     Raises UserError for a job without series, and ResultsError for an unknown or unfinished job.
@@ -67,11 +67,11 @@ def series(results: "Results", jobs: Sequence[str], target: Path) -> None:
     empty_jobs = [job for job, job_series in series_by_job.items() if not job_series.channels]
     if empty_jobs:
         raise UserError(f"job {empty_jobs[0]} has no series because the study has `record: []`")
-    write = _csv if _suffix(target, SERIES_FORMATS) == "csv" else _mat
+    write = _to_csv if _suffix(target, SERIES_FORMATS) == "csv" else _to_mat
     _write(target, write(series_by_job, results))
 
 
-def finished(results: "Results") -> list[str]:
+def finished_jobs(results: "Results") -> list[str]:
     """Return the finished jobs of the table, and report the number of others on stderr.
 
     Raises UserError if no job is finished.
@@ -86,11 +86,11 @@ def finished(results: "Results") -> list[str]:
 
 
 STDOUT = Path("-")
-"""Path that stands for stdout; the format is then csv."""
+"""Path that means stdout, to which only csv is written."""
 
 
-def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
-    """Refuse a series file without a job, two tables on stdout, and formats other than csv on stdout."""
+def check_options(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
+    """Raise UserError for a series file without jobs, two tables on stdout, or a format other than csv there."""
     if out is not None and not jobs:
         raise UserError("`--out` is for time series; name a job with `--series`, or use `--features FILE`")
     if features == out == STDOUT:
@@ -147,7 +147,7 @@ def _rounded(value: float) -> float:
     return float(f"{value:.12g}")
 
 
-def _parquet(table: "pd.DataFrame") -> bytes:
+def _to_parquet(table: "pd.DataFrame") -> bytes:
     """Return the content of a parquet file. Raises UserError if pyarrow is missing or too old for pandas.
 
     A column that mixes numbers and words, such as a clearance of `C3` and 10 um, is written as text, as in csv.
@@ -166,7 +166,7 @@ def _parquet(table: "pd.DataFrame") -> bytes:
     return content
 
 
-def _csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
+def _to_csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     """Return csv with a column of time, and for each job a column per channel and one of the instantaneous speed.
 
     Headers contain the unit, and the job if there are several. Raises UserError for jobs with different time axes.
@@ -192,7 +192,7 @@ def _csv(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     return csv_text(pd.DataFrame(columns)).encode()
 
 
-def _mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
+def _to_mat(series_by_job: "dict[str, Series]", results: "Results") -> bytes:
     """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or text)."""
     from scipy.io import savemat
 

@@ -69,7 +69,7 @@ def analyze(
     """
     from bearingsim.cli import analysis
 
-    request = analysis.request_of(rate, speed, unit, full_scale, channel)
+    request = analysis.make_request(rate, speed, unit, full_scale, channel)
     analysis.show(
         file, bearing, request, analysis.parse_tolerance(tolerance), analysis.parse_band(band), figure, as_json
     )
@@ -111,5 +111,5 @@ def compare(
 
     study_results = find_results(results)
     chosen = find_job(study_results, job) if job is not None else comparing.only_job(study_results)
-    request = analysis.request_of(rate, speed, unit, full_scale, channel)
+    request = analysis.make_request(rate, speed, unit, full_scale, channel)
     comparing.show(study_results, chosen, file, request, y, scale, figure, as_json)

@@ -13,8 +13,9 @@ from bearingsim.cli.options import SILENCE_S, Jobs, Json, check_choice
 from bearingsim.text.announcer import Announcer, announcer
 from bearingsim.text.terminal import say
 
-DEFECT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
-CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [DEFECT]}
+WARM_DEFECT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+WARM_CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [WARM_DEFECT]}
+"""Case whose solver `warm` compiles if no study is named."""
 
 
 def warm(
@@ -45,7 +46,7 @@ def _compile_solver(study: Path | None, announcements: Announcer) -> str:
         cases = load_study(study).cases()
     else:
         default_case, reference = (
-            Case.model_validate(CASE | {"model": model}) for model in (DEFAULT_MODEL, REFERENCE)
+            Case.model_validate(WARM_CASE | {"model": model}) for model in (DEFAULT_MODEL, REFERENCE)
         )
         cases = [default_case, reference, with_friction(reference) or reference]
     warm(cases, compilation_callback(announcements))

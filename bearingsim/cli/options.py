@@ -46,7 +46,7 @@ def parse_conditions(texts: Sequence[str] | None) -> dict[str, str]:
 def parse_assignments(texts: Sequence[str] | None) -> dict[str, str]:
     """Split each `PATH=VALUE` of `--set`. Raises BadParameter.
 
-    A path given again takes its last place, because a section replaces the parts that were set before it.
+    A repeated path moves to its last position, because a section replaces those of its parts that precede it.
     """
     values: dict[str, str] = {}
     for path, value in map(parse_assignment, texts or []):

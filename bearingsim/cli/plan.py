@@ -24,7 +24,7 @@ UNEVEN_LOAD_WEIGHT = 5
 """Weight in MAX_PRICED of a job with uneven load along its rollers, which needs a 3D equilibrium."""
 SLIPS_PER_DECADE = 50  # slip speeds per decade at which a friction curve is searched for its maximum
 SLIP_DECADES = range(-9, 3)
-"""Decades (m/s) of this search; absolute, because the peak of dry friction does not move with the speed."""
+"""Decades (m/s) of this search; absolute, because the slip at the peak of dry friction is independent of speed."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Plan:
 
     @property
     def sample_text(self) -> str:
-        """Words after the number of refused jobs, all of the sample: ` of 100 sampled`; empty without one."""
+        """Words after the number of refused jobs, such as ` of 100 sampled`; empty if all jobs are priced."""
         return f" of {self.sample_size} sampled" * (self.sample_size < len(self.jobs))
 
     @property
@@ -142,8 +142,8 @@ ESTIMATING = "estimating the cost of the jobs"
 COMPILING = f"compiling code for the estimate (some seconds; {COMPILATION_REMARK})"
 
 
-def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILENT) -> Plan:
-    """Price the jobs of a study, or a sample of many; refusals are collected, not raised."""
+def price_study(study: "Study", workers: int | None, announcements: Announcer = SILENT) -> Plan:
+    """Estimate the cost of the jobs of a study, or of a sample of many; refusals are collected, not raised."""
     from joblib import cpu_count
 
     from bearingsim.core.jit import compilation_callbacks
@@ -174,7 +174,7 @@ def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILE
 
 
 def friction_seconds(study: "Study", jobs: Sequence[PricedJob]) -> float:
-    """Estimate the CPU time (s) of jobs if all are computed with friction, with which no motion is periodic.
+    """Estimate the CPU time (s) of jobs if all are computed with friction, which prevents periodic responses.
 
     NaN if the models of the study are chosen, or its friction is specified.
     """
@@ -234,8 +234,8 @@ def _price(job: "Job") -> PricedJob:
 def friction_scale(case: "Case", force: float) -> tuple[float, float]:
     """Compute the largest friction (N) at a normal force (N), and the decay time (s) of a roller's slip.
 
-    The slip of a roller pressed between two races by Q decays as exp(-2 mu' Q R_w^2/I_r t), with mu'
-    the largest derivative of the friction curve.
+    The slip of a roller pressed between two races by a force Q decays as exp(-2 mu' Q R_w^2 t/I_r), where mu' is
+    the largest derivative of the friction coefficient with respect to the slip speed.
     """
     from bearingsim import assemble
     from bearingsim.core.laws.friction.interface import mu_derivative_bound

@@ -22,7 +22,7 @@ SAMPLING_ROW: Row = ("adaptive, recorded every (us)", lambda p: 1e6 * p.step if 
 
 
 def line_frequency(name: str, share: float = 1.0) -> Callable[[PricedJob], float]:
-    """Return a function that computes the frequency (Hz) of a line, times ``share``, at a job's highest speed."""
+    """Build a function that computes the frequency (Hz) of a line, times ``share``, at a job's highest speed."""
     return lambda p: share * frequency(p.job.case, name)
 
 
@@ -57,7 +57,8 @@ FRICTION_ROWS: tuple[Row, ...] = (
     ("largest friction at rest (N)", lambda p: p.friction_scale[0]),
     ("slip time constant at rest (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
-"""Rows of studies with friction. Lagged friction sets no step limit; resolving it requires a smaller step."""
+"""Rows of studies with friction. Lagged friction does not limit the step; but a step that resolves the decay of slip
+must be shorter than the time constant of that decay."""
 
 
 def show(plan: Plan, verbose: bool) -> None:

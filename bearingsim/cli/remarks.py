@@ -57,9 +57,10 @@ def _equals(value: float | str | None, path: str, text: str) -> bool:
 
 
 NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, from which a cost is reported
-HANGING_RATIO = 0.999  # drop relative to the depth; a roller with a smaller one does not reach the floor
+FLOOR_RATIO = 0.999  # drop of a roller relative to the depth of a defect, from which it reaches the floor
 WALL_CLEARANCE_RATIO = 0.5
-"""Of the depth of a V; below it the walls (slope 2 depth/width) are steeper than the roller."""
+"""Drop of a roller relative to the depth of a triangular defect, below which the roller touches only the rims,
+because the walls (slope 2 depth/width) are steeper than its circle."""
 
 
 def unreached_floors(plan: Plan) -> Iterator[str]:
@@ -106,13 +107,13 @@ def _smallest_depth(priced: PricedJob) -> float:
 
 
 def _reaches_floor(priced: PricedJob) -> bool:
-    return priced.roller_drop >= HANGING_RATIO * _smallest_depth(priced)
+    return priced.roller_drop >= FLOOR_RATIO * _smallest_depth(priced)
 
 
 def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> str:
     """Describe jobs by the values of a swept path that the others do not have, or else by their number.
 
-    Three values or more are a range, which must hold no value of the others.
+    Three values or more are described as a range, in which no value of the others may lie.
     """
     from bearingsim.plots.labels import swept_text, value_text
 
@@ -241,7 +242,7 @@ def caveat(priced: PricedJob) -> str:
 
 
 def varied_parameters(plan: Plan) -> Iterator[str]:
-    """Yield the unknown quantities that the study varies, with their values and the number of cases."""
+    """Yield the uncertain parameters that the study varies, with their values and the number of cases."""
     from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 
     values_by_kind = group_by_kind((variation.what, variation.value) for variation in plan.study.variations())

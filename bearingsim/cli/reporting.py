@@ -22,8 +22,8 @@ PERIOD_S = 10.0
 def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool, in_browser: bool) -> None:
     """Write the page of a study, by default into its results folder.
 
-    jobs: ids of those whose signals are shown; follow: rewrite it until no job is missing; in_browser:
-    open it. Raises UserError for an existing file that is not a report.
+    jobs: ids of those whose signals are shown; follow: rewrite the page until no job is missing; in_browser:
+    open the page. Raises UserError for an existing file that is not a report.
     """
     path = out or results.path / FILE
     check_replaceable(path)

@@ -210,15 +210,15 @@ def export(
 
     study_results = find_results(results)
     if series == ["all"]:
-        ids = exporting.finished(study_results)
+        ids = exporting.finished_jobs(study_results)
     else:
         ids = [find_job(study_results, text) for text in series or []]
-    exporting.check(features, ids, out, file_format)
-    table_file, series_file = exporting.targets(study_results, features, ids, out, file_format, force)
+    exporting.check_options(features, ids, out, file_format)
+    table_file, series_file = exporting.choose_files(study_results, features, ids, out, file_format, force)
     if table_file is not None:
-        exporting.features(study_results, table_file)
+        exporting.write_features(study_results, table_file)
     if series_file is not None:
-        exporting.series(study_results, ids, series_file)
+        exporting.write_series(study_results, ids, series_file)
     files = [path for path in (table_file, series_file) if path is not None]
     for path in files:
         if path != exporting.STDOUT:

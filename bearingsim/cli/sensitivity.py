@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def show(results: "Results", features: Sequence[str], as_json: bool, out: Path | None) -> None:
-    """Print Sobol' indices or Morris' effects of some features (default: the defect's line), and draw them.
+    """Print Sobol' indices or Morris effects of features (default: amplitude at the defect frequency); draw them.
 
     out: file of the figure; default: in the figures folder of the results, none with JSON.
     """

@@ -45,12 +45,12 @@ def show_jobs(
     swept = list(results.plan["units"])
     if every:
         features = default_features(results, table)
-        usual_names = [*swept, *features, "status", "seconds"]
+        default_names = [*swept, *features, "status", "seconds"]
     else:
         features, errors = main_features(results, table), error_columns(results, table)
-        usual_names = [*swept, *features, "status", *errors]
+        default_names = [*swept, *features, "status", *errors]
         features = [*features, *errors]
-    names = [name for name in dict.fromkeys(columns) if name != "job"] if columns else usual_names
+    names = [name for name in dict.fromkeys(columns) if name != "job"] if columns else default_names
     width = None if columns else terminal_width() or (None if every else DEFAULT_WIDTH)
     _check_columns(names, [str(name) for name in table])
     if as_json:
@@ -167,10 +167,10 @@ def _check_columns(names: Sequence[str], columns: Sequence[str]) -> None:
     from bearingsim.store import ERROR_PARTS
     from bearingsim.text.units import suggestion
 
-    of_accuracy = {"error", *ERROR_PARTS}
+    accuracy_columns = {"error", *ERROR_PARTS}
     for name in names:
         if name not in columns:
-            hint = "needs `accuracy` in the study" if name in of_accuracy else suggestion(name, columns)
+            hint = "needs `accuracy` in the study" if name in accuracy_columns else suggestion(name, columns)
             hint = hint or _containing(name, columns) or "`--json` prints all columns"
             raise UserError(f"no column `{name}`" + (f" ({hint})" if hint else ""))
 

@@ -28,7 +28,7 @@ def small_plan(monkeypatch):
         {"verlet": (Setting(step=0.25),), "rk4": (Setting(step=0.25),)},
         {"scipy-dop853": (Setting(tolerance=1e-5),)},
     )
-    monkeypatch.setattr(plan, "plan_of", lambda case, quick: small)
+    monkeypatch.setattr(plan, "make_plan", lambda case, quick: small)
 
 
 def test_chart_of_a_study(study_folder, write, small_plan):

@@ -91,7 +91,7 @@ def test_another_step_or_model_is_another_run():
 
 
 def test_the_command_writes_table_figures_text_and_provenance(tmp_path, computed_runs, capsys):
-    files = command.chart(None, ["healthy"], True, tmp_path / "out", 1)
+    files = command.draw_chart(None, ["healthy"], True, tmp_path / "out", 1)
     assert [file.name for file in files] == [
         "chart.csv",
         "speed-accuracy-healthy.png",

@@ -148,7 +148,7 @@ def test_features_are_exported(done, tmp_path, suffix):
 
 def test_numbers_and_words_of_a_path_are_text_in_parquet(done):
     table = open_results(done).table().assign(clearance=["C3", 1e-05] * 4)
-    read = pd.read_parquet(BytesIO(exporting._parquet(table)))
+    read = pd.read_parquet(BytesIO(exporting._to_parquet(table)))
     assert list(read["clearance"]) == ["C3", "1e-05"] * 4
     pd.testing.assert_frame_equal(read.drop(columns="clearance"), table.drop(columns="clearance"))
 
@@ -165,7 +165,7 @@ def test_exported_speed_follows_a_ramp(done):
     job = results.jobs[0]
     results._parameters[["ramp.to", "ramp.time"]] = 120.0 * np.pi, 0.02
     results.frame["info/settle_s"] = 0.01
-    table = pd.read_csv(BytesIO(exporting._csv({job: results.series(job)}, results)))
+    table = pd.read_csv(BytesIO(exporting._to_csv({job: results.series(job)}, results)))
     expected = np.minimum(2700.0 + 900.0 * table["time [s]"] / 0.01, 3600.0)
     assert table["speed [rpm]"].to_numpy() == pytest.approx(expected.to_numpy())
 
@@ -202,11 +202,11 @@ def test_series_of_all_jobs_are_exported(done, tmp_path):
 def test_jobs_that_are_not_done_have_no_series(capsys):
     table = pd.DataFrame({"job": ["a", "b", "c"], "status": ["done", "failed", "missing"]})
     results: Any = SimpleNamespace(jobs=("a", "b", "c"), table=lambda: table)
-    assert exporting.finished(results) == ["a"]
+    assert exporting.finished_jobs(results) == ["a"]
     assert "2 of 3 jobs omitted, because not done" in capsys.readouterr().err
     results.jobs = ("b", "c")
     with pytest.raises(UserError, match="no job is done"):
-        exporting.finished(results)
+        exporting.finished_jobs(results)
 
 
 def test_series_are_exported_to_matlab(done, tmp_path):
@@ -228,7 +228,7 @@ def test_numbers_of_a_path_with_words_are_numbers_in_matlab(done):
     names = dict.fromkeys(results.jobs, "auto") | {second: "0.05"}
     results._parameters["settle"] = pd.Series(names)
     results._parameters["bearing.name"] = "6205"
-    content = exporting._mat({job: results.series(job) for job in (first, second)}, results)
+    content = exporting._to_mat({job: results.series(job) for job in (first, second)}, results)
     structs = loadmat(cast(Any, BytesIO(content)), simplify_cells=True)
     assert structs[f"job_{first}"]["parameters"]["settle"] == "auto"
     assert structs[f"job_{second}"]["parameters"]["settle"] == 0.05

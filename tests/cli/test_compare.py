@@ -191,7 +191,7 @@ def test_an_order_of_the_shaft_that_explains_a_line_is_named():
     lines = Lines.of(load_rolling_parts("6309"), SHAFT)
     signal = Signal(impacts(SHAFT, seed=1, noise=0.5), RATE, lines)
     pair = comparing.Pair(signal, signal, cast(Any, None), ("ring.acceleration.x", "x"), "outer", "m/s^2")
-    _, (remark,) = comparing._line_detection(pair)
+    _, (remark,) = comparing._detect_line(pair)
     assert remark.startswith("BPFO of the measured signal: order 1 of the shaft, 25.00 Hz, explains it (")
 
 
@@ -200,8 +200,8 @@ def test_no_factor_scales_a_channel_of_zeros(level):
     nothing = cast(Any, None)
     pair = comparing.Pair(nothing, nothing, nothing, ("ring.acceleration.y", "x"), "outer", "m/s^2")
     with pytest.raises(UserError, match=r"ring\.acceleration\.y of job 1a is zero within numerical errors"):
-        comparing._ratio_of_levels(Row("RMS", "m/s^2", level, 3.0), "1a", pair)
-    assert comparing._ratio_of_levels(Row("RMS", "m/s^2", 2.0, 3.0), "1a", pair) == 1.5
+        comparing._rms_ratio(Row("RMS", "m/s^2", level, 3.0), "1a", pair)
+    assert comparing._rms_ratio(Row("RMS", "m/s^2", 2.0, 3.0), "1a", pair) == 1.5
 
 
 def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp_path):

@@ -35,9 +35,9 @@ def study_file(tmp_path, monkeypatch):
 
 
 def test_cost_is_estimated_from_a_sample_of_jobs(study_file, monkeypatch):
-    sampled = plan.plan_of(load_study(study_file), 1)
+    sampled = plan.price_study(load_study(study_file), 1)
     monkeypatch.setattr(plan, "MAX_PRICED", 1000)
-    complete = plan.plan_of(load_study(study_file), 1)
+    complete = plan.price_study(load_study(study_file), 1)
     assert (len(sampled.priced_jobs), len(complete.priced_jobs)) == (20, 55)
     assert sampled.job_counts == complete.job_counts
     assert sampled.cpu_seconds == pytest.approx(complete.cpu_seconds, rel=0.3)
@@ -50,7 +50,7 @@ def test_assumptions_are_evaluated_while_the_estimate_is_announced(study_file, s
     announcements, messages = Announcer(enabled=False), []
     evaluation = mock.PropertyMock(side_effect=lambda: messages.append(announcements.message))
     with mock.patch.object(Study, "assumptions", evaluation):
-        plan.plan_of(load_study(study_file, {"step": step}), 1, announcements)
+        plan.price_study(load_study(study_file, {"step": step}), 1, announcements)
     assert messages == evaluated
 
 
@@ -77,7 +77,7 @@ def test_cost_of_unvaried_damping_is_that_of_all_cases(study_file):
     """Each of the 50 cases would have three variations, each about as long as a case."""
     over = "{lhs: {n: 50, seed: 1, over: {load: {uniform: [150 N, 300 N]}}}}"
     study_file.write_text(f"{STUDY.partition('sweep:')[0]}sweep: {over}\n")
-    sampled = plan.plan_of(load_study(study_file), 1)
+    sampled = plan.price_study(load_study(study_file), 1)
     assert 0 < len(sampled.cases) < 20
     mean = sum(priced.estimate.cpu_seconds for priced in sampled.cases) / len(sampled.cases)
     [remark] = unvaried_damping(sampled)

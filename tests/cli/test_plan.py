@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale, friction_seconds, plan_of
+from bearingsim.cli.plan import Plan, _group_refusals, _price, friction_scale, friction_seconds, price_study
 from bearingsim.cli.remarks import _distinction, empty_figures, friction_cost
 from bearingsim.runner.progress import duration
 from bearingsim.study import StudyError, load_study
@@ -111,9 +111,9 @@ def test_check_warns_of_a_figure_without_cases(write: Write, value: str, warned:
 def test_check_reports_the_cost_of_friction_until_the_models_are_chosen(write: Write) -> None:
     """Friction of unknown effect is computed, and no motion is periodic with it: that costs many times more."""
     accurate = f"{BASE}accuracy: {{within: 2 %, of: [velocity.rms]}}\nduration: 0.5 s\n"
-    plan = plan_of(load_study(write(accurate)), workers=1)
+    plan = price_study(load_study(write(accurate)), workers=1)
     settings = "duration: 0.5 s\nrecord: []\nuntil: 0.5 %\nmodel: planar\ncage: {}\nfriction: {}\n"
-    expected = plan_of(load_study(write(BASE + settings)), workers=1).most_cpu_seconds
+    expected = price_study(load_study(write(BASE + settings)), workers=1).most_cpu_seconds
     assert plan.friction_seconds == pytest.approx(expected, rel=1e-12)
     assert plan.friction_seconds > 2.0 * plan.cpu_seconds
     (text,) = friction_cost(plan)
@@ -143,7 +143,7 @@ def test_cost_of_friction_is_that_of_all_jobs_of_a_sampled_study() -> None:
     "specified", ["accuracy: {within: 2 %, of: [velocity.rms]}\nfriction: none\n", "model: planar\n"]
 )
 def test_check_reports_no_cost_of_friction_that_is_specified(write: Write, specified: str) -> None:
-    assert list(friction_cost(plan_of(load_study(write(BASE + specified)), workers=1))) == []
+    assert list(friction_cost(price_study(load_study(write(BASE + specified)), workers=1))) == []
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from bearingsim import selection, store
-from bearingsim.cli.plan import plan_of
+from bearingsim.cli.plan import price_study
 from bearingsim.cli.remarks import model_choices as choice_remarks
 from bearingsim.runner import run
 from bearingsim.runner.select import MissingChoices, choose_models
@@ -165,7 +165,7 @@ def test_extension_reports_the_number_of_kept_choices(write: Write, tmp_path: Pa
     assert note in str(summary).splitlines()
     assert note in type_("show", out)[0].splitlines()
     assert note in str(compute(study, out)).splitlines()  # repeated by later runs
-    assert note in [*choice_remarks(plan_of(choose_models(study, out, 1, ENGINE, shown=False), 1))]
+    assert note in [*choice_remarks(price_study(choose_models(study, out, 1, ENGINE, shown=False), 1))]
     (out / "choices.json").unlink()
     assert note not in str(compute(study, out))
     assert plan_notes(out) == []

@@ -122,7 +122,7 @@ def replace_long_computations() -> None:
         return folder / "stability.csv"
 
     measure.rows, measure.compile_run, mapping.compute = rows_of, lambda run: run.model, compute
-    plan.plan_of = lambda case, quick: FEW_RUNS
+    plan.price_study = lambda case, quick: FEW_RUNS
 
 
 def run(words: list[str]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from scipy.io import wavfile
 
 from bearingsim.diagnosis import Lines
 from bearingsim.study import load_study
-from bearingsim.study.measured_signals import MeasuredSignal, _features, _apply_low_pass
+from bearingsim.study.measured_signals import MeasuredSignal, _apply_low_pass, _features
 from bearingsim.text.yamlfile import StudyError
 
 STUDY = """\
