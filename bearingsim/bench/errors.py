@@ -24,7 +24,11 @@ MIN_FLOOR = 1e-6  # minimum floor of a solution (relative)
 
 
 class ConvergedSolution(NamedTuple):
-    """Converged solution of a model in a scene: compared quantities, their floors, names of the reference runs."""
+    """Converged solution of a model in a scene.
+
+    values: compared quantities (SI); floor: their relative floors; names: reference runs; chaotic: True if the
+    motion is chaotic.
+    """
 
     values: dict[str, float]
     floor: dict[str, float]
@@ -85,7 +89,8 @@ def error(row: Row, solution: ConvergedSolution, name: str) -> float:
 def with_errors(rows: Sequence[Row]) -> list[Row]:
     """Add errors, floors and counted errors to the rows of one scene, in which the reference model comes first.
 
-    chaotic: whether the motion of the row's model is chaotic; against: solutions for the numerical error.
+    Column `chaotic`: 1 if the motion of the row's model is chaotic, nan if unknown; `against`: names of the runs
+    whose mean is the solution for the numerical error.
     """
     variants = list(dict.fromkeys(row["variant"] for row in rows))
     solutions = {name: converged_solution([row for row in rows if row["variant"] == name]) for name in variants}

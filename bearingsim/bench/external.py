@@ -27,8 +27,8 @@ from bearingsim.simulation.run_setup import Setup, set_up
 from bearingsim.simulation.spectral_lines import lines_of_passes
 from bearingsim.stability.references import SCIPY, StateRate, march, moving_coordinates, pack, state_rate, unpack
 
-MAX_CPU = 120.0  # s, limit of CPU time of a solver
-POINTS_OF_STEP = 4  # evaluations of the force, on the solver's interpolant; step ends alone miss peaks by 0.6 %
+MAX_CPU = 120.0  # s, limit of the CPU time of a solver
+POINTS_PER_STEP = 4  # evaluations of the force, on the solver's interpolant; step ends alone miss peaks by 0.6 %
 
 
 class Equations(NamedTuple):
@@ -62,7 +62,7 @@ Solver = Callable[[Equations], Solution]
 
 
 class SolverStopped(Exception):
-    """Error of a solver that ended early, with the reason."""
+    """Error for a solver that ended early, with the reason."""
 
 
 class ForceTracker(StateRate):
@@ -81,7 +81,7 @@ class ForceTracker(StateRate):
             return
         start = time.thread_time()
         state_at = solver.dense_output()
-        for t in np.linspace(max(solver.t_old, self.settled), solver.t, POINTS_OF_STEP + 1)[1:]:
+        for t in np.linspace(max(solver.t_old, self.settled), solver.t, POINTS_PER_STEP + 1)[1:]:
             state_rate(self.model, t, state_at(t), self.coordinates, self.y, self.rate)
             self.force = max(self.force, float(self.y[lay.Q_O : lay.Q_O + self.model.bearing.Z].max()))
         self.start_time += time.thread_time() - start

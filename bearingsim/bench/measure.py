@@ -15,21 +15,23 @@ from bearingsim.simulation import limits as case_limits
 from bearingsim.simulation.choice import automatic_step
 from bearingsim.simulation.settling import resolve_settling
 
-FULL_RUN = {"periodic": False, "step_check": False}  # without period search and step check
+FULL_RUN = {"periodic": False, "step_check": False}
+"""Settings of a full integration, without period search and step check."""
 SHORT_TIME = 0.3
-"""Time (s) below which a run is timed twice; the smaller time is kept (not external solvers, reference runs)."""
+"""CPU time (s) below which a run is timed twice, and the smaller time kept; external solvers and reference runs
+are timed once."""
 QUANTITIES = ("line", "rms", "force")
 """Compared quantities: the defect line (m/s), the RMS of the velocity (m/s), the largest outer force (N)."""
 COLUMNS = (
     *("key", "scene", "variant", "model", "role", "method", "setting", "step_s", "tolerance"),
     *("cpu_per_s", *QUANTITIES, "chaotic", "period_passes", "failure", "reason"),
 )
-"""Columns of a row. ``cpu_per_s``: CPU time per simulated second of the integration; of a job, total."""
+"""Columns of a row. ``cpu_per_s``: CPU time of the integration, or of a whole job, per simulated second."""
 
 Row = dict[str, Any]
 
 
-def rows(run: Run) -> list[Row]:
+def compute_rows(run: Run) -> list[Row]:
     """Compute a run; return its row, and for the automatic choice also one of its method as a ``FULL_RUN``."""
     case = run.case
     if case is None:
@@ -101,7 +103,7 @@ def _cpu_seconds(case: Case, record: Record, name: str) -> float:
 def _row(run: Run, record: Record, cpu_per_s: float) -> Row:
     features, info = record.features, record.info
     adaptive = run.role != JOB and bool(info["method"]) and METHODS[str(info["method"])].adaptive
-    return _identity(run) | {
+    return _empty_row(run) | {
         "method": info["method"] or "",
         "step_s": nan if adaptive else float(info["step_s"]),
         "tolerance": float(info["tolerance"]),
@@ -115,7 +117,7 @@ def _row(run: Run, record: Record, cpu_per_s: float) -> Row:
 def _solve_externally(run: Run, case: Case) -> Row:
     """Compute a case with a solver of another package."""
     features, cpu_s, simulated_s = external.solve(case, external.SOLVERS[run.method], run.setting.tolerance)
-    return _identity(run) | {
+    return _empty_row(run) | {
         "tolerance": run.setting.tolerance,
         "cpu_per_s": cpu_s / simulated_s,
         **_values(run, features),
@@ -128,8 +130,8 @@ def _values(run: Run, features: dict[str, float]) -> Row:
     )
 
 
-def _identity(run: Run) -> Row:
-    """Return a row that identifies its run, without results."""
+def _empty_row(run: Run) -> Row:
+    """Return a row that names its run and has no results."""
     empty: Row = dict.fromkeys(COLUMNS, nan)
     return empty | {
         "key": run.key,
@@ -152,7 +154,7 @@ def _setting(setting: Setting) -> str:
 
 
 def _failed_row(run: Run, failure: str, reason: str) -> Row:
-    return _identity(run) | {"failure": failure, "reason": reason, "tolerance": run.setting.tolerance}
+    return _empty_row(run) | {"failure": failure, "reason": reason, "tolerance": run.setting.tolerance}
 
 
 def compile_run(run: Run) -> str:

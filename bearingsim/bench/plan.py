@@ -73,7 +73,7 @@ def default_scenes(quick: bool) -> tuple[str, ...]:
 
 
 def make_plan(case: Case, quick: bool) -> Plan:
-    """Return the plan of runs for a case."""
+    """Select the plan of runs for a case: by the flexibility of its ring and the slices of its model."""
     kind = "quick" if quick else "usual"
     if MODELS[case.model].sliced:
         kind = "sliced"
@@ -93,16 +93,16 @@ def _settings(entries: Mapping[str, Mapping[str, Sequence[float]]]) -> Settings:
     }
 
 
-def runs(scene: Scene, quick: bool, peers: Settings | None = None) -> Iterator[Run]:
-    """Yield all runs of a scene. peers: solvers of other packages, in addition to the plan's."""
+def plan_runs(scene: Scene, quick: bool, peers: Settings | None = None) -> Iterator[Run]:
+    """Yield all runs of a scene. peers: solvers of other packages at their settings, in addition to the plan's."""
     for variant in scene.variants:
         yield from _variant_runs(scene, variant, quick, peers or {})
 
 
 def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) -> Iterator[Run]:
     def run(role: str, method: str, setting: Setting) -> Run:
-        identity_ = scene.name, variant.name, variant.model
-        return Run(*identity_, role, method, setting, scene.line, variant.case, variant.refused)
+        names = scene.name, variant.name, variant.model
+        return Run(*names, role, method, setting, scene.line, variant.case, variant.refused)
 
     yield run(JOB, AUTO, Setting())
     if variant.case is None:
@@ -119,14 +119,14 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
 
 
 def _solvable_settings(variant: Variant, settings: Settings) -> Settings:
-    """Drop methods of other packages, unless the case has the default model and they can integrate it."""
+    """Drop methods of other packages, unless the model is the default one and they can integrate the case."""
     if variant.model == DEFAULT_MODEL and variant.case is not None and external.can_solve(variant.case):
         return settings
     return {name: values for name, values in settings.items() if name in METHODS}
 
 
-def compile_groups(missing: Sequence[Run]) -> list[list[Run]]:
-    """Group runs by model, keeping one run for each distinct code to compile."""
+def group_by_model(missing: Sequence[Run]) -> list[list[Run]]:
+    """Group runs by model for compilation, with one run for each code that must be compiled."""
     groups: dict[str, dict[tuple, Run]] = {}
     for run in missing:
         if run.case is not None:

@@ -47,7 +47,7 @@ def commit() -> str:
         return ""
 
 
-def provenance(missing_peers: dict[str, str]) -> dict[str, Any]:
+def collect_provenance(missing_peers: dict[str, str]) -> dict[str, Any]:
     """Collect versions, machine and date of a run; missing_peers: peers that are not installed, with reasons."""
     return {
         "bearingsim": __version__,

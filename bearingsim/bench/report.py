@@ -27,7 +27,7 @@ from bearingsim.bench.verdict import (
     worst_error,
 )
 
-CHOICE_HEADS = (
+CHOICE_HEADERS = (
     "automatic choice",
     "method",
     "step or tolerance",
@@ -50,7 +50,8 @@ HEADERS = (
 )
 LINE_AND_RMS = QUANTITIES[:2]
 WIDTH = 138  # characters in a line
-NOTABLE = 1.5  # cost ratio to the cheapest run of equal accuracy, from which a choice is not on the Pareto front
+NOTABLE_COST_RATIO = 1.5
+"""Ratio of the cost of a choice to that of the cheapest run of equal accuracy, from which the text reports it."""
 
 
 class Section(NamedTuple):
@@ -87,11 +88,11 @@ def write(sections: Sequence[Section], folder: Path) -> Path:
     """Write the text into the folder of the figures; return its path."""
     provenance = json.loads((folder / PROVENANCE_FILE).read_text(encoding="utf-8"))
     path = folder / FILE_NAME
-    path.write_text("\n".join(lines(sections, provenance)) + "\n", encoding="utf-8")
+    path.write_text("\n".join(markdown_lines(sections, provenance)) + "\n", encoding="utf-8")
     return path
 
 
-def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[str]:
+def markdown_lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[str]:
     """Yield the lines of the text in Markdown. provenance: that of the numbers."""
     instructions = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
     yield from ("# Speed against accuracy", "", instructions.rstrip(), "", "## Recommendations", "")
@@ -113,7 +114,7 @@ def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[s
                 f"- {sentence}", WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
             )
         yield ""
-        yield from _table(CHOICE_HEADS, _choice_rows(section))
+        yield from _table(CHOICE_HEADERS, _choice_rows(section))
         yield ""
         yield from _table(
             ("quantity", *(f"within {percent(accuracy)}" for accuracy in ACCURACIES)), _verdict_rows(section)
@@ -163,8 +164,9 @@ def _method_texts(section: Section) -> Iterator[str]:
             choice = f"of `{models[0]}` the automatic choice, {comparison.row['method']}"
             error = f"{percent(worst_error(comparison.row, NUMERICAL))} largest numerical error of the three"
             text = f"**Method, full integration:** {choice} ({seconds(comparison.row['cpu_per_s'])}, {error})"
-            if comparison.cost_ratio < NOTABLE:
-                yield f"{text}, is near the Pareto front: no run as accurate is over {NOTABLE} times cheaper."
+            if comparison.cost_ratio < NOTABLE_COST_RATIO:
+                ratio = f"over {NOTABLE_COST_RATIO} times cheaper"
+                yield f"{text}, is near the Pareto front: no run as accurate is {ratio}."
             else:
                 cheaper = method_text(comparison.cheapest)
                 cost = _cost(comparison.cheapest)

@@ -21,8 +21,8 @@ ORDER = (
 """Built-in scenes in the order of the report."""
 AUTO_VALUES = {"method": "auto", "step": "auto", "tolerance": "auto", "step_check": "true", "periodic": "true"}
 """Values of a job with the automatic choice, which replace those of a study."""
-MAX_CASES = 3
-MAX_RECORD = 0.5  # s, limit of the record of a case
+MAX_CASES = 3  # limit of the cases of a study that become scenes
+MAX_RECORD = 0.5  # s, limit of the duration of a record
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _variant(study: Study, n: int, candidate: str, changes: Mapping[str, str]) -
 def _refusal(study: Study, changes: Mapping[str, str]) -> str:
     """Return the first problem of a study with other values at some paths.
 
-    A study with `accuracy` names no model, so that its problem is not known.
+    For a study with `accuracy`, which rejects `model`, the text is general.
     """
     try:
         if study.goal is None:

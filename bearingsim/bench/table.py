@@ -10,8 +10,8 @@ from typing import Any
 
 from bearingsim.bench import external, measure
 from bearingsim.bench.measure import COLUMNS, Row
-from bearingsim.bench.plan import JOB, Run, Settings, compile_groups, runs
-from bearingsim.bench.provenance import provenance
+from bearingsim.bench.plan import JOB, Run, Settings, group_by_model, plan_runs
+from bearingsim.bench.provenance import collect_provenance
 from bearingsim.bench.scene import Scene
 from bearingsim.runner.pool import map_in_new_processes, map_unordered
 from bearingsim.runner.progress import duration
@@ -37,7 +37,7 @@ def compute(
     not installed, with reasons. Reports progress on stderr. Finished rows survive an interruption.
     """
     claim(folder, "a chart", "bearingsim bench", "results/bench-chart-2")
-    planned_runs = [run for scene in scenes for run in runs(scene, quick, (peers or {}).get(scene.name))]
+    planned_runs = [run for scene in scenes for run in plan_runs(scene, quick, (peers or {}).get(scene.name))]
     path, start = folder / RUNS_FILE, (time.monotonic(), time.process_time())
     _drop_incomplete_line(path)
     stored = read(path)
@@ -46,7 +46,7 @@ def compute(
         _compile(missing_runs, jobs)
         _append_rows(path, missing_runs, jobs)
         stored = read(path)
-    entries = provenance(missing_peers or {}) | {
+    entries = collect_provenance(missing_peers or {}) | {
         "runs": len(planned_runs),
         "computed": len(missing_runs),
         "jobs": jobs,
@@ -61,7 +61,7 @@ def compute(
 def read(path: Path) -> dict[str, list[Row]]:
     """Read the rows of a file by the key of their run, without incomplete ones.
 
-    A repeated run replaces an earlier one, which lacked a row.
+    Of a run that is stored twice, because its rows were incomplete, the last row of each role counts.
     """
     if not path.exists():
         return {}
@@ -109,9 +109,9 @@ def _append_rows(path: Path, missing_runs: Sequence[Run], jobs: int) -> None:
 
 
 def _drop_incomplete_line(path: Path) -> None:
-    """Remove the end of a file whose last run was stopped in the middle of a row.
+    """Remove an incomplete last row, which an interrupted run leaves.
 
-    If the row has opened a quotation mark, rows appended to it would be read as its text.
+    If it contains an opening quotation mark, the rows appended to it would be read as its text.
     """
     content = path.read_bytes() if path.exists() else b""
     if not content.endswith(b"\n") and content:
@@ -119,15 +119,15 @@ def _drop_incomplete_line(path: Path) -> None:
 
 
 def _rows_in_worker(run: Run, solver: external.Solver | None) -> list[Row]:
-    """Call ``measure.rows`` in a process that may lack the run's solver."""
+    """Call ``measure.compute_rows`` in a process that may lack the run's solver."""
     if solver is not None:
         external.SOLVERS.setdefault(run.method, solver)
-    return measure.rows(run)
+    return measure.compute_rows(run)
 
 
 def _compile(missing_runs: Sequence[Run], jobs: int) -> None:
-    """Compile the code before timing, each model in one process of new ones, whose memory is then free again."""
-    groups = compile_groups(missing_runs)
+    """Compile the code before timing, in new processes: only their end frees the memory of the compiler."""
+    groups = group_by_model(missing_runs)
     say(f"compiling {len(groups)} models for {len(missing_runs)} runs", err=True)
     tasks = [(group, dict(external.SOLVERS)) for group in groups]
     for done, model in enumerate(map_in_new_processes(_compile_group, tasks, jobs), 1):

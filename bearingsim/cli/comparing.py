@@ -31,8 +31,8 @@ NO_SERIES = "run the study with `record: [ring.acceleration]`, for example, inst
 class Pair(NamedTuple):
     """Simulated and measured signal of a bearing, names of their channels, the race with the defect, and unit.
 
-    The unit is that of the job's channel (SI). If the simulated signal is scaled to a measured one in another unit,
-    or in an unknown one, it is that of the file.
+    The unit is that of the job's channel (SI). If the simulated signal is scaled to a measured one in another or
+    an unknown unit, it is the unit of the file.
     """
 
     simulated: "Signal"

@@ -57,8 +57,8 @@ FRICTION_ROWS: tuple[Row, ...] = (
     ("largest friction at rest (N)", lambda p: p.friction_scale[0]),
     ("slip time constant at rest (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
-"""Rows of studies with friction. Lagged friction does not limit the step; but a step that resolves the decay of slip
-must be shorter than the time constant of that decay."""
+"""Rows of studies with friction. Lagged friction does not limit the step; but to resolve the decay of slip, the
+step must be shorter than its time constant."""
 
 
 def show(plan: Plan, verbose: bool) -> None:

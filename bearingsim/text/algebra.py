@@ -51,7 +51,7 @@ _KIND_DIMENSIONS = {kind: dimension for dimension, kind in KINDS.items()}
 
 
 class Function(NamedTuple):
-    """Function available in formulas: limits of the number of arguments, value, and kind of the value."""
+    """Function available in formulas: limits of the number of its arguments, its value, and the value's kind."""
 
     min_arguments: int
     max_arguments: int
@@ -60,7 +60,7 @@ class Function(NamedTuple):
 
 
 FUNCTIONS = {
-    "sqrt": Function(1, 1, math.sqrt, lambda argument: scale(argument, Fraction(1, 2))),
+    "sqrt": Function(1, 1, math.sqrt, lambda argument: power_kind(argument, Fraction(1, 2))),
     "abs": Function(1, 1, abs),
     "min": Function(2, MAX_CHARACTERS, min),
     "max": Function(2, MAX_CHARACTERS, max),
@@ -83,6 +83,7 @@ SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.n
 
 
 def is_close(a: float, b: float) -> bool:
+    """Check if two values are equal within ``EQUALITY_TOLERANCE``."""
     return math.isclose(a, b, rel_tol=EQUALITY_TOLERANCE, abs_tol=0.0)
 
 
@@ -96,7 +97,8 @@ COMPARISONS: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
 }
 
 
-def scale(kind: Kind, power: Fraction) -> Kind:
+def power_kind(kind: Kind, power: Fraction) -> Kind:
+    """Return the kind of a power of a value."""
     return tuple(power * exponent for exponent in kind)
 
 

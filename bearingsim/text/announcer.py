@@ -8,7 +8,7 @@ from bearingsim.text.terminal import say
 
 ANNOUNCEMENT_DELAY_S = 2.0  # s, delay before an announcement
 COMPILATION_REMARK = "needed once, then cached"
-"""Remark on the time of compilation, once for each kind of model, method and contact law, for announcements."""
+"""Remark in announcements of compilation, which each combination of model, method and contact law needs once."""
 
 
 class Announcer:

@@ -61,14 +61,15 @@ class Expression:
                 yield self._path(node), self._mark(node)
 
     def kind(self, path_kind: Callable[[str], Kind]) -> Kind:
-        """Return the kind of the value; ``path_kind``: function of a path's kind, ValueError if unknown.
+        """Return the kind of the value; ``path_kind``: function that returns a path's kind, or raises ValueError.
 
         Raises ExpressionError for a node that is not allowed, and for incompatible units. Call before ``value``.
         """
         return self._kind(self.tree, path_kind, 0)
 
     def value(self, path_value: Callable[[str], float]) -> float:
-        """Evaluate the formula in SI, a comparison to True or False; ``path_value``: function of a path's value.
+        """Evaluate the formula in SI, a comparison to True or False; ``path_value``: function that returns the
+        value of a path.
 
         Raises ExpressionError for a division by zero, a root of a negative number, or a result that is not finite.
         """
@@ -153,7 +154,7 @@ class Expression:
         power = self._value(node.right, _reject_path)
         if abs(power) > MAX_EXPONENT:
             raise self._error(node.right, f"the exponent of {kind_text(base)} is at most {MAX_EXPONENT}")
-        return algebra.scale(base, Fraction(power).limit_denominator(1000))
+        return algebra.power_kind(base, Fraction(power).limit_denominator(1000))
 
     def _check_brackets(self, node: ast.BinOp) -> None:
         """Reject a power of a quantity without brackets, because `3 mm**2` may mean 9 mm^2 or 3 mm^2."""
@@ -240,7 +241,7 @@ class Expression:
             case ast.Call(func=ast.Name(id=name)):
                 arguments = [self._value(operand, path_value) for operand in node.args]
                 return self._evaluate(node, lambda: algebra.FUNCTIONS[name].call(*arguments))
-        raise AssertionError("`kind` has let this pass")
+        raise AssertionError("a node that `kind` rejects")
 
     def _value_of_name(self, node: ast.Name, path_value: Callable[[str], float]) -> float:
         if node.id in algebra.CONSTANTS:
@@ -328,21 +329,21 @@ def read(node: Node) -> Expression:
         texts[match.start()] = match.group()
         return "_" * len(match.group())
 
-    python = _QUANTITY_OR_PATH.sub(substitute, text.strip())
-    invalid = next((column for column, letter in enumerate(python) if not letter.isascii()), None)
+    source = _QUANTITY_OR_PATH.sub(substitute, text.strip())
+    invalid = next((column for column, letter in enumerate(source) if not letter.isascii()), None)
     if invalid is not None:
-        message = f"a character that is not allowed in formulas: {python[invalid]!a}"
+        message = f"a character that is not allowed in formulas: {source[invalid]!a}"
         raise ExpressionError(_mark_at(node, shift + invalid), message)
-    return Expression(node, _tree(node, python, shift), quantities, paths, shift)
+    return Expression(node, _parse_tree(node, source, shift), quantities, paths, shift)
 
 
-def _tree(node: Node, python: str, shift: int) -> ast.expr:
+def _parse_tree(node: Node, source: str, shift: int) -> ast.expr:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about syntax rejected later, such as `1if`
-            return ast.parse(python, mode="eval").body
+            return ast.parse(source, mode="eval").body
     except SyntaxError as error:
-        column = min(error.offset or len(python), len(python)) - 1  # no offset at an unexpected end
+        column = min(error.offset or len(source), len(source)) - 1  # no offset at an unexpected end
         hint = "a quantity is written as in `3 mm`; quote a formula with a comma"
         raise ExpressionError(_mark_at(node, shift + column), "not a valid formula", hint) from None
     except (ValueError, MemoryError, RecursionError):

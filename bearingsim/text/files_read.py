@@ -12,7 +12,7 @@ _files: ContextVar[dict[str, str | None] | None] = ContextVar("files", default=N
 
 @contextmanager
 def recorded_files() -> Iterator[dict[str, str | None]]:
-    """Collect the SHA-256 of each file noted in the context, by its absolute path; None for a missing file."""
+    """Collect the SHA-256 of each file recorded in the context, by absolute path; None for a missing file."""
     files: dict[str, str | None] = {}
     token = _files.set(files)
     try:

@@ -5,7 +5,7 @@ from math import isfinite
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """Format a number with a few significant digits, without exponent up to 1e6; `-` for nan or infinity."""
+    """Format a number with a few significant digits, without exponent below 1e6; `-` for nan or infinity."""
     if not isfinite(value):
         return "-"
     rounded = float(f"{value:.{digits}g}") + 0.0  # -0.0 reads 0

@@ -7,7 +7,7 @@ displayed order of a text. Results folders of unknown origin may contain both.
 import sys
 
 MAX_LINE = 1000  # characters
-LINE_WIDTH = 60  # characters of a rewritten line, which cover those of the text before
+LINE_WIDTH = 60  # characters to which a rewritten line is padded, so that it covers the previous text
 
 
 def plain(text: str) -> str:

@@ -368,5 +368,5 @@ def _unit_hint(unit: str, dimension: Dimension) -> tuple[str | None, str | None]
         return f"`{unit}` is a unit of {other}", None
     nearest = "Hz" if dimension == "rotation" and unit in REVOLUTIONS_PER_SECOND else nearest_word(unit, units)
     if nearest and unit.endswith(nearest) and unit.removesuffix(nearest).isalpha():
-        nearest = None  # an unknown prefix; without it the value would be another
+        nearest = None  # the unit has an unknown prefix, without which the value would differ
     return f"did you mean `{nearest}`?" if nearest else f"units: {', '.join(units)}", nearest

@@ -25,14 +25,14 @@ MAX_CHARACTERS = 100_000
 MAX_DEPTH = 20
 """Limit of the nesting of lists and mappings. Studies need 8; the recursion of Python fails at about 300."""
 MAX_PROBLEMS = 50
-"""Limit of the problems reported at once; each takes milliseconds to find a suggestion."""
+"""Limit of the problems reported at once, because the search for each suggestion takes milliseconds."""
 MAX_ECHO, MAX_MESSAGE, MAX_LINE = 200, 2000, 160
 """Limits of the characters of a quoted value, of a message, and of the source line shown with it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Position in a file: line and column, counted from 1; 0 stands for the whole file."""
+    """Position in a file: line and column, counted from 1. Line 0 is the whole file, or the command line."""
 
     file: str
     line: int = 0
@@ -278,7 +278,7 @@ _SYNTAX_HINTS = {
 
 
 def _syntax_hint(reason: str) -> str | None:
-    """Return the remedy of a frequent mistake; reason: beginning with that of the parser."""
+    """Return the remedy of a frequent mistake; reason: the parser's message, compared by its beginning."""
     return next((hint for start, hint in _SYNTAX_HINTS.items() if reason.startswith(start)), None)
 
 

@@ -15,6 +15,6 @@ def computed_runs(monkeypatch):
         calls.append(run)
         return rows_of(run)
 
-    monkeypatch.setattr(measure, "rows", rows)
+    monkeypatch.setattr(measure, "compute_rows", rows)
     monkeypatch.setattr(measure, "compile_run", lambda run: run.model)
     return calls

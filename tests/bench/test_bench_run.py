@@ -57,7 +57,7 @@ def test_external_solver_agrees_with_own_method(write):
     assert case is not None
     features, cpu, simulated = external.solve(case, external.SOLVERS["scipy-dop853"], 1e-7)
     run = Run("s", "rollers", "rollers", POINT, "dop853", Setting(tolerance=1e-7), study_scene.line, case)
-    own_row = measure.rows(run)[0]
+    own_row = measure.compute_rows(run)[0]
     assert features[study_scene.line] == pytest.approx(own_row["line"], rel=1e-4)
     assert features["velocity.rms"] == pytest.approx(own_row["rms"], rel=1e-4)
     assert features["outer_force.max"] == pytest.approx(own_row["force"], rel=2e-3)

@@ -214,8 +214,8 @@ def test_automatic_choice_off_the_front_is_reported():
 
 def test_report_gives_recommendations_with_reasons():
     section = report.Section("s", "a scene", ladder(), 0.3)
-    provenance_entries = provenance.provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
-    lines = list(report.lines([section], provenance_entries))
+    provenance_entries = provenance.collect_provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
+    lines = list(report.markdown_lines([section], provenance_entries))
     assert max(len(line) for entry in lines for line in entry.splitlines()) <= 140
     text = re.sub(r"\n +", " ", "\n".join(lines))
     assert "| a scene | rollers, 0.1 s | planar, 1 s | rollers, 0.1 s | planar, 1 s |" in text

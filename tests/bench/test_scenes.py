@@ -21,18 +21,18 @@ def test_unsuitable_model_is_refused_with_reason():
     bent = scene.built_in_scenes(["bent-ring"], quick=True)[0]
     refused = [variant for variant in bent.variants if variant.case is None]
     assert [variant.name for variant in refused] == ["ring"]
-    run = next(run for run in plan.runs(bent, quick=True) if run.variant == "ring")
-    assert measure.rows(run)[0]["failure"] == "refused"
-    assert "cannot do this" in measure.rows(run)[0]["reason"]
+    run = next(run for run in plan.plan_runs(bent, quick=True) if run.variant == "ring")
+    assert measure.compute_rows(run)[0]["failure"] == "refused"
+    assert "cannot do this" in measure.compute_rows(run)[0]["reason"]
 
 
 def test_a_step_over_the_limit_is_refused():
     run = next(
         candidate
-        for candidate in plan.runs(scene.built_in_scenes(["healthy"], quick=True)[0], quick=True)
+        for candidate in plan.plan_runs(scene.built_in_scenes(["healthy"], quick=True)[0], quick=True)
         if candidate.variant == "ring" and candidate.setting.step == 16.0
     )
-    result = measure.rows(run)[0]
+    result = measure.compute_rows(run)[0]
     assert result["failure"] == "refused"
     assert "limit" in result["reason"]
 
@@ -121,7 +121,7 @@ def test_each_number_of_harmonics_is_one_variant(write, harmonics, names):
     (own_scene,) = scene.load_scenes(path, quick=True)
     assert [v.name for v in own_scene.variants[: len(names)]] == [f"rollers, {n} harmonics" for n in names]
     assert [v.name for v in own_scene.variants[len(names) :]] == ["ring", "static"]
-    runs = list(plan.runs(own_scene, quick=True))
+    runs = list(plan.plan_runs(own_scene, quick=True))
     assert len({run.key for run in runs}) == len(runs)
 
 

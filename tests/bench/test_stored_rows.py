@@ -16,7 +16,7 @@ SCENES = scene.built_in_scenes(["healthy"], quick=True)
 def test_stored_rows_are_not_recomputed(tmp_path, computed_runs, monkeypatch):
     first = table.compute(SCENES, tmp_path, quick=True)
     count = len(computed_runs)
-    assert count == len(list(plan.runs(SCENES[0], quick=True)))
+    assert count == len(list(plan.plan_runs(SCENES[0], quick=True)))
     repeat = table.compute(SCENES, tmp_path, quick=True)
     assert len(computed_runs) == count
     assert [row["key"] for row in repeat] == [row["key"] for row in first]
@@ -74,8 +74,8 @@ def test_job_is_kept_if_its_full_integration_stops(monkeypatch):
 
     monkeypatch.setattr(measure, "simulate", simulate)
     monkeypatch.setattr(measure, "warm", lambda cases: None)
-    run = next(run for run in plan.runs(SCENES[0], quick=True) if (run.variant, run.role) == ("ring", JOB))
-    job, full = measure.rows(run)
+    run = next(run for run in plan.plan_runs(SCENES[0], quick=True) if (run.variant, run.role) == ("ring", JOB))
+    job, full = measure.compute_rows(run)
     assert (job["role"], job["failure"], job["force"]) == (JOB, "", 3.0)
     assert (full["role"], full["method"], full["failure"]) == (AUTOMATIC, "verlet", "stopped")
     assert job["key"] == full["key"] == run.key
@@ -85,7 +85,7 @@ def test_job_is_kept_if_its_full_integration_stops(monkeypatch):
 
 
 def test_another_step_or_model_is_another_run():
-    first, *others = plan.runs(SCENES[0], quick=True)
+    first, *others = plan.plan_runs(SCENES[0], quick=True)
     assert len({run.key for run in (first, *others)}) == len(others) + 1
     assert replace(first, case=first.case.model_copy(update={"load": 1.0})).key != first.key
 
