@@ -49,12 +49,12 @@ def wait_for_plan(folder: Path) -> None:
 
 def write(results: "Results", path: Path, jobs: Sequence[str], follow: bool) -> bool:
     """Write the current page atomically; return whether all jobs are done or failed."""
-    from bearingsim.report.page import page_of
-    from bearingsim.report.render import html
+    from bearingsim.report.page import make_page
+    from bearingsim.report.render import render_html
     from bearingsim.store import write_text
 
-    page = page_of(results, jobs)
-    text = html(page, PERIOD_S if follow and not page.complete else None)
+    page = make_page(results, jobs)
+    text = render_html(page, PERIOD_S if follow and not page.complete else None)
     write_text(path, text)
     say(f"{short_path(path)}: {page.counts}, {len(text.encode()) / 1e6:.2g} MB")
     return page.complete

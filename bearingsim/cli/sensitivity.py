@@ -34,7 +34,7 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
         say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in analyses}, indent=1))
     else:
         for number, feature_analysis in enumerate(analyses):
-            heading, headers, rows, texts = influence.influence_of(*feature_analysis)
+            heading, headers, rows, texts = influence.describe_influence(*feature_analysis)
             say("\n" * bool(number) + heading)
             print_table(headers, rows)
             say("\n".join(texts))

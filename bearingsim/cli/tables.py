@@ -12,7 +12,7 @@ from bearingsim.cli.screen import print_table, table_width, terminal_width
 from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
 from bearingsim.report.columns import Column, column_of, default_features, error_columns, main_features
-from bearingsim.report.statements import assumption_texts, failures_of
+from bearingsim.report.statements import assumption_texts, list_failures
 from bearingsim.runner.findings import chaos_notes, periodicity_notes
 from bearingsim.text.terminal import say
 
@@ -112,9 +112,9 @@ def show_measured(results: "Results", as_json: bool) -> None:
 
 def _print_measured(results: "Results") -> None:
     """Print a table of measured and simulated features for each measured source of the study."""
-    from bearingsim.report.measured import HEADERS, TEXT_COLUMNS, measured_tables
+    from bearingsim.report.measured import HEADERS, TEXT_COLUMNS, make_measured_tables
 
-    for table in measured_tables(results, MAX_MEASURED_ROWS):
+    for table in make_measured_tables(results, MAX_MEASURED_ROWS):
         say("")
         _print_wrapped(table.title)
         if table.rows:
@@ -213,7 +213,7 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
     """Print failed jobs with reason and advice, and the command that repeats them."""
     from bearingsim.store import open_results
 
-    failures = failures_of(open_results(folder))
+    failures = list_failures(open_results(folder))
     for failure in failures[:MAX_ROWS]:
         say(f"{failure.job}  {failure.case}")
         say(f"    {failure.explanation}")

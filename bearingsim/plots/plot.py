@@ -70,7 +70,7 @@ def drawn(
     options = {key: value for key, value in options.items() if is_set(value)}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
-    figures = requested(results, kind, options)
+    figures = requested_figures(results, kind, options)
     if jobs and not any(KINDS[figure.kind].of_jobs for figure in figures):
         raise PlotError(f"a {figures[0].kind} shows all cases: omit `--job`, or choose a `--kind` of signals")
     numbered = kind is None or not KINDS[kind].of_jobs
@@ -120,7 +120,9 @@ def _check_done(results: "Results") -> None:
 # Requested figures
 
 
-def requested(results: "Results", kind: str | None = None, options: Mapping[str, Any] = {}) -> list[Figure]:
+def requested_figures(
+    results: "Results", kind: str | None = None, options: Mapping[str, Any] = {}
+) -> list[Figure]:
     """List the figures of the study, or those of one ``kind``, with the options of the command.
 
     Raises PlotError if nothing is swept, OptionError for an option that the kind does not have.

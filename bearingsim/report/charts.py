@@ -85,9 +85,9 @@ class Chart:
 
     axes: the x axis, or those that a design offers; kind: `line`, `points`, `signal` or `design`; combinations:
     computed settings, an index per control; x: columns of the points, one per axis; points: further columns,
-    indices of curves and combinations, ids and states of jobs, index of the curve that a measured point has the
-    colour of; shades: columns from 0 to 1 by which a design
-    colours its points; marks: frequencies and names of spectral lines; names: explanations for the legend.
+    which are the indices of curves and combinations, ids and states of jobs, and the index of the curve whose
+    colour a measured point has; shades: columns from 0 to 1 by which a design colours its points; marks:
+    frequencies and names of spectral lines; names: explanations for the legend.
     """
 
     title: str
@@ -105,27 +105,27 @@ class Chart:
     marks: list[tuple[float, str]]
 
 
-def rounded(values: Iterable[float]) -> list[float | None]:
+def round_values(values: Iterable[float]) -> list[float | None]:
     """Round numbers to ``DIGITS``; None for NaN and infinity, which JSON does not have."""
     return [float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None for value in values]
 
 
-def placed(positions: "Sequence[float] | np.ndarray") -> list[float | None]:
+def round_positions(positions: "Sequence[float] | np.ndarray") -> list[float | None]:
     """Round ascending positions (n,) along a curve to a hundredth of their smallest step, or finer.
 
-    Neighbours remain apart at any distance from zero, such as samples of 20 us after 20 s.
+    Neighbours remain distinct at any distance from zero, such as samples 20 us apart after 20 s.
     """
-    steps = [after - before for before, after in pairwise(positions) if after > before]
+    steps = [following - previous for previous, following in pairwise(positions) if following > previous]
     if not steps:
-        return rounded(positions)
+        return round_values(positions)
     decimals = 2 - math.floor(math.log10(min(steps)))
     return [round(float(position), decimals) for position in positions]
 
 
-def styled(ranks: dict[str, tuple[int, int]], ordered: bool) -> list[Curve]:
-    """Style curves as in a figure; ranks: of the first path and of the others, by name of the curve.
+def style_curves(ranks: dict[str, tuple[int, int]], ordered: bool) -> list[Curve]:
+    """Style curves as in a figure; ranks: those of the values of the first and of the other paths, by curve.
 
-    ordered: many curves are shades of a scale, legible on light and on dark.
+    ordered: many curves have colours of a scale that is legible on light and dark backgrounds.
     """
     count = 1 + max((rank for rank, _ in ranks.values()), default=0)
     shades = ordered and count >= SEQUENCE_FROM
@@ -142,12 +142,12 @@ def styled(ranks: dict[str, tuple[int, int]], ordered: bool) -> list[Curve]:
 
 
 def shade(share: float) -> str:
-    """Return a colour of a scale from violet (0) to green (1), of middle lightness."""
+    """Return a colour of a scale from violet (0) to green (1), of medium lightness."""
     return f"hsl({270 - 150 * share:.0f}, 50%, 50%)"
 
 
-def settings(counts: Sequence[int]) -> list[list[int]]:
-    """List all combinations of settings of controls with these numbers of options."""
+def list_settings(counts: Sequence[int]) -> list[list[int]]:
+    """List all combinations of the settings of controls that have these numbers of options."""
     combinations: list[list[int]] = [[]]
     for count in counts:
         combinations = [[*key, index] for key in combinations for index in range(count)]

@@ -72,7 +72,7 @@ def column_of(results: "Results", rows: "pd.DataFrame", name: str) -> Column:
 
 
 def status_texts(rows: "pd.DataFrame") -> list[str]:
-    """Return the status of each job of a table; of a chaotic one `done, chaotic`."""
+    """Return the status of each job of a table; for a chaotic one `done, chaotic`."""
     is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
     return [
         status + ", chaotic" * bool(chaotic) for status, chaotic in zip(rows["status"], is_chaotic, strict=True)

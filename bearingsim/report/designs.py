@@ -8,8 +8,8 @@ from bearingsim.plots.design import is_logarithmic, trend
 from bearingsim.plots.features import design_content
 from bearingsim.plots.points import points_of
 from bearingsim.plots.units import feature_scale
-from bearingsim.report.charts import SYMBOLS, Axis, Chart, Control, Curve, Panel, rounded, settings
-from bearingsim.report.sweeps import MARKS, NAMES, panel_of, x_axis
+from bearingsim.report.charts import SYMBOLS, Axis, Chart, Control, Curve, Panel, list_settings, round_values
+from bearingsim.report.sweeps import MARKS, NAMES, make_panel, x_axis
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from bearingsim.study import Figure
 
 PLAIN = "none"
-"""Setting of the control of the colour without a parameter."""
+"""Setting of the colour control by which no parameter colours the points."""
 
 
-def design_chart(results: "Results", figure: "Figure") -> Chart:
+def make_design_chart(results: "Results", figure: "Figure") -> Chart:
     """Make the chart of a design: a panel per feature, controls for the x axis and the colour.
 
     Raises PlotError without a design.
@@ -47,8 +47,8 @@ def design_chart(results: "Results", figure: "Figure") -> Chart:
         panels=panels,
         curves=[Curve("", "curve0", (), SYMBOLS[0])],
         controls=controls,
-        combinations=settings([len(control.options) for control in controls]),
-        x=[rounded(column) for column in x],
+        combinations=list_settings([len(control.options) for control in controls]),
+        x=[round_values(column) for column in x],
         points={"job": [job[:8] for job in part["job"]], "mark": [MARKS[status] for status in part["status"]]},
         caption=", ".join(caption),
         names={key: text for key, text in NAMES.items() if key in present},
@@ -66,13 +66,18 @@ def _axis(figure: "Figure", path: str, rows: "pd.DataFrame", results: "Results")
 def _panel(figure: "Figure", name: str, rows: "pd.DataFrame", results: "Results", x: list[list[float]]) -> Panel:
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
     points = points_of(figure, name, rows, rows, results.plan["units"], scale.factor)
-    columns: dict[str, list[Any]] = {"y": rounded(points.y), "chaotic": [int(value) for value in points.chaotic]}
+    columns: dict[str, list[Any]] = {
+        "y": round_values(points.y),
+        "chaotic": [int(value) for value in points.chaotic],
+    }
     groups = [trend(column, points.y) for column in x]
     trends = [
-        [rounded(row) for row in zip(group.x, group.low, group.middle, group.high, strict=True)] if group else []
+        [round_values(row) for row in zip(group.x, group.low, group.middle, group.high, strict=True)]
+        if group
+        else []
         for group in groups
     ]
-    return panel_of(figure, name, scale, columns, trends)
+    return make_panel(figure, name, scale, columns, trends)
 
 
 def _scale_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
@@ -83,10 +88,9 @@ def _scale_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
 
 
 def _shares(rows: "pd.DataFrame", path: str) -> list[float | None]:
-    """Return the relative positions of values of a path, from its smallest (0) to its largest (1), or by its
-    words."""
+    """Return the positions of a path's values from the smallest (0) to the largest (1); words are equidistant."""
     distinct = select.values(rows, path)
     if not select.is_numeric(distinct):
-        return rounded(distinct.index(value) / max(1, len(distinct) - 1) for value in rows[path])
+        return round_values(distinct.index(value) / max(1, len(distinct) - 1) for value in rows[path])
     low, high = distinct[0], distinct[-1]
-    return rounded((value - low) / (high - low) for value in rows[path])
+    return round_values((value - low) / (high - low) for value in rows[path])

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from bearingsim.errors import UserError
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots import PlotError, select
-from bearingsim.plots.plot import draw, jobs_of, requested
+from bearingsim.plots.plot import draw, jobs_of, requested_figures
 from bearingsim.plots.style import disable_invalid_math, drawing
 from bearingsim.report import signals
 from bearingsim.report.charts import Chart
-from bearingsim.report.designs import design_chart
-from bearingsim.report.influence import Influence, influences
-from bearingsim.report.sweeps import alike, prepared_for_all, sweep_chart
+from bearingsim.report.designs import make_design_chart
+from bearingsim.report.influence import Influence, describe_influences
+from bearingsim.report.sweeps import group_alike, make_sweep_chart, prepare_unfiltered
 from bearingsim.study import Figure
 from bearingsim.study.design import BLOCK_DESIGNS
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 SIGNALS = ("series", "envelope")
 """Kinds of figures that show a job's signal on the page."""
 MAX_SVG_BYTES, PNG_DPI = 400_000, 130
-"""Size above which a picture is stored in pixels, such as that of many spectra, and their density."""
+"""Size (bytes) of an SVG, such as that of many spectra, above which a PNG is stored instead; its resolution."""
 MAX_CHART_ROWS = 10_000
 """Largest number of jobs in a chart; browsers draw more points too slowly."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """Figure as a picture: title, and its data as an address; fallback: a chart replaces it with JavaScript."""
+    """Figure as a picture: title, and its data as a URL; fallback: with JavaScript, a chart replaces it."""
 
     title: str
     address: str
@@ -41,7 +41,7 @@ class Picture:
 
 @dataclass
 class Figures:
-    """Charts, pictures and influences of parameters, and what was left out, with the reason."""
+    """Charts, pictures and influences of parameters, and the omitted figures with their reasons."""
 
     charts: list[Chart] = field(default_factory=list)
     pictures: list[Picture] = field(default_factory=list)
@@ -54,55 +54,55 @@ def collect(results: "Results", jobs: Sequence[str]) -> Figures:
 
     Raises PlotError and ResultsError for a named job without a signal.
     """
-    made = Figures()
+    content = Figures()
     try:
-        figures = requested(results)
+        figures = requested_figures(results)
     except PlotError:  # nothing is swept
         figures = []
     rows = len(select.case_rows(results))
     if rows > MAX_CHART_ROWS and figures:
         text = f"{rows} jobs are too many for charts: `bearingsim plot` draws them, with `--where` a part of them"
-        made.omissions.append(text)
+        content.omissions.append(text)
         figures = []
-    for group in alike(figures):
-        _add(made, results, group)
-    _add_signals(made, results, figures, jobs)
+    for group in group_alike(figures):
+        _add(content, results, group)
+    _add_signals(content, results, figures, jobs)
     design = results.plan["design"]
     if design and design["kind"] in BLOCK_DESIGNS:
         try:
             features = [name for figure in figures for name in figure.features]
-            made.influences += influences(
+            content.influences += describe_influences(
                 results, list(dict.fromkeys(features)) or select.default_y(results, results.table())
             )
         except UserError as error:
-            made.omissions.append(f"no sensitivity: {error}")
-    return made
+            content.omissions.append(f"no sensitivity: {error}")
+    return content
 
 
-def _add(made: Figures, results: "Results", group: Sequence[Figure]) -> None:
+def _add(content: Figures, results: "Results", group: Sequence[Figure]) -> None:
     """Add figures that differ in `where` and title only: a chart, if their kind has one, and pictures."""
     try:
         charts = list(_charts(results, group))
-        made.charts += charts
+        content.charts += charts
         for figure in group:
-            made.pictures += _pictures(results, figure, fallback=bool(charts))
+            content.pictures += _pictures(results, figure, fallback=bool(charts))
     except PlotError as error:
-        made.omissions.append(f"figure of {', '.join(group[0].y) or group[0].kind}: {error}")
+        content.omissions.append(f"figure of {', '.join(group[0].y) or group[0].kind}: {error}")
 
 
 def _charts(results: "Results", group: Sequence[Figure]) -> Iterator[Chart]:
     leading = group[0]
     if leading.kind in signals.KINDS:
         for figure in group:
-            yield from signals.signal_charts(results, figure, jobs_of(results, figure))
+            yield from signals.make_signal_charts(results, figure, jobs_of(results, figure))
     elif leading.kind == "design":
-        yield design_chart(results, leading)
+        yield make_design_chart(results, leading)
     elif not KINDS[leading.kind].of_jobs:
-        unfiltered, complete = prepared_for_all(results, leading)
+        unfiltered, complete = prepare_unfiltered(results, leading)
         if complete.scattered:
-            yield design_chart(results, leading)
+            yield make_design_chart(results, leading)
         else:
-            yield sweep_chart(results, leading, unfiltered, complete)
+            yield make_sweep_chart(results, leading, unfiltered, complete)
 
 
 def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Picture]:
@@ -122,21 +122,21 @@ def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Pi
 # Signals
 
 
-def _add_signals(made: Figures, results: "Results", figures: Sequence[Figure], jobs: Sequence[str]) -> None:
+def _add_signals(content: Figures, results: "Results", figures: Sequence[Figure], jobs: Sequence[str]) -> None:
     """Add signal and envelope spectrum of jobs; by default of the one with the largest feature of the figures."""
     if not jobs and any(figure.kind in SIGNALS for figure in figures):
         return
     try:
-        for job in jobs or [largest(results, figures)]:
+        for job in jobs or [largest_case(results, figures)]:
             for kind in SIGNALS:
-                made.charts += signals.signal_charts(results, Figure(y=(), x="", kind=kind), [job])
+                content.charts += signals.make_signal_charts(results, Figure(y=(), x="", kind=kind), [job])
     except PlotError as error:
         if jobs:
             raise
-        made.omissions.append(f"signal of a job: {error}")
+        content.omissions.append(f"signal of a job: {error}")
 
 
-def largest(results: "Results", figures: Sequence[Figure]) -> str:
+def largest_case(results: "Results", figures: Sequence[Figure]) -> str:
     """Return the id of the finished case with the largest value of the first feature of the figures."""
     rows = select.case_rows(results)
     rows = rows[rows["status"] == "done"]

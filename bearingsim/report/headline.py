@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 class Result(NamedTuple):
-    """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words.
+    """Result of a feature: its name with its meaning, its range as text, remarks, and its name in words.
 
-    error: text of the numerical error, empty if it is not estimated.
+    error: text of the numerical error, empty if it is not estimated; remarks: a line each.
     """
 
     name: str
@@ -65,7 +65,7 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
 
 
 def _on_shortest_arc(name: str, values: "pd.Series[float]") -> "pd.Series[float]":
-    """Shift phases (rad) by full turns, to the shortest arc that contains them; return other features unchanged.
+    """Shift phases (rad) by multiples of 2 pi to the shortest arc that contains them; keep other features.
 
     Phases of -179 and 179 deg are 2 deg apart, as 181 and 179 deg.
     """
@@ -73,12 +73,12 @@ def _on_shortest_arc(name: str, values: "pd.Series[float]") -> "pd.Series[float]
 
     if not name.endswith(".phase"):
         return values
-    turn = 2.0 * np.pi
-    ordered = np.sort(values % turn)
-    gaps = np.diff(ordered, append=ordered[0] + turn)
+    period = 2.0 * np.pi
+    ordered = np.sort(values % period)
+    gaps = np.diff(ordered, append=ordered[0] + period)
     begin = ordered[(int(np.argmax(gaps)) + 1) % len(ordered)]
-    arc = (values % turn - begin) % turn + begin
-    return arc - turn if begin > np.pi else arc
+    arc = (values % period - begin) % period + begin
+    return arc - period if begin > np.pi else arc
 
 
 def _ties(values: "pd.Series[float]", row: Any) -> str:
@@ -98,7 +98,7 @@ def _at_other_values(results: "Results", cases: list[str], name: str, job: str) 
     features = results.values(name)
     is_largest = features.get(job) == features.reindex(cases).max()
     counts: dict[str, list[bool]] = {}
-    for quantity, jobs in _tried(results):
+    for quantity, jobs in _varied_jobs(results):
         values = features.reindex([jobs.get(case, "") for case in cases])
         if values.notna().all():
             extreme = values.max() if is_largest else values.min()
@@ -110,8 +110,8 @@ def _at_other_values(results: "Results", cases: list[str], name: str, job: str) 
     return f" (for {', '.join(texts)})" if texts else ""
 
 
-def _tried(results: "Results") -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield each uncertain parameter with the jobs at one of its values, or one of its samples, by case."""
+def _varied_jobs(results: "Results") -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield an uncertain parameter and its jobs by case, for each of its values or random samples."""
     samples: Counter[tuple[str, str, float]] = Counter()  # samples of one case have the same value
     jobs: dict[tuple[str, float, int], dict[str, str]] = {}
     for variation in results.variations:
@@ -123,7 +123,7 @@ def _tried(results: "Results") -> Iterator[tuple[str, dict[str, str]]]:
 
 
 def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, factor: float) -> Iterator[str]:
-    """Yield the range of a feature over the cases with variations of a quantity, and these variations.
+    """Yield the range of a feature over the cases and their variations, for each uncertain parameter.
 
     Examples: `with damping 0.5 to 10 us: 183 to 723 m/s²`, `with damping 0.5 to 10 us in 3 of 90 cases: ...`;
     factor: from SI to the unit.
@@ -147,8 +147,8 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
         if len(ends) > 1 and not unknown:
             common = [float(ends["least"].max()), float(ends["largest"].min())]
-            those = "these" if len(jobs) < len(rows) else "all"
-            overlap = f"the ranges of {those} cases overlap at {_range(name, pd.Series(common), unit, factor)}"
+            pronoun = "these" if len(jobs) < len(rows) else "all"
+            overlap = f"the ranges of {pronoun} cases overlap at {_range(name, pd.Series(common), unit, factor)}"
             texts.append(overlap if common[0] < common[1] else "the ranges of some cases do not overlap")
         if jobs:
             scope = f" in {len(jobs)} of {len(rows)} cases" if len(jobs) < len(rows) else ""

@@ -19,7 +19,7 @@ class Influence(NamedTuple):
     texts: list[str]
 
 
-def influences(results: "Results", features: Sequence[str]) -> list[Influence]:
+def describe_influences(results: "Results", features: Sequence[str]) -> list[Influence]:
     """Estimate the influence of the parameters of a design on some features.
 
     Raises UserError for a design without indices or effects, or with too few jobs.
@@ -28,7 +28,7 @@ def influences(results: "Results", features: Sequence[str]) -> list[Influence]:
 
     design_of(results)
     all_blocks = [blocks_of(results, feature) for feature in features]
-    return [influence_of(blocks, analyse(blocks)) for blocks in all_blocks]
+    return [describe_influence(blocks, analyse(blocks)) for blocks in all_blocks]
 
 
 def blocks_of(results: "Results", feature: str) -> "Blocks":
@@ -45,7 +45,7 @@ def blocks_of(results: "Results", feature: str) -> "Blocks":
     return blocks
 
 
-def influence_of(blocks: "Blocks", analysis: "Indices | Effects") -> Influence:
+def describe_influence(blocks: "Blocks", analysis: "Indices | Effects") -> Influence:
     """Describe an analysis of a feature."""
     return Influence(_heading(blocks), *_table(blocks, analysis), [verdict(blocks, analysis), *_remarks(blocks)])
 
@@ -100,7 +100,7 @@ def columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
 
 
 def _without_rounding(estimate: "Estimate", rounding: float) -> "Estimate":
-    """Set values and limits to zero that are errors of rounding, such as the spread of equal effects."""
+    """Set values and limits that are only rounding errors to zero, such as the spread of equal effects."""
     return type(estimate)(*(ends * (abs(ends) > rounding) for ends in estimate))
 
 

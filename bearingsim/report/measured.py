@@ -32,7 +32,7 @@ class MeasuredTable(NamedTuple):
     numeric: tuple[int, ...] = (4, 5, 6, 7)
 
 
-def measured_tables(results: "Results", max_rows: int = MAX_ROWS) -> list[MeasuredTable]:
+def make_measured_tables(results: "Results", max_rows: int = MAX_ROWS) -> list[MeasuredTable]:
     """Return a table for each measured source of a study, of at most ``max_rows`` rows."""
     return [_table(results, entry, max_rows) for entry in results.measured]
 

@@ -15,9 +15,9 @@ from bearingsim.report.columns import Column, column_of, main_features, status_t
 from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
 from bearingsim.report.influence import Influence
-from bearingsim.report.measured import MeasuredTable, measured_tables
-from bearingsim.report.statements import FailedJob, assumption_texts, failures_of, plain
-from bearingsim.report.studied import Fact, studied, subject
+from bearingsim.report.measured import MeasuredTable, make_measured_tables
+from bearingsim.report.statements import FailedJob, assumption_texts, list_failures, plain
+from bearingsim.report.studied import Fact, describe_subject, study_facts
 from bearingsim.store import feature_bounds
 from bearingsim.text.numbers import significant, span
 
@@ -34,7 +34,7 @@ MAX_TEXT = 200_000
 
 @dataclass(frozen=True)
 class Table:
-    """Table of the jobs: columns, whether their cells are numbers, and the number of all jobs."""
+    """Table of the jobs: columns, a flag for each one with numbers, and the number of all jobs."""
 
     columns: list[Column]
     numeric: list[bool]
@@ -61,9 +61,10 @@ class Page:
     """Content of the page.
 
     subject: bearing, defect and figures in words; varied: uncertain parameters that the study varies;
-    counts: numbers of jobs by status; complete: no job is missing; written: time of writing; studied: fixed and
-    varied parameters; measured: measured and simulated features; omissions: omitted parts other than rows of the
-    table, with reasons; text: the study file; changes: overrides of the command line.
+    counts: numbers of jobs by status; complete: True if no job is missing; written: time of writing; studied:
+    fixed and varied parameters; measured: measured and simulated features; omissions: omitted parts other than
+    rows of the table, with reasons; computed: facts on the computation; text: the study file; changes: overrides
+    of the command line.
     """
 
     study: str
@@ -90,7 +91,7 @@ class Page:
     changes: str
 
 
-def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
+def make_page(results: "Results", jobs: Sequence[str] = ()) -> Page:
     """Collect the content of the page; jobs: ids of those whose signals are shown.
 
     Raises ResultsError for a folder that cannot be read, PlotError for a job without a signal.
@@ -106,13 +107,13 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     headlines = list(feature_results(results)) if done else []
     return Page(
         study=results.plan["study"],
-        subject=subject(results),
+        subject=describe_subject(results),
         varied=list(dict.fromkeys(variation["what"].replace("_", " ") for variation in results.variations)),
         counts=_counts(results.frame["status"]),
         complete=bool((results.frame["status"] != "missing").all()),
         written=f"Written {now()[:16].replace('T', ' ')} UTC.",
         quick=bool(results.plan["quick"]),
-        studied=list(studied(results)),
+        studied=list(study_facts(results)),
         results=headlines,
         accuracy=[
             with_symbols(plain(text))
@@ -126,8 +127,8 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         omissions=figures.omissions,
         table=_table(results, table),
         assumptions=[with_symbols(plain(text)) for text in assumptions if text not in end_of_run.warnings],
-        failures=failures_of(results),
-        measured=measured_tables(results),
+        failures=list_failures(results),
+        measured=make_measured_tables(results),
         computed=list(_computed(results)),
         text=_study_text(results),
         changes=" ".join(f"{path}={value}" for path, value in results.plan["overrides"].items()),
@@ -135,7 +136,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
 
 
 def with_symbols(text: str) -> str:
-    """Return a statement with the symbol of micro in its units, as in figures."""
+    """Replace `u` by `µ` in the units of a statement, as in figures."""
     return re.sub(r"(?<=\d )u(?=[ms]\b)", "µ", text)
 
 
@@ -163,7 +164,7 @@ def _table(results: "Results", table: "pd.DataFrame") -> Table:
 
 
 def _in_words(results: "Results", column: Column, name: str, rows: "pd.DataFrame") -> Column:
-    """Return a column of a swept parameter with its name in words, and a healthy bearing named as such."""
+    """Return a swept parameter's column with its name in words, and `healthy` in cells without a defect."""
     if name not in results.plan["units"]:
         return column
     healthy_jobs = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}

@@ -16,17 +16,17 @@ from bearingsim.report.charts import OPEN_SYMBOLS
 from bearingsim.report.page import Page
 
 MAX_BYTES = 2_000_000
-"""Size of a page above which parts of it are left out."""
+"""Size (bytes) of a page above which parts of it are omitted."""
 MARK = "bearingsim report"
 """Name of the generator in the file. Only a file that contains it is replaced by a new report."""
 FEW_ROWS = 200
-"""Number of rows of the table in a page that would be too large."""
+"""Number of rows of the table in a page that would otherwise be too large."""
 ESCAPES = {ord(letter): f"\\u{ord(letter):04x}" for letter in "<>&\u2028\u2029"}
 """Characters that would end a script, or a string in it."""
 
 
-def html(page: Page, reload_s: float | None = None) -> str:
-    """Return the page as HTML, of at most about ``MAX_BYTES``; it lists what was left out.
+def render_html(page: Page, reload_s: float | None = None) -> str:
+    """Return the page as HTML, of about ``MAX_BYTES`` at most; it lists the omitted parts.
 
     reload_s: time (s) after which a browser loads the page again.
     """
@@ -63,15 +63,15 @@ def _render(page: Page, reload_s: float | None) -> str:
         page=page,
         mark=MARK,
         outlines=OPEN_SYMBOLS,
-        policy=policy([echarts, script], [style]),
-        data=Markup(embedded({"charts": [asdict(chart) for chart in page.charts], "reload": reload_s})),
+        policy=security_policy([echarts, script], [style]),
+        data=Markup(embed_json({"charts": [asdict(chart) for chart in page.charts], "reload": reload_s})),
         echarts=Markup(echarts),
         script=Markup(script),
         style=Markup(style),
     )
 
 
-def policy(scripts: list[str], styles: list[str]) -> str:
+def security_policy(scripts: list[str], styles: list[str]) -> str:
     """Return the content security policy: only these scripts and styles, images only from the page itself."""
     sources = {"script-src": " ".join(map(_digest, scripts)), "style-src": " ".join(map(_digest, styles))}
     rules = [f"{name} {value}" for name, value in sources.items()]
@@ -82,18 +82,18 @@ def _digest(text: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
-def embedded(data: Mapping[str, Any]) -> str:
+def embed_json(data: Mapping[str, Any]) -> str:
     """Return data as JSON that can be embedded in a script. Raises ValueError for NaN or infinity."""
-    text = json.dumps(visible(data), allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    text = json.dumps(escape_invisible(data), allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     return text.translate(ESCAPES)
 
 
-def visible(value: Any) -> Any:
+def escape_invisible(value: Any) -> Any:
     """Spell out control and bidirectional characters in a text, and in all texts of a mapping or list."""
     if isinstance(value, Mapping):
-        return {visible(key): visible(item) for key, item in value.items()}
+        return {escape_invisible(key): escape_invisible(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [visible(item) for item in value]
+        return [escape_invisible(item) for item in value]
     if not isinstance(value, str) or isinstance(value, Markup) or value.isprintable():
         return value
     return "".join(c if c.isprintable() or c in "\n\t\u00a0" else f"\\u{ord(c):04x}" for c in value)
@@ -104,7 +104,7 @@ def _environment() -> Environment:
     return Environment(
         loader=PackageLoader("bearingsim.report"),
         autoescape=True,
-        finalize=visible,
+        finalize=escape_invisible,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

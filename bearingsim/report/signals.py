@@ -13,7 +13,17 @@ from bearingsim.plots.recorded import Job
 from bearingsim.plots.series import series_of
 from bearingsim.plots.spectra import spectra_of
 from bearingsim.plots.units import Scale
-from bearingsim.report.charts import COLOURS, DASHES, Axis, Chart, Curve, Panel, placed, rounded, styled
+from bearingsim.report.charts import (
+    COLOURS,
+    DASHES,
+    Axis,
+    Chart,
+    Curve,
+    Panel,
+    round_positions,
+    round_values,
+    style_curves,
+)
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -25,7 +35,7 @@ MAX_POINTS = 2000
 """Largest number of points of a curve; longer ones are reduced to the extremes of equal parts."""
 
 
-def signal_charts(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[Chart]:
+def make_signal_charts(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[Chart]:
     """Make a chart per job (or row of the figure) and channel. Raises PlotError, ResultsError."""
     if figure.kind == "series":
         content, _, _ = series_of(results, figure, jobs)
@@ -57,7 +67,7 @@ def _chart(
     marked = figure.kind != "series" and share_lines(records)
     highest = max(float(curve.points[0][-1]) for curve in drawn)
     healthy = Curve("healthy", "faint", (), "none")
-    curves = styled({name: (number, 0) for number, name in enumerate(names)}, ordered=False)
+    curves = style_curves({name: (number, 0) for number, name in enumerate(names)}, ordered=False)
     return Chart(
         title=figure.title or ": ".join(filter(None, [KINDS[figure.kind], title])),
         kind="signal",
@@ -67,7 +77,7 @@ def _chart(
                 Axis(label, [], "y" in figure.log),
                 "",
                 scale.unit.replace(labels.NO_BREAK, " "),
-                {"y": [value for _, y in reduced for value in rounded(y)]},
+                {"y": [value for _, y in reduced for value in round_values(y)]},
                 [],
             )
         ],
@@ -79,7 +89,7 @@ def _chart(
         ],
         controls=[],
         combinations=[[]],
-        x=[[value for x, _ in reduced for value in placed(x)]],
+        x=[[value for x, _ in reduced for value in round_positions(x)]],
         points={
             "curve": [number for number, count in enumerate(counts) for _ in range(count)],
             "combination": [0] * sum(counts),
@@ -101,7 +111,7 @@ def _marks(job: Job, highest: float) -> list[tuple[float, str]]:
 
 
 def reduce(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Keep the smallest and the largest value of equal parts of a curve (n,), at most ``MAX_POINTS`` points."""
+    """Reduce a curve (n,) to the minimum and maximum of equal parts, with at most ``MAX_POINTS`` points."""
     if len(x) <= MAX_POINTS:
         return x, y
     parts = np.array_split(np.arange(len(x)), MAX_POINTS // 2)

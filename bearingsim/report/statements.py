@@ -21,9 +21,9 @@ VALUES = {
         "halving or doubling it changes the RMS by up to half, the line at the defect frequency by up to a tenth",
     ),
 }
-"""Name and path of the parameter that an uncertainty varies, and its effect (docs/evidence/form.md)."""
+"""Name and path of the parameter that an entry of `uncertainty` varies, and its effect (docs/evidence/form.md)."""
 PAGES = re.compile(r" \(docs/[^)]*\)|; docs/[^)]*(?=\))")
-"""Names of pages of the documentation in a statement."""
+"""References to pages of the documentation in a statement."""
 CLEARANCE_MARGIN = 10.0  # um; example of the uncertainty of a clearance given as a length
 
 
@@ -83,7 +83,7 @@ class FailedJob(NamedTuple):
     traceback: str
 
 
-def failures_of(results: "Results") -> list[FailedJob]:
+def list_failures(results: "Results") -> list[FailedJob]:
     """List the failed jobs of a study, in the order of its plan."""
     stored, swept = results.failures(), {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     rows = set(results.jobs)
@@ -102,7 +102,7 @@ def failures_of(results: "Results") -> list[FailedJob]:
 def _case_text(
     swept: Mapping[str, dict[str, Any]], units: Mapping[str, str], job: str, variation: dict[str, Any] | None
 ) -> str:
-    """Describe a job by its swept values; of a variation those of its case, and the uncertain value."""
+    """Describe a job by its swept values; a variation by those of its case and the varied value."""
     from bearingsim.plots.labels import printed, swept_text
     from bearingsim.study.uncertainty import PARAMETER_KINDS
 

@@ -39,8 +39,8 @@ Fact = tuple[str, str]
 """Name of a fact, and its value."""
 
 
-def studied(results: "Results") -> Iterator[Fact]:
-    """Yield the bearing, the swept and uncertain parameters with their values, the defect, and all others."""
+def study_facts(results: "Results") -> Iterator[Fact]:
+    """Yield facts on the bearing, swept and uncertain parameters, design, defect, fixed parameters, directions."""
     rows, units = select.case_rows(results), results.plan["units"]
     parameters = results.parameters()
     parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
@@ -80,11 +80,11 @@ def studied(results: "Results") -> Iterator[Fact]:
         yield "Fixed", ", ".join(fixed)
     if len(parameters) and "rig.sensor.angle" in parameters and "rig.sensor.angle" not in varied:
         angle = _span("rig.sensor.angle", parameters, units)
-        origin = "angles from the load line, the middle of the load zone"
+        origin = "angles from the load line, the centre of the load zone"
         yield "Directions", f"{origin}; sensor at {angle}, positive outward"
 
 
-def subject(results: "Results") -> str:
+def describe_subject(results: "Results") -> str:
     """Describe bearing, defect and the features of the figures: `NU210, outer race: RMS velocity over load`."""
     rows, units = select.case_rows(results), results.plan["units"]
     parameters = results.parameters()
@@ -102,7 +102,7 @@ def subject(results: "Results") -> str:
 
 
 def _bearing(parameters: "pd.DataFrame", units: dict[str, str], uncertain_clearance: bool) -> Iterator[str]:
-    """Yield name, number of rollers and dimensions of the bearing, or their ranges; empty ones are left out."""
+    """Yield name, number of rolling elements and dimensions of the bearing, or their ranges over the cases."""
     yield " / ".join(dict.fromkeys(map(str, parameters["bearing.name"])))
     elements = " / ".join(f"{element}s" for element in dict.fromkeys(parameters["bearing.element"]))
     yield f"Z = {_span('bearing.rollers', parameters, units)} {elements}"

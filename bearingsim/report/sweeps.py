@@ -1,4 +1,4 @@
-"""Charts of sweeps: features over a parameter, with a control for each parameter off the axes."""
+"""Charts of sweeps: features over a parameter, with a control for each parameter that is not on an axis."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,7 +11,7 @@ from bearingsim.plots.overlay import Drawing, position_in
 from bearingsim.plots.points import curve_rows, order_of, points_of
 from bearingsim.plots.style import SEQUENCE_FROM
 from bearingsim.plots.units import FeatureScale, feature_scale
-from bearingsim.report.charts import OPEN_SYMBOLS, Axis, Chart, Control, Curve, Panel, rounded, styled
+from bearingsim.report.charts import OPEN_SYMBOLS, Axis, Chart, Control, Curve, Panel, round_values, style_curves
 from bearingsim.study.measured_values import same
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Figure
 
 COLUMNS = ("y", "low", "high", "error", "healthy")
-"""Numbers of a point in a panel."""
+"""Columns of a panel with a number per point."""
 MARKS = {"done": "", "failed": "×", "missing": "|"}
 """Marks of jobs on the x axis, by their state."""
 NAMES = {
@@ -34,16 +34,16 @@ NAMES = {
 """Explanations of marks, by column or state."""
 
 
-def alike(figures: Sequence["Figure"]) -> list[list["Figure"]]:
-    """Group figures that differ in `where` and title only; they share a chart."""
+def group_alike(figures: Sequence["Figure"]) -> list[list["Figure"]]:
+    """Group figures that differ only in `where` and title, because they share a chart."""
     groups: dict[str, list[Figure]] = {}
     for figure in figures:
         groups.setdefault(repr(replace(figure, where={}, title=None)), []).append(figure)
     return list(groups.values())
 
 
-def prepared_for_all(results: "Results", figure: "Figure") -> tuple["Figure", Prepared]:
-    """Return a figure without its `where`, and its completion: the page has controls for what `where` selects.
+def prepare_unfiltered(results: "Results", figure: "Figure") -> tuple["Figure", Prepared]:
+    """Return a figure without its `where`, and its completion, because a chart has controls instead of `where`.
 
     Raises PlotError.
     """
@@ -54,15 +54,15 @@ def prepared_for_all(results: "Results", figure: "Figure") -> tuple["Figure", Pr
     return unfiltered, prepared(results, unfiltered, rows)
 
 
-def sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure", complete: Prepared) -> Chart:
+def make_sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure", complete: Prepared) -> Chart:
     """Make the chart of a figure; it starts with the setting of ``leading``.
 
-    unfiltered, complete: from ``prepared_for_all``.
+    unfiltered, complete: from ``prepare_unfiltered``.
     """
     figure, rows, units = complete.figure, complete.rows, results.plan["units"]
     by = tuple(path for path in figure.by if path in unfiltered.by) or _default_by(figure, rows)
     paths = [path for path in (*figure.panels, *figure.by) if path not in by]
-    rows = _begun(rows, _controls(figure, paths, rows, units)[1])
+    rows = _drop_unbegun(rows, _controls(figure, paths, rows, units)[1])
     complete = complete._replace(rows=rows)
     controls, keys = _controls(figure, paths, rows, units)
     combinations = sorted(set(keys))
@@ -82,7 +82,7 @@ def sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure", com
         kind="line" if numeric and figure.kind != "phase" else "points",  # a phase wraps
         axes=[x_axis(figure, figure.x, rows, units)],
         panels=panels,
-        curves=[*styled(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))), *measured],
+        curves=[*style_curves(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))), *measured],
         controls=[replace(control, start=start[i]) for i, control in enumerate(controls)],
         combinations=[list(key) for key in combinations],
         x=[points.x],
@@ -121,10 +121,10 @@ def x_axis(figure: "Figure", path: str, rows: "pd.DataFrame", units: Mapping[str
 def _controls(
     figure: "Figure", paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> tuple[list[Control], list[tuple[int, ...]]]:
-    """Make a control for each path, with those that follow it; return the settings of each row, too."""
+    """Make a control for each path and those tied to it; also return the settings of each row."""
     controls, columns = [], []
     followers = list(select.undrawn_paths(figure, rows, units))
-    for tied in _tied(paths, rows):
+    for tied in _group_tied(paths, rows):
         group = [*tied, *(path for path, leader in followers if leader in tied)]
         values = [tuple(row) for row in rows[group].itertuples(index=False)]
         numeric = select.is_numeric(select.values(rows, group[0]))
@@ -136,7 +136,7 @@ def _controls(
     return controls, list(zip(*columns, strict=True)) if columns else [()] * len(rows)
 
 
-def _begun(rows: "pd.DataFrame", keys: Sequence[tuple[int, ...]]) -> "pd.DataFrame":
+def _drop_unbegun(rows: "pd.DataFrame", keys: Sequence[tuple[int, ...]]) -> "pd.DataFrame":
     """Drop the rows of settings in which no job is done or failed yet, unless that leaves none."""
     begun = {key for key, status in zip(keys, rows["status"], strict=True) if status != "missing"}
     return rows[[key in begun for key in keys]] if begun else rows
@@ -152,8 +152,8 @@ def _first(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, s
         return 0
 
 
-def _tied(paths: Sequence[str], rows: "pd.DataFrame") -> list[list[str]]:
-    """Group paths by `zip` and `derived`: those with one value per value of another join it."""
+def _group_tied(paths: Sequence[str], rows: "pd.DataFrame") -> list[list[str]]:
+    """Group paths that `zip` or `derived` ties: each value of one determines that of another."""
     groups: list[list[str]] = []
     for path in paths:
         tied = next((group for group in groups if rows.groupby(group)[path].nunique().max() <= 1), None)
@@ -174,7 +174,7 @@ def _setting(group: Sequence[str], values: Sequence[Any], units: Mapping[str, st
 def _ranks(
     figure: "Figure", by: tuple[str, ...], rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> dict[str, tuple[int, int]]:
-    """Return the ranks of a curve's values of the first path and of the others, by the name of the curve."""
+    """Return the ranks of a curve's values on the first path and on the others, by the name of the curve."""
     leading_ranks: dict[str, int] = {}
     other_ranks: dict[str, int] = {}
     ranks: dict[str, tuple[int, int]] = {}
@@ -190,7 +190,7 @@ def _ranks(
 
 @dataclass
 class _Points:
-    """Columns of points that all panels share: filled by the first panel.
+    """Columns of points that all panels share; the first panel fills them.
 
     by: paths of the curves; curves: their names; combinations: computed settings; keys: setting of each row;
     owner: number of the curve of a measured point, by the number of the point.
@@ -208,7 +208,7 @@ class _Points:
     owner: dict[int, int] = field(default_factory=dict)
 
     def columns(self) -> dict[str, list[Any]]:
-        """Return the columns, with that of the curves of measured points if there are any."""
+        """Return the columns; `owner` only if measured points belong to curves."""
         shared: dict[str, list[Any]] = {
             "curve": self.curve, "combination": self.combination, "job": self.job, "mark": self.mark
         }  # fmt: skip
@@ -227,7 +227,7 @@ class _Points:
 
 
 def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, str], shared: _Points) -> Panel:
-    """Collect the points of one feature, curve by curve as in the figure: error bounds refer to whole curves."""
+    """Collect the points of a feature by curves, as in the figure, because error bounds refer to whole curves."""
     rows = complete.rows
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
     columns: dict[str, list[Any]] = {key: [] for key in (*COLUMNS, "chaotic")}
@@ -238,19 +238,19 @@ def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, 
                 continue
             points = points_of(figure, name, curve, rows, units, scale.factor)
             for key in COLUMNS:
-                columns[key] += rounded(getattr(points, key))
+                columns[key] += round_values(getattr(points, key))
             columns["chaotic"] += [int(value) for value in points.chaotic]
             if is_first:
                 shared.curve += [shared.curve_of(curve.iloc[0].to_dict(), units)] * len(curve)
                 shared.combination += [shared.combinations.index(shared.keys[index]) for index in curve.index]
-                shared.x += rounded(points.x)
+                shared.x += round_values(points.x)
                 shared.job += [job[:8] for job in points.jobs]
                 shared.mark += [MARKS[state] for state in points.status]
-    return panel_of(figure, name, scale, columns)
+    return make_panel(figure, name, scale, columns)
 
 
 def _add_measured(results: "Results", complete: Prepared, shared: _Points, panels: Sequence[Panel]) -> list[Curve]:
-    """Add the measured points to the columns, in each setting at their parameters; return a curve per source."""
+    """Add the measured points to the columns of each setting to which they belong; return a curve per source."""
     figure, rows, units = complete.figure, complete.rows, results.plan["units"]
     drawing = Drawing(figure, rows, units)
     curves: list[Curve] = []
@@ -272,7 +272,7 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
                 owners = _curves_at(members, point["parameters"], shared.by)
                 if len(owners) == 1:
                     shared.owner[len(shared.x)] = owners[0]
-                shared.x += rounded([x])
+                shared.x += round_values([x])
                 shared.curve.append(len(shared.curves) + len(curves))
                 shared.combination.append(combination)
                 shared.job.append("")
@@ -283,7 +283,7 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
                     for column, cells in panel.columns.items():
                         cells.append(0 if column == "chaotic" else None)
                     if scaled is not None:
-                        panel.columns["y"][-1] = rounded([scaled])[0]
+                        panel.columns["y"][-1] = round_values([scaled])[0]
         if len(shared.x) > count:
             curves.append(Curve(entry.legend, "ink", (), [*OPEN_SYMBOLS][number % len(OPEN_SYMBOLS)], True))
     return curves
@@ -301,7 +301,7 @@ def _curves_at(
     ]
 
 
-def panel_of(
+def make_panel(
     figure: "Figure",
     name: str,
     scale: FeatureScale,

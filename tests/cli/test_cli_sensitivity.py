@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
-from bearingsim.report.influence import influences
+from bearingsim.report.influence import describe_influences
 from bearingsim.sensitivity import SensitivityError
 from tests.scenes.commands import type_
 from tests.scenes.design_results import SLOPES, run_design
@@ -116,7 +116,7 @@ def test_morris_effects_are_slopes(tmp_path):
 def test_spread_by_rounding_is_zero():
     """Effects of a plane are equal up to rounding: their standard deviation is 0, not 4e-16."""
     opened = design_results("morris", n=9, of=lambda points: points @ np.array([3e-6, 2e-6, 0.0]))
-    [table] = influences(opened, [LINE])
+    [table] = describe_influences(opened, [LINE])
     assert [row[1:5] for row in table.rows] == [
         ["3", "3 .. 3", "0", "0 .. 0"],
         ["2", "2 .. 2", "0", "0 .. 0"],
@@ -127,7 +127,7 @@ def test_spread_by_rounding_is_zero():
 def test_indices_do_not_depend_on_the_unit():
     """Rounding of a feature is in its unit, an index is a share."""
     [small], [large] = (
-        influences(
+        describe_influences(
             design_results(of=lambda points, scale=scale: scale * points @ np.array([3.0, 2.0, 1.0])), [LINE]
         )
         for scale in (1.0, 1e13)
@@ -140,7 +140,7 @@ def test_small_effects_of_a_small_feature_are_no_rounding():
 
     def spread(size):
         opened = design_results("morris", n=9, of=lambda points: size * (points[:, 1] + 0.01 * points[:, 0] ** 2))
-        [table] = influences(opened, [LINE])
+        [table] = describe_influences(opened, [LINE])
         [row] = [row for row in table.rows if row[0] == "defect.width"]
         return float(row[table.headers.index("sigma (µm/s)")])
 
@@ -151,7 +151,7 @@ def test_numerical_errors_have_no_influence():
     """Below 1e-11 m/s a line is zero within numerical errors, whatever its variance."""
     opened = design_results("morris", n=9, of=lambda points: 1e-14 * points[:, 0])
     with pytest.raises(SensitivityError, match="zero within numerical errors in all jobs"):
-        influences(opened, [LINE])
+        describe_influences(opened, [LINE])
 
 
 @pytest.mark.parametrize(

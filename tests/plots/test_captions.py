@@ -7,8 +7,8 @@ from matplotlib.colors import to_rgb
 
 from bearingsim.plots import labels, style
 from bearingsim.plots.plot import drawn
-from bearingsim.report.page import page_of
-from bearingsim.report.studied import studied
+from bearingsim.report.page import make_page
+from bearingsim.report.studied import study_facts
 from tests.scenes.figure_results import FIGURES, STUDY, only, record, results
 
 __all__ = ["results"]
@@ -40,9 +40,9 @@ def test_caption_names_a_flexible_ring_with_its_support_and_the_sensor(results):
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     ring = "flexible ring, 8 harmonics, load path housing, housing stiffness 1e10 N/m², fit -10 µm"
     assert f"{ring}, sensor on housing, sensor at 30°" in caption
-    facts = dict(studied(opened))
+    facts = dict(study_facts(opened))
     assert ring in facts["Fixed"]
-    assert dict(page_of(opened).computed)["Outer ring"].startswith(ring)
+    assert dict(make_page(opened).computed)["Outer ring"].startswith(ring)
 
 
 def test_caption_and_report_agree_on_friction(results):
@@ -50,7 +50,7 @@ def test_caption_and_report_agree_on_friction(results):
     opened = results(STUDY.replace("[static, ring]", "[planar]") + "friction: none\n" + FIGURES)
     _, canvas = only(drawn(opened))
     assert "friction none" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
-    computed = dict(page_of(opened).computed)
+    computed = dict(make_page(opened).computed)
     assert computed["Friction"] == "none (8 runs)"
     assert computed["planar"].endswith("with slip if there is friction")
 
@@ -58,7 +58,7 @@ def test_caption_and_report_agree_on_friction(results):
 def test_report_counts_the_runs_with_friction_only(results):
     """The model `ring` has none, so that its runs have no law."""
     opened = results(STUDY.replace("[static, ring]", "[ring, planar]") + FIGURES)
-    assert dict(page_of(opened).computed)["Friction"] == "static-dynamic (8 runs)"
+    assert dict(make_page(opened).computed)["Friction"] == "static-dynamic (8 runs)"
 
 
 def test_caption_states_a_numerical_error_over_one_percent(results, monkeypatch):

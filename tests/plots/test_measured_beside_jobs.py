@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.plots.overlay import signal_points
 from bearingsim.plots.plot import drawn
-from bearingsim.report.signals import signal_charts
+from bearingsim.report.signals import make_signal_charts
 from bearingsim.study import Figure
 from tests.scenes.figure_results import BPFO, only, results, text_of
 from tests.scenes.signal_results import STUDY, make_results
@@ -99,7 +99,7 @@ def test_curves_of_many_measured_signals_differ_on_the_page(make_results, tmp_pa
         save(tmp_path, name, 51200, 0.1)
     stored = make_results(with_measured(*names))
     (job,) = {job for job in stored.jobs if any(signal_points(stored, job))}
-    (chart,) = signal_charts(stored, Figure(y=(), x="", kind="series"), [job])
+    (chart,) = make_signal_charts(stored, Figure(y=(), x="", kind="series"), [job])
     assert len(chart.curves) == 10
     assert len({(curve.colour, curve.dash) for curve in chart.curves}) == 10
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from bearingsim.report.page import page_of
-from bearingsim.report.render import html
+from bearingsim.report.page import make_page
+from bearingsim.report.render import render_html
 from tests.plots.test_plot_designs import HEAD, OVER
 from tests.report.chromium import PROGRAM, Tab, browser
 from tests.scenes import figure_results
@@ -57,7 +57,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
             folder = tmp_path_factory.mktemp(name)
             opened = figure_results.results.__wrapped__(folder, None)(text, lost)  # type: ignore[attr-defined]
             written[name] = opened.path / "report.html"
-            written[name].write_text(html(page_of(opened)), encoding="utf-8")
+            written[name].write_text(render_html(make_page(opened)), encoding="utf-8")
     return written
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bearingsim.report.charts import placed
+from bearingsim.report.charts import round_positions
 from bearingsim.report.signals import MAX_POINTS, reduce
-from bearingsim.report.statements import failures_of
+from bearingsim.report.statements import list_failures
 from bearingsim.study import load_study
 from bearingsim.text.yamlfile import StudyError
 from tests.plots.test_plot_designs import HEAD, SOBOL
@@ -115,7 +115,7 @@ def test_failed_jobs_are_named_by_their_case(results):
     """The nominal clearance is that of the study: the case itself, not a variation of it."""
     text = STUDY.replace("  load: [150 N, 300 N]\n  model: [static, ring]\n", "")
     uncertain = "uncertainty: {clearance: [0 um, 10 um], bracket: [0.5, 2]}\n"
-    failures = failures_of(results(text + uncertain, dict.fromkeys((0, 4, 7), "failed")))
+    failures = list_failures(results(text + uncertain, dict.fromkeys((0, 4, 7), "failed")))
     assert [failure.case for failure in failures] == [
         "length 3 mm",
         "length 3 mm, clearance 0 µm",
@@ -152,8 +152,8 @@ def test_long_signals_keep_their_extremes():
 def test_samples_far_from_zero_keep_their_places():
     """Samples at 51.2 kHz after 20 s, in ms: neighbours differ in the seventh digit."""
     time = 20_000.0 + np.arange(513) / 51.2
-    assert placed(time) == pytest.approx(time, abs=0.01 / 51.2)
-    assert placed([5.0, 5.0]) == [5.0, 5.0]
+    assert round_positions(time) == pytest.approx(time, abs=0.01 / 51.2)
+    assert round_positions([5.0, 5.0]) == [5.0, 5.0]
 
 
 def test_page_is_opened_in_a_browser(results, monkeypatch):

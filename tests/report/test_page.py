@@ -8,12 +8,12 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from bearingsim.report.charts import rounded
-from bearingsim.report.designs import design_chart
+from bearingsim.report.charts import round_values
+from bearingsim.report.designs import make_design_chart
 from bearingsim.report.figures import collect
 from bearingsim.report.headline import feature_results
-from bearingsim.report.page import page_of
-from bearingsim.report.render import embedded, html, policy
+from bearingsim.report.page import make_page
+from bearingsim.report.render import embed_json, render_html, security_policy
 from bearingsim.store import open_results, read_plan
 from bearingsim.store.sealed import write_json
 from bearingsim.study import Figure
@@ -44,7 +44,7 @@ def test_own_script_is_short():
 
 def test_points_are_those_of_the_table(results):
     opened = results(STUDY + FIGURES)
-    chart = data_of(html(page_of(opened)))["charts"][0]
+    chart = data_of(render_html(make_page(opened)))["charts"][0]
     table = opened.table().set_index("job")
     ids = {job[:8]: job for job in table.index}
     for number, job in enumerate(chart["points"]["job"]):
@@ -58,13 +58,13 @@ def test_points_are_those_of_the_table(results):
 
 
 def test_nan_and_infinity_become_null():
-    assert rounded([1.23456789e-7, np.nan, np.inf]) == [1.23457e-7, None, None]
+    assert round_values([1.23456789e-7, np.nan, np.inf]) == [1.23457e-7, None, None]
     with pytest.raises(ValueError, match="JSON"):
-        embedded({"a": np.nan})
+        embed_json({"a": np.nan})
 
 
 def test_texts_cannot_end_the_script():
-    assert embedded({"a": "</script><!-- & \u2028\u202e"}) == (
+    assert embed_json({"a": "</script><!-- & \u2028\u202e"}) == (
         '{"a":"\\u003c/script\\u003e\\u003c!-- \\u0026 \\\\u2028\\\\u202e"}'
     )
 
@@ -106,7 +106,7 @@ def test_result_has_the_frequency_of_its_line_unless_that_changes(results, ramp,
     opened = results(
         STUDY.replace("[static, ring]", "[planar]") + ramp + "figures: [{y: velocity@BPFO, x: load}]\n"
     )
-    assert [result.name for result in page_of(opened).results] == [name]
+    assert [result.name for result in make_page(opened).results] == [name]
 
 
 @pytest.mark.parametrize(
@@ -125,20 +125,20 @@ def test_step_errors_are_stated_once(results, monkeypatch, feature, errors, stat
         return result
 
     monkeypatch.setattr("tests.scenes.figure_results.record", made)
-    shown = page_of(results(f"{STUDY}figures: [{{y: {feature}, x: load}}]\n"))
+    shown = make_page(results(f"{STUDY}figures: [{{y: {feature}, x: load}}]\n"))
     assert [result.error for result in shown.results] == errors
     assert shown.accuracy == statements
 
 
 def test_band_is_named_if_all_records_have_it(results):
     figures = "figures: [{y: velocity.rms, x: load}]\n"
-    [rms] = page_of(results(STUDY + figures)).results
+    [rms] = make_page(results(STUDY + figures)).results
     assert rms.name == "velocity.rms (0-4.1 kHz)"
 
 
 def test_band_is_not_named_if_records_differ(results):
     text = STUDY.replace("model: [static, ring]", "sampling: [10240 Hz, 20480 Hz]")
-    [rms] = page_of(results(text + "figures: [{y: velocity.rms, x: load}]\n")).results
+    [rms] = make_page(results(text + "figures: [{y: velocity.rms, x: load}]\n")).results
     assert rms.name == "velocity.rms"
 
 
@@ -156,7 +156,7 @@ def test_error_bound_of_a_case_is_the_largest_of_its_features_in_per_cent(result
     opened.plan["accuracy"] = {
         "of": list(errors), "within": 0.05, "jobs": choices, "curves": [], "audits": [], "notes": [],
     }  # fmt: skip
-    columns = dict(page_of(opened).table.columns)
+    columns = dict(make_page(opened).table.columns)
     assert set(columns["error bound (%)"]) == {"4"}
 
 
@@ -164,10 +164,10 @@ def test_study_is_that_of_the_results(results):
     """An edited study.yaml in the results folder describes the next run."""
     finished = results()
     (finished.path / "study.yaml").write_text("study: another\n")
-    assert page_of(finished, []).text == STUDY + FIGURES
+    assert make_page(finished, []).text == STUDY + FIGURES
     plan = {name: entry for name, entry in read_plan(finished.path).items() if name != "text"}
     write_json(finished.path / "plan.json", plan)  # as an earlier version wrote it
-    assert page_of(open_results(finished.path), []).text == "study: another\n"
+    assert make_page(open_results(finished.path), []).text == "study: another\n"
 
 
 def test_phases_are_points(results):
@@ -178,7 +178,7 @@ def test_phases_are_points(results):
 
 def test_points_of_a_design_are_coloured_from_the_smallest_to_the_largest_value(results):
     opened = results(SOBOL)
-    chart = design_chart(opened, Figure(y=("velocity@BPFO",), x="", kind="design"))
+    chart = make_design_chart(opened, Figure(y=("velocity@BPFO",), x="", kind="design"))
     load = np.array(chart.x[0], dtype=float)
     assert chart.shades[0] == pytest.approx((load - load.min()) / np.ptp(load), abs=1e-5)
 
@@ -194,7 +194,7 @@ def test_signal_is_of_the_case_with_the_largest_line_and_sidebands_have_no_name(
 
 def test_policy_allows_only_the_content_of_the_page():
     """Digests of `a` and `b` by `printf a | openssl dgst -sha256 -binary | base64`."""
-    assert policy(["a"], ["b"]).split("; ") == [
+    assert security_policy(["a"], ["b"]).split("; ") == [
         "default-src 'none'",
         "script-src 'sha256-ypeBEsobvcr6wjGzmiPcTaeG7/gUfE5yuYB3ha/uSLs='",
         "style-src 'sha256-PiPoFgA5WUoziU9lZOGxNIu9egCI1CxKy3PurtWcAJ0='",

@@ -5,8 +5,8 @@ import time
 from pathlib import Path
 
 from bearingsim.report import figures, page, render
-from bearingsim.report.page import page_of
-from bearingsim.report.render import html
+from bearingsim.report.page import make_page
+from bearingsim.report.render import render_html
 from tests.scenes import figure_results
 from tests.scenes.figure_results import FIGURES, STUDY, results
 
@@ -31,7 +31,7 @@ def test_page_of_fig16_is_small_and_soon_written(results, monkeypatch):
     )
     assert len(opened.planned) == 626
     start = time.process_time()
-    text = html(page_of(opened))
+    text = render_html(make_page(opened))
     assert time.process_time() - start < 10.0
     assert len(text.encode()) < 1.4e6
 
@@ -39,8 +39,8 @@ def test_page_of_fig16_is_small_and_soon_written(results, monkeypatch):
 def test_large_pages_list_omitted_content(results, monkeypatch):
     monkeypatch.setattr(render, "MAX_BYTES", 500_000)
     monkeypatch.setattr(render, "FEW_ROWS", 5)
-    shown = page_of(results(STUDY + FIGURES))
-    text = html(shown)
+    shown = make_page(results(STUDY + FIGURES))
+    text = render_html(shown)
     assert text.count("<noscript>") == 1
     assert "base64" not in text[text.index("<noscript>") : text.index("</noscript>")]
     for reason in (
@@ -56,7 +56,7 @@ def test_only_what_is_left_out_is_listed(results, monkeypatch):
     monkeypatch.setattr(page, "MAX_ROWS", 8)
     monkeypatch.setattr(render, "MAX_BYTES", 0)
     monkeypatch.setattr(render, "FEW_ROWS", 5)
-    text = html(page_of(results(lost=dict.fromkeys(range(16), "missing"))))
+    text = render_html(make_page(results(lost=dict.fromkeys(range(16), "missing"))))
     omitted = text[text.index('id="omitted"') : text.index("</ul>", text.index('id="omitted"'))]
     assert re.findall("<li>(.*)</li>", omitted) == ["11 of 16 rows of the table: results.csv has all"]
 
@@ -64,7 +64,7 @@ def test_only_what_is_left_out_is_listed(results, monkeypatch):
 def test_too_many_jobs_have_no_charts(results, monkeypatch):
     monkeypatch.setattr(figures, "MAX_CHART_ROWS", 10)
     monkeypatch.setattr(page, "MAX_ROWS", 3)
-    shown = page_of(results(STUDY + FIGURES))
+    shown = make_page(results(STUDY + FIGURES))
     assert [chart.kind for chart in shown.charts] == ["signal", "signal"]
     assert len(shown.table.rows) == 3
     assert [text.partition(":")[0] for text in shown.omissions + shown.table.omissions] == [
@@ -78,6 +78,6 @@ def test_pictures_of_many_lines_are_stored_in_pixels(results, monkeypatch):
     kinds = []
     for limit in (10_000_000, 10):
         monkeypatch.setattr(figures, "MAX_SVG_BYTES", limit)
-        [picture] = page_of(opened).pictures
+        [picture] = make_page(opened).pictures
         kinds.append(picture.address.partition(";")[0])
     assert kinds == ["data:image/svg+xml", "data:image/png"]

@@ -8,8 +8,8 @@ import pytest
 
 from bearingsim.plots.labels import printed
 from bearingsim.report.headline import feature_results
-from bearingsim.report.page import page_of
-from bearingsim.report.render import html
+from bearingsim.report.page import make_page
+from bearingsim.report.render import render_html
 from bearingsim.report.statements import assumption_texts
 from bearingsim.text.numbers import significant
 from tests.scenes.figure_results import STUDY, results
@@ -94,7 +94,7 @@ def test_rms_of_a_recorded_acceleration_has_a_numerical_error(uncertain):
 
 
 def test_varied_damping_is_stated_once(uncertain):
-    page = page_of(uncertain)
+    page = make_page(uncertain)
     facts = dict(page.studied)
     assert facts["Varied (uncertainty)"] == (
         "damping 1 to 5 µs (3 values, nominal: kraemer, beta 2.5 µs); "
@@ -107,7 +107,7 @@ def test_varied_damping_is_stated_once(uncertain):
 def test_bearing_has_its_dimensions_and_frequencies(results):
     """Frequencies from the textbook: half the shaft frequency times the rollers, less or more the ratio."""
     opened = results()
-    facts = dict(page_of(opened).studied)
+    facts = dict(make_page(opened).studied)
     assert facts["Bearing"].startswith(
         "NF308, Z = 13 rollers, D_w 12 mm, L 12 mm, pitch diameter 65 mm, bore 40 mm"
     )
@@ -127,7 +127,7 @@ def test_bearing_has_its_dimensions_and_frequencies(results):
 
 
 def test_assumptions_are_free_of_settings_and_pages_of_the_documentation(results):
-    page = page_of(results())
+    page = make_page(results())
     assert "clearance 5 µm, not varied; amplitudes at light load depend on it several-fold" in page.assumptions
     assert any(text.startswith("stiffness of the bracket 1e7 N/m, not varied; ") for text in page.assumptions)
     assert not any("uncertainty:" in text or "docs/" in text for text in page.assumptions)
@@ -136,11 +136,11 @@ def test_assumptions_are_free_of_settings_and_pages_of_the_documentation(results
 def test_smooth_surfaces_are_assumed_unless_a_study_has_their_form(results):
     opened = results()
     smooth = "smooth surfaces assumed; waviness can change amplitudes at light load several-fold"
-    assert smooth in page_of(opened).assumptions
+    assert smooth in make_page(opened).assumptions
 
 
 def test_healthy_bearing_is_named_in_the_table(results):
-    heads, cells = zip(*page_of(results()).table.columns, strict=True)
+    heads, cells = zip(*make_page(results()).table.columns, strict=True)
     column = cells[heads.index("defect length")]
     assert column.count("healthy") == 4
     assert "" not in column
@@ -163,14 +163,14 @@ def test_numbers_have_three_significant_digits(value, text):
 
 
 def test_missing_error_bound_is_stated(results):
-    assert "numerical error: not estimated" in html(page_of(results()))
+    assert "numerical error: not estimated" in render_html(make_page(results()))
 
 
 def test_caption_counts_the_cases_of_unknown_range(uncertain):
     uncertain.frame["features/chaotic"] = 0.0
     uncertain.frame["features/rms_scatter"] = np.inf
     uncertain.frame.loc[uncertain.variations[0]["of"], "features/chaotic"] = 1.0
-    [chart] = [chart for chart in page_of(uncertain).charts if chart.kind == "line"]
+    [chart] = [chart for chart in make_page(uncertain).charts if chart.kind == "line"]
     text = "shaded: damping 1 to 5 µs and clearance 0 to 5 µm, range unknown in 1 of 6 cases"
     assert chart.names["band"].startswith(text)
 
@@ -187,7 +187,7 @@ def test_unit_of_a_range_is_printed_with_its_symbol(quantity, text):
     ("uncertainty", "nominal"), [("{clearance: [0 um, 5 um]}", ["with nominal clearance<"]), ("none", [])]
 )
 def test_page_names_the_parameters_that_are_nominal(results, uncertainty, nominal):
-    page = html(page_of(results(f"{STUDY}uncertainty: {uncertainty}\n")))
+    page = render_html(make_page(results(f"{STUDY}uncertainty: {uncertainty}\n")))
     assert list(dict.fromkeys(re.findall(r"with nominal [\w, ]*<", page))) == nominal
 
 
@@ -207,7 +207,7 @@ def test_extremes_of_samples_are_counted_for_each_sample(results):
         "largest: length 9 mm (for 1 of 3 values of form)",
         "smallest: length 3 mm (for 1 of 3 values of form)",
     ]
-    assert dict(page_of(opened).studied)["Varied (uncertainty)"] == "form 0.35 µm (3 samples)"
+    assert dict(make_page(opened).studied)["Varied (uncertainty)"] == "form 0.35 µm (3 samples)"
 
 
 def test_range_of_a_few_varied_cases_names_their_number(uncertain):

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bearingsim.report.measured import DIFFERENCE, measured_tables
+from bearingsim.report.measured import DIFFERENCE, make_measured_tables
 from bearingsim.store.measured import difference, measured_sets
 
 LINE, ENVELOPE, KURTOSIS = "velocity@BPFO", "envelope@BPFO", "velocity.kurtosis"
@@ -62,7 +62,7 @@ def test_phases_have_a_difference_but_no_ratio():
     features = {phase: 3.0, LINE: 100.5}
     opened = sets([{"parameters": {"load": 100.0, "width": 1.0}, "features": features}], rows)
     results: Any = SimpleNamespace(plan={"units": {"load": "N", "width": "mm"}}, measured=opened)
-    [shown] = measured_tables(results)
+    [shown] = make_measured_tables(results)
     difference_column = shown.headers.index(DIFFERENCE)
     ratios = {row[0]: tuple(row[difference_column : difference_column + 2]) for row in shown.rows}
     assert ratios == {phase: ("16.23", "-"), LINE: ("100.5", "2")}
