@@ -26,7 +26,7 @@ from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_initial_equilibrium
 from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
-from bearingsim.plots.ticks import log_ticks
+from bearingsim.plots.ticks import set_log_ticks
 
 GROSS = 0.05  # minimum cage slip that counts as gross
 SMALL_SLIPS = np.geomspace(5e-4, GROSS, 200)  # slips tried in turn
@@ -185,8 +185,8 @@ def draw(summary: pd.DataFrame, onset_rows: pd.DataFrame, target: Path) -> None:
                 axes.plot(loads_N, 100.0 * np.array(slips), color=colour, lw=1.0)
             axes.set(xlabel="Load (N)", xscale="log", yscale="log", ylim=(0.1, 110.0), xlim=(0.9, 360.0))
             axes.set_title(f"friction {law}", loc="left")
-            log_ticks(axes.xaxis, 0.9, 360.0)
-            log_ticks(axes.yaxis, 0.1, 110.0)
+            set_log_ticks(axes.xaxis, 0.9, 360.0)
+            set_log_ticks(axes.yaxis, 0.1, 110.0)
         panels[0].set_ylabel("Cage slip (%)")
         handles = [*panels[0].get_legend_handles_labels()[0], Line2D([], [], color="0.3", lw=1.0)]
         names = [*panels[0].get_legend_handles_labels()[1], "balance of friction and drag"]

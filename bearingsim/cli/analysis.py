@@ -126,7 +126,7 @@ def show(
     results = _diagnose_channels(file, recording, parts, tolerance, band)
     clearest = max(results, key=lambda name: _clearness(results[name][0]))
     if figure is not None:
-        canvas = measured.diagnosis_figure(recording, clearest, *results[clearest], parts.name or bearing)
+        canvas = measured.draw_diagnosis(recording, clearest, *results[clearest], parts.name or bearing)
         measured.write(canvas, figure)
     fs = recording.rate.value
     dropouts = (describe_dropouts(name, values, fs) for name, values in recording.channels.items())
@@ -214,7 +214,7 @@ def verdict_text(diagnosis: "Diagnosis") -> str:
 
 
 def _print_header(recording: "Recording", bearing: str, tolerance: float, diagnosis: "Diagnosis") -> None:
-    from bearingsim.plots.labels import pretty
+    from bearingsim.plots.labels import format_unit
 
     rate, speed, lines = recording.rate, recording.speed, diagnosis.lines
     seconds = sorted({len(values) / rate.value for values in recording.channels.values()})
@@ -222,7 +222,7 @@ def _print_header(recording: "Recording", bearing: str, tolerance: float, diagno
     say(f"{short_path(recording.path)}: {duration} s at {rate.value:g} Hz ({rate.source})")
     units: dict[str, list[str]] = {}
     for name, unit in recording.units.items():
-        units.setdefault(f"{pretty(unit.value) or 'no unit'} ({unit.source})", []).append(name)
+        units.setdefault(f"{format_unit(unit.value) or 'no unit'} ({unit.source})", []).append(name)
     for text, names in units.items():
         say(f"unit of {', '.join(names[:4])}{' ...' if len(names) > 4 else ''}: {text}")
     if speed is not None:

@@ -78,9 +78,9 @@ def show(
     if figure is not None:
         names = f"job {job[:8]}, {pair.channels[0]}", f"{file.name}, {pair.channels[1]}"
         signals = pair.simulated, pair.measured
-        figures.write(figures.comparison_figure(*signals, pair.race, band, names, pair.unit, factor), figure)
-    remark_on_dropouts = describe_dropouts(pair.channels[1], pair.measured.series, pair.measured.fs)
-    for text in filter(None, (*pair.recording.remarks, remark_on_dropouts)):
+        figures.write(figures.draw_comparison(*signals, pair.race, band, names, pair.unit, factor), figure)
+    dropout_remark = describe_dropouts(pair.channels[1], pair.measured.series, pair.measured.fs)
+    for text in filter(None, (*pair.recording.remarks, dropout_remark)):
         say(text, err=True)
     if as_json:
         say(json.dumps(_as_dict(job, pair, band, factor, detection, rows), indent=1))
@@ -196,22 +196,22 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
     if factor is not None:
         from bearingsim.measured.si import FACTORS
-        from bearingsim.plots.labels import pretty
+        from bearingsim.plots.labels import format_unit
 
         unit = pair.unit or "the unit of the file, which is not stated"
-        in_unit = "" if unit in FACTORS else f", in {pretty(unit)}"
+        in_unit = "" if unit in FACTORS else f", in {format_unit(unit)}"
         say(f"simulated signal times {factor:.4g}, to the measured RMS{in_unit}")
 
 
 def _print_features(rows: "list[Row]", is_assessed: bool) -> None:
     """Print the features of both signals, and the meaning of a dash."""
-    from bearingsim.plots.labels import pretty
+    from bearingsim.plots.labels import format_unit
     from bearingsim.report.measured import DIFFERENCE, RATIO
 
     cells = [
         [
             row.name,
-            pretty(row.unit),
+            format_unit(row.unit),
             *(_number(value) for value in (row.simulated, row.measured)),
             *_difference_and_ratio(row),
         ]

@@ -66,10 +66,10 @@ def _next_command(results: "Results") -> tuple[str, str]:
     A study without figures that sweeps nothing has only spectra, or only a table if it stores no series.
     """
     from bearingsim.plots.labels import PlotError
-    from bearingsim.plots.select import case_rows, planned
+    from bearingsim.plots.select import case_rows, planned_figures
 
     try:
-        planned(results, case_rows(results))
+        planned_figures(results, case_rows(results))
     except PlotError:
         records = results.parameters().get("record", ())
         return ("plot", " --kind spectrum") if any(records) else ("show", "")

@@ -137,7 +137,7 @@ def _with_units(table: "pd.DataFrame", units: Mapping[str, str]) -> "pd.DataFram
     for name in map(str, table):
         unit = labels.table_unit(name, units)
         if name in units and unit and table[name].dtype.kind == "f":
-            converted[name] = [_rounded(labels.shown(name, value, unit)) for value in table[name]]
+            converted[name] = [_rounded(labels.to_unit(name, value, unit)) for value in table[name]]
         headers[name] = f"{name} ({unit})" if unit else name
     return converted.rename(columns=headers)
 

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from bearingsim.plots import labels, select
 from bearingsim.plots.points import Points, curve_rows, order_of, points_of
 from bearingsim.plots.style import COLUMN_IN, PAGE_IN, CurveStyle, curve_styles
-from bearingsim.plots.ticks import linear_ticks, log_ticks
+from bearingsim.plots.ticks import set_linear_ticks, set_log_ticks
 from bearingsim.store import is_uncertain
 from bearingsim.study import Figure
 
@@ -24,22 +24,22 @@ if TYPE_CHECKING:
 
 
 ROW_IN = 2.7  # height (inches) of a row of panels
-HEADROOM = 1.05  # upper limit of an axis that begins at zero, over the largest value
+HEADROOM = 1.05  # minimum upper limit of an axis that begins at zero, relative to the largest value
 LABEL_CHARACTERS = 34  # characters in a line of an axis label
 CAPTION_LINES = 4  # lines of a caption that fit below any figure
 CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width (inches) of a character of the legend
 HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.22, 0.1  # width of a line, height of an entry, space below the legend
-TITLE_IN = 0.28  # height of the title
+TITLE_IN = 0.28  # height (inches) of the title
 NONE_ABOVE_ZERO = "no value above zero"
 """Remark in logarithmic axes without a value to draw."""
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
-RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
-"""Ring around a point of a chaotic motion, whose value has statistical scatter."""
+CHAOTIC_RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
+"""Ring around a point of a chaotic response, whose value has statistical scatter."""
 BAND_ALPHA = 0.18
 HIDDEN_SHARE = 0.01
 """Level of the healthy bearing, relative to the largest value, below which the axis at zero hides its line."""
-BASELINE: dict[str, Any] = {"ls": (0, (4, 2)), "lw": 0.9, "zorder": 1.5, "gid": "healthy"}
+BASELINE_STYLE: dict[str, Any] = {"ls": (0, (4, 2)), "lw": 0.9, "zorder": 1.5, "gid": "healthy"}
 """Style of the level of the healthy bearing."""
 
 
@@ -61,22 +61,22 @@ def draw_panels(
     panel: "Callable[[Axes, str, pd.DataFrame], None]",
     marks: Sequence[Line2D] = (),
 ) -> Canvas:
-    """Draw a completed figure: a column of axes per y, a row per panel, by ``panel`` (axes, feature, rows).
+    """Draw a completed figure: a column of axes per y, a row per panel; ``panel`` draws in (axes, feature, rows).
 
     rows: the cases of the figure, SI; caption: their common parameters, wrapped below; marks: further entries of
     the legend.
     """
-    parts = list(select.splits(rows, figure.panels, units))
+    parts = list(select.split_rows(rows, figure.panels, units))
     entries = [*legend_entries(figure, styles_of_curves(figure, rows, units), rows), *marks]
     width = min(COLUMN_IN, PAGE_IN / len(figure.y)) * len(figure.y) + 0.55
     layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06)
     canvas = Canvas(figsize=(width, len(parts) * ROW_IN + 0.55), layout=layout)
-    axes = [list(line) for line in canvas.subplots(len(parts), len(figure.y), sharex=True, squeeze=False)]
+    axes = [list(axes_row) for axes_row in canvas.subplots(len(parts), len(figure.y), sharex=True, squeeze=False)]
     for row, (text, part) in enumerate(parts):
         for column, name in enumerate(figure.y):
             panel(axes[row][column], name, part)
-            letter(axes[row][column], row * len(figure.y) + column, len(parts) * len(figure.y), text)
-    refuse_without_values(figure, [ax.dataLim.minposy for line in axes for ax in line])
+            label_panel(axes[row][column], row * len(figure.y) + column, len(parts) * len(figure.y), text)
+    refuse_without_values(figure, [ax.dataLim.minposy for axes_row in axes for ax in axes_row])
     share_scales(axes)
     for ax in axes[-1]:
         ax.set_xlabel(x_label(figure.x, rows, units))
@@ -101,23 +101,23 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: S
         _add_legend(canvas, entries, TITLE_IN if title else 0.0)
 
 
-def _add_legend(canvas: Canvas, entries: Sequence[Line2D], below: float) -> None:
-    """Add a legend in as many columns as fit, ``below`` (inches) the upper edge; the axes keep their height."""
+def _add_legend(canvas: Canvas, entries: Sequence[Line2D], offset: float) -> None:
+    """Add a legend in as many columns as fit, ``offset`` (inches) below the upper edge; axes keep their height."""
     width, height = canvas.get_size_inches()
     widest = HANDLE_IN + CHARACTER_IN * max(len(str(entry.get_label())) for entry in entries)
     columns = min(len(entries), max(1, int(width / widest)))
-    room = ENTRY_IN * math.ceil(len(entries) / columns) + LEGEND_GAP_IN
-    canvas.set_size_inches(width, height + room)
-    corner = (0.0, 1.0 - below / (height + room))
-    canvas.legend(handles=entries, loc="upper left", ncols=columns, bbox_to_anchor=corner, borderaxespad=0.2)
+    legend_height = ENTRY_IN * math.ceil(len(entries) / columns) + LEGEND_GAP_IN
+    canvas.set_size_inches(width, height + legend_height)
+    anchor = (0.0, 1.0 - offset / (height + legend_height))
+    canvas.legend(handles=entries, loc="upper left", ncols=columns, bbox_to_anchor=anchor, borderaxespad=0.2)
     layout = canvas.get_layout_engine()
     if isinstance(layout, ConstrainedLayoutEngine):
-        layout.set(rect=(0.0, 0.0, 1.0, height / (height + room)))
+        layout.set(rect=(0.0, 0.0, 1.0, height / (height + legend_height)))
 
 
 def axis_label(text: str, unit: str) -> str:
     """Join name and unit into an axis label: `Defect length (mm)`."""
-    return text[:1].upper() + text[1:] + (f" ({labels.pretty(unit)})" if unit else "")
+    return text[:1].upper() + text[1:] + (f" ({labels.format_unit(unit)})" if unit else "")
 
 
 def x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
@@ -138,13 +138,13 @@ def styles_of_curves(
 ) -> dict[tuple[str, str], CurveStyle]:
     """Assign a style to each combination of the first `by` path and all others, the same in every panel.
 
-    If the values on x are words, points are not joined by lines.
+    If the values on x are words, no lines join the points.
     """
-    first_texts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
-    second_texts = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
-    ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
+    first_texts = [text for text, _ in select.split_rows(rows, figure.by[:1], units)]
+    second_texts = list(dict.fromkeys(text for text, _ in select.split_rows(rows, figure.by[1:], units)))
+    ordered = bool(figure.by) and select.is_numeric(select.distinct_values(rows, figure.by[0]))
     table = curve_styles(len(first_texts), len(second_texts), ordered)
-    if figure.x in rows and not select.is_numeric(select.values(rows, figure.x)):
+    if figure.x in rows and not select.is_numeric(select.distinct_values(rows, figure.x)):
         table = [[style._replace(line="") for style in row] for row in table]
     return {(a, b): table[i][j] for i, a in enumerate(first_texts) for j, b in enumerate(second_texts)}
 
@@ -168,30 +168,30 @@ def curves_of(
 def legend_entries(
     figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
 ) -> list[Line2D]:
-    """Make legend entries: the first `by` path, the other paths, marks of failures, of models, of chaos."""
+    """Make legend entries: first `by` path, other paths, healthy level, jobs without result, models, chaos."""
     first_texts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
     second_texts = list(dict.fromkeys(line_text for _, line_text in styles))
     entries: list[Line2D] = []
     if len(first_texts) > 1:
         colour_entries = [(colour_text, styles[colour_text, second_texts[0]]) for colour_text in first_texts]
         entries += [
-            _entry(text, style._replace(line="") if len(second_texts) > 1 else style)
+            _legend_entry(text, style._replace(line="") if len(second_texts) > 1 else style)
             for text, style in colour_entries
         ]
     if len(second_texts) > 1:
         entries += [
-            _entry(line_text, styles[first_texts[0], line_text]._replace(colour="0.25"))
+            _legend_entry(line_text, styles[first_texts[0], line_text]._replace(colour="0.25"))
             for line_text in second_texts
         ]
     if any(f"baseline {name}" in rows for name in figure.y):
         text = "healthy (about zero)" if is_baseline_hidden(figure, rows) else "healthy"
-        entries.append(Line2D([], [], **BASELINE, color="0.35", label=text))
+        entries.append(Line2D([], [], **BASELINE_STYLE, color="0.35", label=text))
     absent = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in absent]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     drawn = [is_uncertain(rows, name).any() for name in figure.y if name in rows]
-    return entries + [Line2D([], [], **RING, label="chaotic, uncertain")] * any(drawn)
+    return entries + [Line2D([], [], **CHAOTIC_RING, label="chaotic, uncertain")] * any(drawn)
 
 
 def is_baseline_hidden(figure: Figure, rows: "pd.DataFrame") -> bool:
@@ -202,7 +202,7 @@ def is_baseline_hidden(figure: Figure, rows: "pd.DataFrame") -> bool:
     )
 
 
-def _entry(text: str, style: CurveStyle) -> Line2D:
+def _legend_entry(text: str, style: CurveStyle) -> Line2D:
     return Line2D([], [], label=text, **style.keywords())
 
 
@@ -219,12 +219,12 @@ def models_of(rows: "pd.DataFrame") -> dict[str, str]:
 
 
 def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], chaotic: Sequence[bool]) -> None:
-    """Draw a ring around each point of a chaotic motion, whose value has statistical scatter."""
+    """Draw a ring around each point of a chaotic response, whose value has statistical scatter."""
     points = [
         (a, b) for a, b, is_chaotic in zip(x, y, chaotic, strict=True) if is_chaotic and math.isfinite(a * b)
     ]
     if points:
-        ax.plot(*zip(*points, strict=True), **RING)
+        ax.plot(*zip(*points, strict=True), **CHAOTIC_RING)
 
 
 def mark_jobs_without_result(ax: "Axes", points: Points) -> None:
@@ -236,37 +236,37 @@ def mark_jobs_without_result(ax: "Axes", points: Points) -> None:
             ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
 
 
-def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+def set_x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
     """Set the ticks of the x axis: one per value if there are few; words are categories."""
-    distinct = select.values(rows, figure.x)
+    distinct = select.distinct_values(rows, figure.x)
     if not select.is_numeric(distinct):
         ax.set_xticks(range(len(distinct)), [labels.value_text(figure.x, value, units) for value in distinct])
         ax.margins(x=0.12)
     elif "x" in figure.log:
         if min(distinct) <= 0.0:
             zero = labels.value_text(figure.x, min(distinct), units)
-            raise labels.PlotError(f"a logarithmic axis has no place for {labels.name_text(figure.x)} {zero}")
+            raise labels.PlotError(f"a logarithmic axis cannot show {labels.name_text(figure.x)} {zero}")
         ax.set_xscale("log")
-        log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
+        set_log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
     else:
         unit, few = select.x_unit(figure.x, rows, units), distinct if len(distinct) <= 7 else []
-        linear_ticks(ax.xaxis, [labels.shown(figure.x, value, unit) for value in few])
+        set_linear_ticks(ax.xaxis, [labels.to_unit(figure.x, value, unit) for value in few])
 
 
-def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+def set_y_axis(ax: "Axes", name: str, figure: Figure) -> None:
     """Set limits and ticks of a feature's y axis, from zero if no value is negative.
 
-    A logarithmic axis has no place for other values than those above zero; one without any states this.
+    A logarithmic axis shows only values above zero, and a remark if there are none.
     """
     if is_logarithmic(figure, name):
         if not math.isfinite(ax.dataLim.minposy):
             ax.set_ylim(0.1, 1.0)  # else matplotlib warns
             ax.set_yscale("log")
             ax.yaxis.set_tick_params(which="both", left=False, labelleft=False)
-            note(ax, NONE_ABOVE_ZERO, 0.5)
+            write_note(ax, NONE_ABOVE_ZERO, 0.5)
             return
         ax.set_yscale("log", nonpositive="mask")
-        log_ticks(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
+        set_log_ticks(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
     elif name.endswith(".phase"):
         ax.set_ylim(-190.0, 190.0)
         ax.set_yticks(range(-180, 181, 90))
@@ -274,7 +274,7 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         low, high = ax.dataLim.intervaly  # data limits, because the axis limits include margins
         if low >= 0.0:
             ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
-        linear_ticks(ax.yaxis)
+        set_linear_ticks(ax.yaxis)
 
 
 def is_logarithmic(figure: Figure, name: str) -> bool:
@@ -292,12 +292,12 @@ def refuse_without_values(figure: Figure, smallest: Sequence[float]) -> None:
         raise labels.PlotError(f"no value of {names} is above zero, as a logarithmic axis needs")
 
 
-def note(ax: "Axes", text: str, height: float = 0.95) -> None:
+def write_note(ax: "Axes", text: str, height: float = 0.95) -> None:
     """Write a remark in the axes; height: of its upper edge, relative to the axes."""
     ax.text(0.5, height, text, transform=ax.transAxes, ha="center", va="top", fontsize=7.0, color="0.35")
 
 
-def letter(ax: "Axes", number: int, count: int, text: str) -> None:
+def label_panel(ax: "Axes", number: int, count: int, text: str) -> None:
     """Write `(a)` and the panel's text above its upper left corner."""
     letters = f"({_letters(number)})" if count > 1 else ""
     ax.set_title(" ".join(filter(None, [letters, text])), loc="left")
@@ -309,11 +309,11 @@ def _letters(number: int) -> str:
     return (_letters(more - 1) if more else "") + ascii_lowercase[last]
 
 
-EDGE = 0.03  # minimum distance of a curve from the edge of its axes, over their height
-COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
+EDGE_MARGIN = 0.03  # minimum distance of a curve from the edge of its axes, relative to their height
+MAX_SCALE_RATIO = 4.0  # ratio of y ranges above which panels keep their own axes
 
 
-def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABLE) -> None:
+def share_scales(axes: Sequence[Sequence["Axes"]], max_ratio: float = MAX_SCALE_RATIO) -> None:
     """Share one y axis among the panels of a feature, unless the ratio of their ranges exceeds ``comparable``.
 
     Logarithmic axes without a value above zero keep their own.
@@ -324,7 +324,7 @@ def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABL
             continue
         limits = [ax.get_ylim() for ax in stack]
         spans = [high - low for low, high in limits]
-        if max(spans) <= comparable * min(spans):
+        if max(spans) <= max_ratio * min(spans):
             low, high = min(low for low, _ in limits), max(high for _, high in limits)
             if all(ax.get_yscale() == "linear" for ax in stack):
                 low, high = _with_margins(stack, low, high)
@@ -333,9 +333,9 @@ def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABL
 
 
 def _with_margins(stack: Sequence["Axes"], low: float, high: float) -> tuple[float, float]:
-    """Extend common limits so that no curve lies on an edge; keep a lower limit of zero or the smallest value."""
+    """Extend common limits so that no curve lies on an edge; keep a lower limit of zero or within the curves."""
     smallest = min(float(ax.dataLim.y0) for ax in stack)
     largest = max(float(ax.dataLim.y1) for ax in stack)
-    margin = EDGE * (high - low)
+    margin = EDGE_MARGIN * (high - low)
     is_kept = low == 0.0 or low >= smallest
     return low if is_kept else min(low, smallest - margin), max(high, largest + margin)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-CAPTION_FIELDS = (  # parameters of the caption in order, each with the word before it
+CAPTION_FIELDS = (  # parameters of the caption in order, each with the word that precedes its value
     ("bearing.name", ""),
     ("speed", ""),
     ("ramp.to", "ramp to"),
@@ -46,7 +46,7 @@ CAPTION_FIELDS = (  # parameters of the caption in order, each with the word bef
     ("method", "method"),
     ("duration", "record"),
 )
-RING_FIELDS = (  # parameters of a flexible ring in order, each with its text around the value
+RING_FIELDS = (  # parameters of a flexible ring in order, each with the text that contains its value
     ("rig.ring.bends", "flexible ring"),
     ("rig.ring.harmonics", "{} harmonics"),
     ("rig.load.by", "load path {}"),
@@ -63,9 +63,9 @@ DEFAULTS = {
     "misalignment.outer": 0.0,
     "bearing.roller_profile.shape": "straight",
     "rig.load.fit": 0.0,
-}  # defaults left out of the caption
-SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
-DEFECT = ("shape", *SIZES)
+}  # defaults that the caption omits
+DEFECT_SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
+DEFECT_PARTS = ("shape", *DEFECT_SIZES)
 SMALL_UNITS = {
     "clearance": "um",
     "contact.damping.beta": "us",
@@ -73,8 +73,8 @@ SMALL_UNITS = {
     "misalignment.outer": "mrad",
     "rig.load.fit": "um",
 }
-"""Units of quantities that are small compared with the default unit."""
-MAX_WORDS = 4  # distinct words of a parameter written out in a range
+"""Units of parameters whose values are small in their default unit."""
+MAX_WORDS = 4  # largest number of distinct words of a parameter that are listed
 STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis": "kurtosis"}
 """Statistics of a record, limited to the band of its sampling."""
 
@@ -82,7 +82,7 @@ STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis":
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
     """Describe the resolved parameters that do not vary over the finished jobs of ``rows``.
 
-    drawn: swept paths shown by the figure and omitted from the caption.
+    drawn: swept paths that the figure shows, and the caption therefore omits.
     """
     texts = [*defect_values(results, rows, drawn), *machine_values(results, rows, drawn)]
     return [*texts, "quick grid"] if results.plan["quick"] else texts
@@ -90,15 +90,15 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
 
 def defect_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
     """Describe the shape and sizes of the defects that do not vary; arguments as in ``fixed_values``."""
-    return list(_defects(_of_jobs(results, rows), drawn, SMALL_UNITS | dict(results.plan["units"])))
+    return list(_defects(_parameters_of(results, rows), drawn, SMALL_UNITS | dict(results.plan["units"])))
 
 
 def machine_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
     """Describe the other parameters that do not vary; arguments as in ``fixed_values``."""
-    return list(_machine(_of_jobs(results, rows), drawn, SMALL_UNITS | dict(results.plan["units"])))
+    return list(_machine(_parameters_of(results, rows), drawn, SMALL_UNITS | dict(results.plan["units"])))
 
 
-def _of_jobs(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
+def _parameters_of(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
     parameters = results.parameters()
     return parameters.loc[parameters.index.intersection(list(rows["job"]))]
 
@@ -108,7 +108,7 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
     drawn = [word for word in STATISTICS if any(name.endswith(f".{word}") for name in features)]
     parameters = results.parameters()
     parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
-    sampling, filtered = (_single(parameters, name) for name in ("sampling", "antialias"))
+    sampling, filtered = (_common_value(parameters, name) for name in ("sampling", "antialias"))
     if not drawn or not isinstance(sampling, float) or filtered is None:
         return []
     if filtered != "true":
@@ -116,7 +116,7 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
     return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {PASSBAND * sampling / 1e3:.3g} kHz"]
 
 
-def sampling_of(jobs: Iterable["Job"], channels: Sequence[str]) -> list[str]:
+def sampling_texts(jobs: Iterable["Job"], channels: Sequence[str]) -> list[str]:
     """Describe the sampling of channels, `sampled at 51.2 kHz (flat to 20.5 kHz)`, if all jobs share it.
 
     Contact forces are recorded without a low-pass.
@@ -146,7 +146,7 @@ def following_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[
         yield f"{labels.name_text(path)} varies{with_name}: {_range(path, rows, units)}"
 
 
-def varying(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
+def varying_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
     """Describe parameters that vary in a scatter figure without an axis or panel: `load varies: 150 to 300 N`.
 
     In a design no parameter follows x, and x values rarely repeat.
@@ -157,11 +157,11 @@ def varying(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) ->
 
 def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
     """Format the range of a parameter, `150 to 300 N`, or its distinct words."""
-    distinct = select.values(rows, path)
+    distinct = select.distinct_values(rows, path)
     if select.is_numeric(distinct):
         unit = labels.unit_of(path, units)
         low, high = (
-            labels.number_text(labels.shown(path, value, unit), 4) for value in (distinct[0], distinct[-1])
+            labels.number_text(labels.to_unit(path, value, unit), 4) for value in (distinct[0], distinct[-1])
         )
         return f"{low} to {labels.with_unit(high, unit)}"
     texts = [labels.value_text(path, value, units) for value in distinct]
@@ -172,7 +172,7 @@ def _machine(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
     for path, word in CAPTION_FIELDS:
         if path == "method":
             yield from ring_values(parameters, drawn, units)
-        value = _single(parameters, path)
+        value = _common_value(parameters, path)
         if value is not None and value != DEFAULTS.get(path) and path not in drawn:
             yield f"{word} {labels.value_text(path, value, units)}".strip()
 
@@ -180,7 +180,7 @@ def _machine(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
 def ring_values(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
     """Describe a flexible ring, its load path and the sensor: `flexible ring`, `housing stiffness 1e10 N/m²`.
 
-    parameters: of the jobs; drawn: swept paths to leave out, or sections of them; units: by path. Nothing is
+    parameters: table of the jobs' parameters; drawn: swept paths, or sections, to omit; units: by path. Nothing is
     yielded for a rigid ring.
     """
     if "rig.ring.bends" not in parameters:
@@ -188,7 +188,7 @@ def ring_values(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str,
     flexible = parameters[parameters["rig.ring.bends"] == "true"]
     sections = tuple(f"{path}." for path in drawn)
     for path, template in RING_FIELDS:
-        value = _single(flexible, path)
+        value = _common_value(flexible, path)
         if value is not None and value != DEFAULTS.get(path) and not f"{path}.".startswith(sections):
             yield template.format(labels.value_text(path, value, units))
 
@@ -198,9 +198,9 @@ def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
     is_set = (parameters.notna() & (parameters != "")).any()  # "": text that is not set
     count = len({name.split(".")[1] for name in parameters.columns[is_set] if name.startswith("defects.")})
     for number in range(1, count + 1):
-        for part in DEFECT:
+        for part in DEFECT_PARTS:
             names = {f"defect.{part}", f"defects.{number}.{part}"}
-            value = _single(parameters, f"defects.{number}.{part}")
+            value = _common_value(parameters, f"defects.{number}.{part}")
             if value is not None and not names & drawn and (part, value) != ("offset", 0.0):
                 part_units = (
                     units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
@@ -208,26 +208,26 @@ def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
                 text = labels.value_text(f"defect.{part}", value, part_units)
                 number_text = f" {number}" if count > 1 else ""
                 yield (
-                    f"{text} defect{number_text}{_position(parameters, number)}"
+                    f"{text} defect{number_text}{_carrier_text(parameters, number)}"
                     if part == "shape"
-                    else _sized(part, text)
+                    else _size_text(part, text)
                 )
 
 
-def _sized(part: str, text: str) -> str:
+def _size_text(part: str, text: str) -> str:
     """Format a size of a defect, `depth 0.05 mm`, or a file without its folder."""
     return f"{part.replace('.', ' ')} {PurePath(text).name if part == 'file' else text}"
 
 
-def _position(parameters: "pd.DataFrame", number: int) -> str:
+def _carrier_text(parameters: "pd.DataFrame", number: int) -> str:
     """Name the element that carries a defect; empty for the outer race."""
-    race, roller = (_single(parameters, f"defects.{number}.{name}") for name in ("race", "roller"))
+    race, roller = (_common_value(parameters, f"defects.{number}.{name}") for name in ("race", "roller"))
     if race == "roller":
         return f" of roller {labels.number_text(float(str(roller)))}" if roller is not None else " of a roller"
     return " of the inner race" if race == "inner" else ""
 
 
-def _single(parameters: "pd.DataFrame", path: str) -> object:
+def _common_value(parameters: "pd.DataFrame", path: str) -> object:
     """Return the common value of a parameter in all jobs; None if it varies, or is not set in every job."""
     if path not in parameters or parameters[path].isna().any() or parameters[path].nunique() != 1:
         return None

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from bearingsim.plots import labels, recorded, select
-from bearingsim.plots.axes import finish, letter
+from bearingsim.plots.axes import finish, label_panel
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.passage import (
     MARGIN,
@@ -17,7 +17,7 @@ from bearingsim.plots.passage import (
     Reals,
     RollerPath,
     Section,
-    cut,
+    compute_section,
     defects_of,
     distinct_sections,
     ends_of_slices,
@@ -33,31 +33,36 @@ if TYPE_CHECKING:
     from bearingsim.study import Figure
 
 MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
-LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # limits of the height of a section
-NARROWEST, WIDEST_IN = 0.3, 5.0  # limits of the width of the map: over its length, and in inches
-LEFT, BAR, EDGE, ABOVE, BELOW, LINE = 0.65, 1.5, 0.2, 0.3, 0.55, 0.14  # inches between and around axes
-BEYOND = 0.04  # margin beyond roller and defect, over their length
-HEADROOM = 0.45  # height shown above the race, over the depth shown
-SHALLOW = 0.3  # relative to the depth of the defect; a shallower path is repeated, magnified
-CLOSER = 1.6  # depth shown then, over the path's depth
-ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # positions of the drawn rollers, in widths of the defect
-SCALE = "YlGnBu"
-RACE, PATH, ROLLER, TAKEN_PATH = "0.15", COLOURS[1], "0.55", COLOURS[0]
-STEPS = (1.0, 2.0, 5.0)
+MIN_SECTION_IN, MAX_SECTION_IN = 0.7, 1.9  # limits of the height of a section
+MIN_MAP_RATIO, MAX_MAP_IN = 0.3, 5.0  # limits of the width of the map: relative to its length, and in inches
+LEFT_IN, COLOUR_BAR_IN, RIGHT_IN = 0.65, 1.5, 0.2  # widths left of the map, right of it, and of the right margin
+TITLE_IN, LABEL_IN, CAPTION_LINE_IN = 0.3, 0.55, 0.14  # heights of a title, of axis labels, of a caption line
+MAP_MARGIN = 0.04  # margin around roller and defect, relative to their length
+HEADROOM = 0.45  # height shown above the race, relative to the depth shown
+SHALLOW_RATIO = 0.3  # depth of a path relative to that of the defect, below which it is repeated, magnified
+MAGNIFIED_RATIO = 1.6  # depth shown in a magnified panel, relative to the depth of the path
+ROLLER_POSITIONS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # positions of the drawn rollers, in widths of the defect
+COLOUR_MAP = "YlGnBu"
+RACE_COLOUR, PATH_COLOUR, ROLLER_COLOUR, RECORDED_COLOUR = "0.15", COLOURS[1], "0.55", COLOURS[0]
+ROUND_FACTORS = (1.0, 2.0, 5.0)  # mantissas of round factors
 
 
 class Picture(NamedTuple):
-    """Figure to draw: a defect, its number (from 1) in its case, the number of defects, its jobs, the roller."""
+    """Figure to draw: a defect, its jobs, and the roller.
+
+    number, total: its number (from 1) in its case, and the number of defects; roller_length: contact length (m);
+    slice_ends: ends of the roller's slices (m), empty without slices.
+    """
 
     defect: Defect
     number: int
-    of: int
+    total: int
     jobs: list[str]
     roller_length: float
     slice_ends: Reals
 
 
-def pictures(results: "Results", jobs: Sequence[str]) -> list[Picture]:
+def collect_pictures(results: "Results", jobs: Sequence[str]) -> list[Picture]:
     """Collect the distinct defects of some finished jobs.
 
     Raises PlotError if no job has a defect, ResultsError if a job is not done.
@@ -81,10 +86,10 @@ def draw_defects(results: "Results", _: "Figure", jobs: Sequence[str]) -> list[S
     """Draw a figure for each distinct defect of some jobs."""
     return [
         Sheet(
-            ["pit", picture.jobs[0][:8], *([str(picture.number)] if picture.of > 1 else [])],
+            ["pit", picture.jobs[0][:8], *([str(picture.number)] if picture.total > 1 else [])],
             draw_defect(results, picture),
         )
-        for picture in pictures(results, jobs)
+        for picture in collect_pictures(results, jobs)
     ]
 
 
@@ -99,73 +104,75 @@ def _job_pictures(results: "Results", job: str, parameters: Mapping[Any, Any]) -
 
 
 def _key(picture: Picture) -> tuple[Any, ...]:
-    """Return a hashable key, equal for sheets with the same picture."""
+    """Return a hashable key that is equal for pictures that look the same."""
     defect, drawn = picture.defect, (picture.defect.depth_map, picture.slice_ends)
     numbers = np.round([defect.R, *defect.s, *defect.z, picture.roller_length], 9)
     return defect.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
 
 
 def draw_defect(results: "Results", picture: Picture) -> Canvas:
-    """Draw one defect: its map and its sections at the deepest point and the middle, with the roller's path.
+    """Draw one defect: its map, and its sections at the deepest point and the centre, with the roller's path.
 
-    Lengths are to scale; the heights of a section are exaggerated by a round number, printed in its title. A path
-    much shallower than the defect is drawn once more, magnified.
+    Lengths are to scale; the heights of a section are exaggerated by a round factor, printed in its title. A path
+    much shallower than the defect is repeated in a magnified panel.
     """
     path = _roller_path(results, picture)
-    panels = list(_panels(picture.defect, path[1] if path else None))
-    wide, tall = _map_inches(picture)
-    right = LEFT + wide + BAR
-    canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
+    panels = list(_make_panels(picture.defect, path[1] if path else None))
+    map_width, map_height = _map_inches(picture)
+    right = LEFT_IN + map_width + COLOUR_BAR_IN
+    canvas = Canvas(figsize=(right + SECTION_IN + RIGHT_IN, 1.0))
     finish(canvas, _title(picture), _caption(results, picture, path))
-    bottom = LINE * (canvas.get_supxlabel().count("\n") + 1) + BELOW
-    stack = sum(panel.inches + ABOVE + BELOW for panel in panels)
-    head = ABOVE if canvas.get_suptitle() else 0.0
-    canvas.set_size_inches(canvas.get_figwidth(), bottom + max(tall + ABOVE, stack) + head)
+    bottom = CAPTION_LINE_IN * (canvas.get_supxlabel().count("\n") + 1) + LABEL_IN
+    stack = sum(panel.inches + TITLE_IN + LABEL_IN for panel in panels)
+    head = TITLE_IN if canvas.get_suptitle() else 0.0
+    canvas.set_size_inches(canvas.get_figwidth(), bottom + max(map_height + TITLE_IN, stack) + head)
     top = canvas.get_figheight() - head
-    _draw_map(_axes_at(canvas, LEFT, top - ABOVE - tall, wide, tall), picture, panels)
+    _draw_map(_axes_at(canvas, LEFT_IN, top - TITLE_IN - map_height, map_width, map_height), picture, panels)
     for number, panel in enumerate(panels, 1):
-        top -= ABOVE + panel.inches
+        top -= TITLE_IN + panel.inches
         ax = _axes_at(canvas, right, top, SECTION_IN, panel.inches)
         _draw_section(ax, panel, picture.defect.R, number)
         if path is not None:
             _draw_roller_path(ax, panel, path[1])
-        top -= BELOW
-    _name_curves(ax, right, top)
+        top -= LABEL_IN
+    _add_legend(ax, right, top)
     return canvas
 
 
 def _axes_at(canvas: Canvas, left: float, bottom: float, width: float, height: float) -> "Axes":
-    """Add axes at a position in inches, since the lengths are to scale."""
-    wide, tall = canvas.get_size_inches()
-    return canvas.add_axes((left / wide, bottom / tall, width / wide, height / tall))
+    """Add axes at a position in inches, because their lengths are to scale."""
+    canvas_width, canvas_height = canvas.get_size_inches()
+    return canvas.add_axes(
+        (left / canvas_width, bottom / canvas_height, width / canvas_width, height / canvas_height)
+    )
 
 
-def _name_curves(ax: "Axes", left: float, top: float) -> None:
+def _add_legend(ax: "Axes", left: float, top: float) -> None:
     """Add the legend at a position in inches."""
     canvas = ax.get_figure(root=True)
     assert canvas is not None
-    corner = (left / canvas.get_figwidth(), top / canvas.get_figheight())
-    where: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": corner, "borderaxespad": 0.0}
-    canvas.legend(*ax.get_legend_handles_labels(), ncols=4, fontsize=7.5, **where)
+    anchor = (left / canvas.get_figwidth(), top / canvas.get_figheight())
+    position: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": anchor, "borderaxespad": 0.0}
+    canvas.legend(*ax.get_legend_handles_labels(), ncols=4, fontsize=7.5, **position)
 
 
 # The map
 
 
-def _shown(picture: Picture) -> tuple[tuple[float, float], tuple[float, float]]:
+def _map_limits(picture: Picture) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the limits (m) of the map along rolling and along the roller, around roller and defect."""
     half = picture.roller_length / 2.0
     low, high = min(-half, picture.defect.z[0]), max(half, picture.defect.z[1])
-    more = BEYOND * (high - low)
-    wide = max(np.ptp(picture.defect.positions()), NARROWEST * (high - low)) / 2.0
-    middle = (picture.defect.s[0] + picture.defect.s[1]) / 2.0
-    return (middle - wide, middle + wide), (low - more, high + more)
+    margin = MAP_MARGIN * (high - low)
+    half_width = max(np.ptp(picture.defect.positions()), MIN_MAP_RATIO * (high - low)) / 2.0
+    centre = (picture.defect.s[0] + picture.defect.s[1]) / 2.0
+    return (centre - half_width, centre + half_width), (low - margin, high + margin)
 
 
 def _map_inches(picture: Picture) -> tuple[float, float]:
     """Compute width and height of the map in inches."""
-    s, z = _shown(picture)
-    scale = min(MAP_IN / (z[1] - z[0]), WIDEST_IN / (s[1] - s[0]))
+    s, z = _map_limits(picture)
+    scale = min(MAP_IN / (z[1] - z[0]), MAX_MAP_IN / (s[1] - s[0]))
     return scale * (s[1] - s[0]), scale * (z[1] - z[0])
 
 
@@ -174,9 +181,9 @@ def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
     defect, half = picture.defect, 500.0 * picture.roller_length
     depths = 1e6 * np.ma.masked_equal(defect.depth_map, 0.0)
     s_mm, z_mm = 1e3 * defect.positions(), 1e3 * defect.axial_positions
-    mesh = ax.pcolormesh(s_mm, z_mm, depths, cmap=SCALE, shading="nearest",
+    mesh = ax.pcolormesh(s_mm, z_mm, depths, cmap=COLOUR_MAP, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
-    s, z = _shown(picture)
+    s, z = _map_limits(picture)
     ax.set_xlim(1e3 * s[0], 1e3 * s[1])
     ax.set_ylim(1e3 * z[0], 1e3 * z[1])
     ax.grid(visible=False)
@@ -189,13 +196,13 @@ def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
         ax.axhline(1e3 * end, color="0.3", lw=0.3, alpha=0.7, zorder=3)
     highest = max(panel.section.z for panel in panels)
     for position, name in dict.fromkeys((panel.section.z, panel.name) for panel in panels):
-        ax.axhline(1e3 * position, color=PATH, lw=0.8, ls=(0, (4, 2)), zorder=3)
+        ax.axhline(1e3 * position, color=PATH_COLOUR, lw=0.8, ls=(0, (4, 2)), zorder=3)
         up, va = (2, "bottom") if position == highest else (-2, "top")
         ax.annotate(name, (0.98, 1e3 * position), (0, up), xycoords=("axes fraction", "data"), ha="right", va=va,
-                    textcoords="offset points", fontsize=8, color=PATH, zorder=4)  # fmt: skip
+                    textcoords="offset points", fontsize=8, color=PATH_COLOUR, zorder=4)  # fmt: skip
     ax.set_xlabel("Along rolling, s (mm)")
     ax.set_ylabel("Along the roller, z (mm)")
-    letter(ax, 0, 2, "to scale")
+    label_panel(ax, 0, 2, "to scale")
     gap = 0.12 / _map_inches(picture)[0]
     bar = ax.figure.colorbar(mesh, cax=ax.inset_axes((1.0 + gap, 0.2, gap, 0.6)))
     bar.set_label("Depth (µm)")
@@ -206,48 +213,52 @@ def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
 
 
 class Panel(NamedTuple):
-    """Section as drawn: its name on the map, limits of depth (m), exaggeration of heights, height of the panel.
+    """Section as drawn: its name on the map, limits of depth (m), exaggeration of heights, panel height (inches).
 
-    closer: whether it is the magnified copy of a section.
+    is_magnified: True for the magnified copy of a section.
     """
 
     section: Section
     name: str
     top: float
     floor: float
-    times: float
+    exaggeration: float
     inches: float
-    closer: bool
+    is_magnified: bool
 
 
-def _panels(defect: Defect, roller_path: RollerPath | None) -> Iterator[Panel]:
-    """Yield the panels of the sections, and magnified panels of the deepest one for shallow paths."""
+def _make_panels(defect: Defect, roller_path: RollerPath | None) -> Iterator[Panel]:
+    """Yield the panels of the sections, and magnified panels of the first one for shallow paths."""
     for number, position in enumerate(distinct_sections(defect)):
-        section, name = cut(defect, position), "AB"[number]
+        section, name = compute_section(defect, position), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (section.p, section.h))
         depths = [deepest or float(defect.depth_map.max())]
-        closer = [path, *([float(np.max(roller_path.depth_at(position)))] if roller_path else [])]
-        depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
+        path_depths = [path, *([float(np.max(roller_path.depth_at(position)))] if roller_path else [])]
+        depths += [
+            MAGNIFIED_RATIO * shallower
+            for deeper, shallower in pairwise([deepest, *path_depths])
+            if 0.0 < shallower < SHALLOW_RATIO * deeper
+        ]
         drawn_depths = depths if number == 0 else depths[:1]
-        yield from (_panel(section, name, depth, closer=n > 0) for n, depth in enumerate(drawn_depths))
+        yield from (_make_panel(section, name, depth, is_magnified=n > 0) for n, depth in enumerate(drawn_depths))
 
 
-def _panel(section: Section, name: str, depth: float, closer: bool) -> Panel:
+def _make_panel(section: Section, name: str, depth: float, is_magnified: bool) -> Panel:
     top, bottom = min(float(np.min(section.p)), 0.0) - HEADROOM * depth, 1.08 * depth
-    times = exaggeration(np.ptp(section.s) / SECTION_IN, bottom - top)
-    inches = times * (bottom - top) * SECTION_IN / np.ptp(section.s)
-    return Panel(section, name, top, bottom, times, max(float(inches), LOWEST_IN), closer)
+    exaggeration = choose_exaggeration(np.ptp(section.s) / SECTION_IN, bottom - top)
+    inches = exaggeration * (bottom - top) * SECTION_IN / np.ptp(section.s)
+    return Panel(section, name, top, bottom, exaggeration, max(float(inches), MIN_SECTION_IN), is_magnified)
 
 
-def exaggeration(metre_per_inch: float, height: float) -> float:
-    """Return the round factor by which a height (m) is exaggerated to fit into a panel."""
-    return max(1.0, round_below(HIGHEST_IN * metre_per_inch / height))
+def choose_exaggeration(metres_per_inch: float, height: float) -> float:
+    """Return the round factor by which a height (m) is exaggerated so that it fills a panel; 1 at least."""
+    return max(1.0, round_below(MAX_SECTION_IN * metres_per_inch / height))
 
 
-def round_below(most: float) -> float:
+def round_below(limit: float) -> float:
     """Round down to 1, 2 or 5 times a power of ten."""
-    decade = 10.0 ** floor(log10(most))
-    return max(step for step in STEPS if step * decade <= most * (1.0 + 1e-9)) * decade
+    decade = 10.0 ** floor(log10(limit))
+    return max(step for step in ROUND_FACTORS if step * decade <= limit * (1.0 + 1e-9)) * decade
 
 
 def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
@@ -255,21 +266,28 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     section = panel.section
     s, width = 1e3 * section.s, np.ptp(section.s)
     ax.fill_between(s, 1e6 * section.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
-    ax.plot(s, 1e6 * section.p, color=RACE, lw=1.1, label="defect", zorder=3)
-    ax.plot(s, 1e6 * section.h, color=PATH, lw=1.5, label="path of a rigid round roller", zorder=4)
+    ax.plot(s, 1e6 * section.p, color=RACE_COLOUR, lw=1.1, label="defect", zorder=3)
+    ax.plot(s, 1e6 * section.h, color=PATH_COLOUR, lw=1.5, label="path of a rigid round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
-    for position, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
-        center = float(np.mean(section.s)) + position * inner
-        low = float(np.interp(center, section.s, section.h))
-        ax.plot(s, 1e6 * (low - (section.s - center) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
-        ax.plot(1e3 * center, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)
+    for position, name in zip(ROLLER_POSITIONS, ["roller", *[None] * (len(ROLLER_POSITIONS) - 1)], strict=True):
+        centre = float(np.mean(section.s)) + position * inner
+        low = float(np.interp(centre, section.s, section.h))
+        ax.plot(
+            s,
+            1e6 * (low - (section.s - centre) ** 2 / (2.0 * R)),
+            color=ROLLER_COLOUR,
+            lw=0.8,
+            label=name,
+            zorder=2,
+        )
+        ax.plot(1e3 * centre, 1e6 * low, "o", color=PATH_COLOUR, markersize=3, zorder=5)
     ax.set_xlim(s[0], s[-1])
     ax.set_ylim(1e6 * panel.floor, 1e6 * panel.top)
-    ax.set_aspect(1e-3 * panel.times)
+    ax.set_aspect(1e-3 * panel.exaggeration)
     ax.set_xlabel("s (mm)")
     ax.set_ylabel("Depth (µm)")
-    times = "to scale" if panel.times == 1.0 else f"heights ×{labels.number_text(panel.times)}"
-    letter(ax, number, 2, f"section {panel.name}, {'closer, ' if panel.closer else ''}{times}")
+    scale_text = "to scale" if panel.exaggeration == 1.0 else f"heights ×{labels.number_text(panel.exaggeration)}"
+    label_panel(ax, number, 2, f"section {panel.name}, {'enlarged, ' if panel.is_magnified else ''}{scale_text}")
 
 
 def _draw_roller_path(ax: "Axes", panel: Panel, path: RollerPath) -> None:
@@ -277,7 +295,7 @@ def _draw_roller_path(ax: "Axes", panel: Panel, path: RollerPath) -> None:
     ax.plot(
         1e3 * path.s,
         1e6 * path.depth_at(panel.section.z),
-        color=TAKEN_PATH,
+        color=RECORDED_COLOUR,
         lw=1.3,
         ls=(0, (4, 1.2)),
         label="recorded path",
@@ -290,11 +308,11 @@ def _draw_roller_path(ax: "Axes", panel: Panel, path: RollerPath) -> None:
 
 def _title(picture: Picture) -> str | None:
     where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[picture.defect.race]
-    return f"defect {picture.number} of {picture.of}, on {where}" if picture.of > 1 else None
+    return f"defect {picture.number} of {picture.total}, on {where}" if picture.total > 1 else None
 
 
 def _roller_path(results: "Results", picture: Picture) -> tuple[str, RollerPath] | None:
-    """Find the first job with a recorded path over the defect; return its id and the path."""
+    """Find the first job with a recorded roller path over the defect; return its id and the path, else None."""
     for job in picture.jobs:
         [record] = recorded.load_jobs(results, [job]).values()
         path = roller_path(record, recorded.case_of(results, job, record.parameters), picture.defect)

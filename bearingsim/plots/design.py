@@ -21,19 +21,19 @@ from bearingsim.plots.axes import (
     curves_of,
     draw_panels,
     finish,
+    label_panel,
     legend_entries,
-    letter,
     mark_chaotic,
     mark_jobs_without_result,
     refuse_without_values,
+    set_x_axis,
+    set_y_axis,
     styles_of_curves,
-    x_axis,
     x_label,
-    y_axis,
     y_label,
 )
 from bearingsim.plots.style import COLUMN_IN, PAGE_IN
-from bearingsim.plots.units import feature_scale
+from bearingsim.plots.units import choose_feature_scale
 from bearingsim.study import Figure
 from bearingsim.study.design import COUNT_NOUNS
 
@@ -41,28 +41,29 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-MIN_POINTS = 24  # points needed for a median
+MIN_POINTS = 24  # minimum number of points for medians
 MAX_LEVELS = 12  # distinct values on x up to which each has its own median
-MAX_GROUPS = 20
-WIDE = 5.0  # ratio of limits above which a log axis is considered
-MAX_COLUMNS = 3
-POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.5}
-TREND = ("line: running median", "band: quartiles")
+MAX_GROUPS = 20  # largest number of groups of neighbouring points
+MIN_LOG_RATIO = 5.0  # minimum ratio of the limits of a log axis
+MAX_COLUMNS = 3  # largest number of panels in a row
+POINT_STYLE: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.5}
+TREND_TEXTS = ("line: running median", "band: quartiles")
 
 
 class Trend(NamedTuple):
     """Groups of neighbouring points: their position on x, median, lower and upper quartile."""
 
     x: NDArray[np.float64]
-    middle: NDArray[np.float64]
+    median: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
 
 
-def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
+def compute_trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
     """Compute medians and quartiles of groups of about sqrt(n) of n points, or of each level of x if x has few.
 
-    Returns None for fewer than ``MIN_POINTS`` points: their median is dominated by chance.
+    Returns None for fewer than ``MIN_POINTS`` points, whose medians would be dominated by chance, or for one
+    level.
     """
     finite = [(a, b) for a, b in zip(x, y, strict=True) if math.isfinite(a * b)]
     if len(finite) < MIN_POINTS:
@@ -75,15 +76,15 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
         groups = [points[points[:, 0] == level] for level in levels]
     else:
         groups = np.array_split(points, min(MAX_GROUPS, math.isqrt(len(points))))
-    middles = np.array([np.median(group[:, 0]) for group in groups])
-    low, middle, high = np.array([np.percentile(group[:, 1], (25, 50, 75)) for group in groups]).T
-    return Trend(middles, middle, low, high)
+    positions = np.array([np.median(group[:, 0]) for group in groups])
+    low, median, high = np.array([np.percentile(group[:, 1], (25, 50, 75)) for group in groups]).T
+    return Trend(positions, median, low, high)
 
 
-def description(design: Mapping[str, Any]) -> str:
+def describe_design(design: Mapping[str, Any]) -> str:
     """Describe a design in a caption: `sobol design of 64 points, seed 1`, and how many are drawn if not all."""
-    left = f"{len(design['ids'])} of " * (len(design["ids"]) < design["n"])
-    return f"{design['kind']} design of {left}{design['n']} {COUNT_NOUNS[design['kind']]}, seed {design['seed']}"
+    drawn = f"{len(design['ids'])} of " * (len(design["ids"]) < design["n"])
+    return f"{design['kind']} design of {drawn}{design['n']} {COUNT_NOUNS[design['kind']]}, seed {design['seed']}"
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
@@ -102,16 +103,16 @@ def draw_paths(
     [name] = figure.y
     entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
     columns = min(MAX_COLUMNS, len(paths))
-    lines = math.ceil(len(paths) / columns)
+    n_rows = math.ceil(len(paths) / columns)
     width = columns * min(0.8 * COLUMN_IN, PAGE_IN / columns) + 0.55
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.06)
-    canvas = Canvas(figsize=(width, lines * ROW_IN * 0.9 + 0.55), layout=layout)
-    axes = list(canvas.subplots(lines, columns, sharey=True, squeeze=False).flat)
+    canvas = Canvas(figsize=(width, n_rows * ROW_IN * 0.9 + 0.55), layout=layout)
+    axes = list(canvas.subplots(n_rows, columns, sharey=True, squeeze=False).flat)
     for number, (ax, path) in enumerate(zip(axes, paths, strict=False)):
         log = (*figure.log, "x") if is_logarithmic(list(rows[path])) else figure.log
         _panel(ax, name, replace(figure, x=path, log=log), rows, rows, units)
         ax.set_xlabel(x_label(path, rows, units))
-        letter(ax, number, len(paths), "")
+        label_panel(ax, number, len(paths), "")
         if number % columns:
             ax.set_ylabel("")
     refuse_without_values(figure, [ax.dataLim.minposy for ax in axes[: len(paths)]])
@@ -128,7 +129,7 @@ def is_logarithmic(values: Sequence[float]) -> bool:
     extremes.
     """
     low, high = min(values), max(values)
-    if not 0.0 < low * WIDE <= high:
+    if not 0.0 < low * MIN_LOG_RATIO <= high:
         return False
     return float(np.median(values)) < math.sqrt(math.sqrt(low * high) * (low + high) / 2.0)
 
@@ -137,19 +138,19 @@ def _panel(
     ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", part: "pd.DataFrame", units: Mapping[str, str]
 ) -> None:
     """Draw the points of one feature over x; ``part``: those of all ``rows`` that belong to the panel."""
-    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    scale = choose_feature_scale(name, float(rows[name].abs().max()), figure.view)
     ax.set_ylabel(y_label(name, scale.unit))
     for curve in curves_of(figure, name, part, rows, units, scale.factor):
         points = curve.points
-        ax.plot(points.x, points.y, **curve.style.keywords() | POINTS)
-        _mark_trend(ax, curve, trend(points.x, points.y))
+        ax.plot(points.x, points.y, **curve.style.keywords() | POINT_STYLE)
+        _draw_trend(ax, curve, compute_trend(points.x, points.y))
         mark_chaotic(ax, points.x, points.y, points.chaotic)
         mark_jobs_without_result(ax, points)
-    x_axis(ax, figure, rows, units)
-    y_axis(ax, name, figure)
+    set_x_axis(ax, figure, rows, units)
+    set_y_axis(ax, name, figure)
 
 
-def _mark_trend(ax: "Axes", curve: Curve, groups: Trend | None) -> None:
+def _draw_trend(ax: "Axes", curve: Curve, groups: Trend | None) -> None:
     if groups is not None:
         ax.fill_between(groups.x, groups.low, groups.high, color=curve.style.colour, alpha=BAND_ALPHA, lw=0.0)
-        ax.plot(groups.x, groups.middle, color=curve.style.colour, ls=curve.style.line, lw=1.8)
+        ax.plot(groups.x, groups.median, color=curve.style.colour, ls=curve.style.line, lw=1.8)

@@ -25,8 +25,9 @@ STEP_ERRORS = {
 """Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
 START_ERRORS = {"line": "error.start", "rms": "error.start.rms", "force": "error.start.force"}
 """Column with the relative error of the initial transient, by the kind of step error."""
-STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
-SMALLEST_VALUE = 1e-3  # of the largest value; errors of smaller ones are below the width of a curve
+STANDARD_ERRORS = 2.0  # standard errors in the error bound of a chaotic response, for about 95 % confidence
+SMALLEST_VALUE = 1e-3
+"""Smallest value, relative to the largest, whose error is reported; smaller errors are within a curve's width."""
 
 
 def with_errors(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> "pd.DataFrame":
@@ -65,7 +66,7 @@ def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd
 def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) -> Iterator[str]:
     """Yield the errors of features that exceed 1 % of a value, for the caption of a figure of these rows.
 
-    Features with error bars, in the columns of ``with_errors``, are left out.
+    Features with error bars, which are those in the columns of ``with_errors``, are omitted.
     """
     for name in (name for name in names if f"error {name}" not in rows):
         numerical, start = numerical_errors(results, rows, name), _start_errors(results, rows, name)
@@ -93,10 +94,10 @@ def _largest_shares(error: "pd.Series[float]", values: "pd.Series[float]") -> tu
 
 
 def _start_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
-    """Return the error (SI) of the initial transient of a feature by row; 0 for jobs with random scatter.
+    """Return the error (SI) of the initial transient of a feature by row; None if it is not estimated.
 
-    Their parts also differ by chance, which the standard error contains. The column `error.start` of a study with
-    `accuracy` is a part of its error, not the feature.
+    It is 0 for jobs with random scatter, because the parts of their records also differ by chance, which the
+    standard error contains.
     """
     base, kind = _base_and_kind(name)
     if kind not in START_ERRORS or base not in rows:
@@ -108,7 +109,7 @@ def _start_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Se
 
 
 def _base_and_kind(name: str) -> tuple[str, str]:
-    """Return the feature of a change from healthy, and the kind of its step error, "" without one."""
+    """Return a feature without the suffix `-healthy`, and the kind of its step error, "" without one."""
     base = name.removesuffix("-healthy")
     return base, next((kind for start, kind in STEP_ERRORS.items() if base.startswith(start)), "")
 

@@ -14,13 +14,13 @@ from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish, share_scales
-from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.caption import fixed_values, sampling_texts
 from bearingsim.plots.labels import PlotError, PlotWarning
 from bearingsim.plots.overlay import overlaid_signals
 from bearingsim.plots.recorded import Job, Signal
-from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shaded
+from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shades_of
 from bearingsim.plots.ticks import NumberFormatter
-from bearingsim.plots.units import Scale, scale_of
+from bearingsim.plots.units import Scale, choose_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,29 +28,29 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-ROW_IN, LOW_ROW_IN = 1.7, 1.15
-MANY = 6  # number of rows above which they are lower
+ROW_IN, LOW_ROW_IN = 1.7, 1.15  # heights of a row: usually, and if there are more than ``MANY_ROWS``
+MANY_ROWS = 6
 HEALTHY, HEALTHY_COLOUR = "healthy", "0.25"
-PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
+COMPONENT_COLOURS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
 CHARACTER_IN, GAP_IN = 0.07, 0.35  # inches: width of a character of a label, and distance of two rows
 CAPTION_IN = 1.0  # height (inches) of caption and legend
-WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
+WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn on top, and thinner, so that both are visible
 MEASURED_COLOURS = ("#B00000", "#7A5C00", "#5B2A86")
-SHADES_FROM = 6  # number of ordered curves in one axes from which their colours are shades
+MIN_SHADED = 6  # number of ordered curves in one axes from which their colours are shades
 
-Curve = tuple[np.ndarray, np.ndarray]
+CurvePoints = tuple[np.ndarray, np.ndarray]
 
 
 class Display(NamedTuple):
-    """Representation of signals: function that computes a curve (SI), labels of the axes.
+    """Representation of signals: function that computes a curve (SI), and labels of the axes.
 
-    curve: of the id of the job with the defect, a job (the former or its healthy baseline), a channel and its
-    signal; notes: texts for the caption, of spectra complete after their curves are computed; y_label: of the
-    channel's name; power: exponent of the channel's unit in that of the y axis; amplitude: whether values are
-    amplitudes of sines (0-peak).
+    curve: function of the id of the job with the defect, a job (that one or its healthy baseline), a channel and
+    its signal; notes: texts for the caption, to which the computation of spectra adds; y_label: function of the
+    channel's name; power: exponent of the channel's unit in that of the y axis; amplitude: True for amplitudes of
+    sines (0-peak).
     """
 
-    curve: Callable[[str, Job, str, Signal], Curve]
+    curve: Callable[[str, Job, str, Signal], CurvePoints]
     x_label: str
     notes: list[str]
     y_label: Callable[[str], str] = str
@@ -59,7 +59,7 @@ class Display(NamedTuple):
 
 
 class Row(NamedTuple):
-    """Row of axes: its title; by the names of curves, its jobs, and pairs of a job and its healthy baseline."""
+    """Row of axes: title; jobs by the names of their curves; pairs of a job and its healthy baseline likewise."""
 
     title: str
     jobs: dict[str, str]
@@ -71,13 +71,13 @@ class Column(NamedTuple):
 
     label: str
     scale: Scale
-    curves: list[list["Drawn"]]
+    curves: list[list["DrawnCurve"]]
 
 
 class Content(NamedTuple):
     """Content of a grid: titles of rows, columns, label of the x axes, jobs in each row, caption.
 
-    is_below: whether a row is the healthy one of the row above.
+    is_below: True for a row that shows the healthy baselines of the row above.
     """
 
     titles: list[str]
@@ -89,7 +89,7 @@ class Content(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Drawn grid: figure, rows of axes, the jobs in each, and whether it is the healthy one of the row above."""
+    """Drawn grid: figure, rows of axes, the jobs in each; is_below: as in ``Content``."""
 
     canvas: Canvas
     axes: list[list["Axes"]]
@@ -97,20 +97,20 @@ class Grid(NamedTuple):
     is_below: list[bool]
 
     def share_scales(self) -> None:
-        """Share y axes: of a job and its healthy baseline below it, and of rows with similar ranges."""
-        for above, line, is_below in zip(self.axes, self.axes[1:], self.is_below[1:], strict=False):
+        """Share the y axes of jobs and their healthy baselines below, and those of rows with similar ranges."""
+        for upper, lower, is_below in zip(self.axes, self.axes[1:], self.is_below[1:], strict=False):
             if is_below:
-                share_scales([above, line], inf)
+                share_scales([upper, lower], inf)
         share_scales(self.axes)
 
 
-def content(
+def compute_content(
     results: "Results", jobs: dict[str, Job], channels: Sequence[str], figure: "Figure", display: Display
 ) -> Content:
-    """Compute curves of channels: a row per job, or per combination of the swept paths apart from ``by``.
+    """Compute curves of channels: a row per job, or per combination of the swept paths that are not in ``by``.
 
-    Titles give the swept values. A quantity of several rollers shares one column. Raises PlotError for a path that
-    is not swept, or a unit of another quantity.
+    Titles contain the swept values. Channels of one quantity of several rollers share a column. Raises PlotError
+    for a path that is not swept, or a unit of another quantity.
     """
     rows = list(_rows(results, jobs, figure))
     baselines = sorted({baseline for row in rows for _, baseline in row.baselines.values()} - jobs.keys())
@@ -137,14 +137,14 @@ def content(
         display.x_label,
         [[records[name] for name in dict.fromkeys(names)] for names in leading],
         [not row.jobs for row in rows],
-        [*display.notes, *sampling_of(jobs.values(), channels), *fixed],
+        [*display.notes, *sampling_texts(jobs.values(), channels), *fixed],
     )
 
 
-def grid(panels: Content, title: str | None, marks: Sequence[Line2D] = ()) -> Grid:
+def draw_grid(panels: Content, title: str | None, marks: Sequence[Line2D] = ()) -> Grid:
     """Draw a grid of axes; marks: further entries of the legend."""
     rows, columns = len(panels.titles), len(panels.columns)
-    height = LOW_ROW_IN if rows > MANY else ROW_IN
+    height = LOW_ROW_IN if rows > MANY_ROWS else ROW_IN
     size = (max(2, columns) * COLUMN_IN, height * rows + (0.6 if rows > 1 else 1.0))
     canvas = Canvas(figsize=size, layout="constrained")
     axes = [list(line) for line in canvas.subplots(rows, columns, sharex="col", squeeze=False)]
@@ -155,7 +155,7 @@ def grid(panels: Content, title: str | None, marks: Sequence[Line2D] = ()) -> Gr
         axes[-1][number].set_xlabel(panels.x_label)
     for line, text in zip(axes, panels.titles, strict=True):
         line[0].set_title(text, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
-    finish(canvas, title, panels.caption, [*_entries(ax for line in axes for ax in line), *marks])
+    finish(canvas, title, panels.caption, [*_legend_entries(ax for line in axes for ax in line), *marks])
     result = Grid(canvas, axes, panels.jobs, panels.is_below)
     result.share_scales()
     return result
@@ -187,8 +187,8 @@ def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator
             baselines = {"": next(iter(baselines.values()))}
         if layout == "below" and baselines:
             yield Row(title, group, {})
-            sound = {path: value for path, value in others.items() if not path.startswith("defect")}
-            yield Row(", ".join(filter(None, [HEALTHY, labels.swept_text(sound, units)])), {}, baselines)
+            healthy_values = {path: value for path, value in others.items() if not path.startswith("defect")}
+            yield Row(", ".join(filter(None, [HEALTHY, labels.swept_text(healthy_values, units)])), {}, baselines)
         else:
             yield Row(title, group, baselines)
 
@@ -213,48 +213,54 @@ def _columns(channels: Sequence[str]) -> Iterator[list[str]]:
 # Curves
 
 
-class Drawn(NamedTuple):
-    """Curve to draw: its name, colour and line style, whether it is of a healthy baseline, and its points (SI).
+class DrawnCurve(NamedTuple):
+    """Curve to draw: its name, colour, line style and points (SI).
 
-    is_measured: of a measured signal, which is drawn behind the simulated ones.
+    is_healthy: True for a healthy baseline; is_measured: True for a measured signal, drawn behind simulated ones.
     """
 
     name: str
     colour: object
     line: object
     is_healthy: bool
-    points: Curve
+    points: CurvePoints
     is_measured: bool = False
 
 
-def _curves_of_row(row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display) -> list[Drawn]:
+def _curves_of_row(
+    row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display
+) -> list[DrawnCurve]:
     """Compute the curves in one axes, with those of the healthy baselines last."""
-    drawn: list[Drawn] = []
+    drawn: list[DrawnCurve] = []
     several = len(row.jobs) > 1 or any(row.jobs)
     colours = _colours(len(row.jobs))
     for number, (label, name) in enumerate(row.jobs.items()):
         for component, points in _curves(name, records[name], channels, display).items():
             text = ", ".join(filter(None, [label, component]))
-            colour = colours[number] if several else PARTS.get(component, COLOURS[len(drawn) % len(COLOURS)])
-            dashes = LINES[:2] if len(row.jobs) >= SHADES_FROM else LINES
+            colour = (
+                colours[number]
+                if several
+                else COMPONENT_COLOURS.get(component, COLOURS[len(drawn) % len(COLOURS)])
+            )
+            dashes = LINES[:2] if len(row.jobs) >= MIN_SHADED else LINES
             line = dashes[len(drawn) % len(dashes)]
-            drawn.append(Drawn(text, colour, line, False, points))
-    if len(drawn) > 1 and not several:  # components or rollers of one job leave no room for those of the other
+            drawn.append(DrawnCurve(text, colour, line, False, points))
+    if len(drawn) > 1 and not several:  # the curves of components or rollers would hide those of the baseline
         return drawn
     for label, (name, baseline) in row.baselines.items():
-        if _has(records[baseline], channels[0]):
+        if _has_recorded(records[baseline], channels[0]):
             for component, points in _curves(name, records[baseline], channels, display).items():
                 text = ", ".join(filter(None, [HEALTHY, label, component]))
-                drawn.append(Drawn(text, HEALTHY_COLOUR, "-", True, points))
+                drawn.append(DrawnCurve(text, HEALTHY_COLOUR, "-", True, points))
     return drawn
 
 
 def _measured_curves(
     results: "Results", row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display
-) -> Iterator[Drawn]:
+) -> Iterator[DrawnCurve]:
     """Yield the curves of measured signals at the parameters of the jobs in a row.
 
-    Warns of signals without the part, or the band, that the figure shows.
+    Warns of signals that do not cover the time or the band that the figure shows.
     """
     names = set[str]()
     for name in row.jobs.values():
@@ -269,14 +275,14 @@ def _measured_curves(
                 warnings.warn(f"measured signal skipped: {error}", PlotWarning, stacklevel=2)
                 continue
             colour, line = MEASURED_COLOURS[number], LINES[cycle % len(LINES)]
-            yield Drawn(legend, colour, line, False, points, is_measured=True)
+            yield DrawnCurve(legend, colour, line, False, points, is_measured=True)
 
 
 def _colours(count: int) -> list[object]:
-    return shaded(count) if count >= SHADES_FROM else list(COLOURS[:count])
+    return shades_of(count) if count >= MIN_SHADED else list(COLOURS[:count])
 
 
-def _curves(name: str, job: Job, channels: Sequence[str], display: Display) -> dict[str, Curve]:
+def _curves(name: str, job: Job, channels: Sequence[str], display: Display) -> dict[str, CurvePoints]:
     """Compute the curve of each component, or of each roller."""
     return {
         signal.component if len(channels) == 1 else _roller_text(channel): display.curve(
@@ -287,8 +293,8 @@ def _curves(name: str, job: Job, channels: Sequence[str], display: Display) -> d
     }
 
 
-def _has(job: Job, channel: str) -> bool:
-    """Check if a job has recorded a channel (a healthy baseline has no slices of its own)."""
+def _has_recorded(job: Job, channel: str) -> bool:
+    """Check if a job has recorded a channel; a healthy baseline records no single slices."""
     components = [name for channel in job.recorded for name in dataset_names(channel)]
     return recorded.recorded_as(channel, [*job.recorded, *components]) is not None
 
@@ -297,16 +303,16 @@ def _roller_text(channel: str) -> str:
     return f"roller {(roller_of(channel) or (1, ''))[0]}"
 
 
-def _scale(channel: str, figure: "Figure", display: Display, rows: Sequence[Sequence[Drawn]]) -> Scale:
+def _scale(channel: str, figure: "Figure", display: Display, rows: Sequence[Sequence[DrawnCurve]]) -> Scale:
     """Choose the unit of a column by the largest value."""
     largest = max((float(np.nanmax(np.abs(curve.points[1]))) for curves in rows for curve in curves), default=0.0)
-    return scale_of(recorded.unit_of(channel), channel, largest, figure.view, display.power)
+    return choose_scale(recorded.unit_of(channel), channel, largest, figure.view, display.power)
 
 
 # Drawing
 
 
-def legend_names(curves: Sequence[Drawn]) -> list[str]:
+def legend_names(curves: Sequence[DrawnCurve]) -> list[str]:
     """Return the names of curves in one axes; empty for the only one."""
     has_both = len({curve.is_healthy for curve in curves}) == 2 or any(curve.is_measured for curve in curves)
     named_by_title = "" if has_both else HEALTHY  # of a row of healthy bearings
@@ -318,11 +324,11 @@ def legend_names(curves: Sequence[Drawn]) -> list[str]:
     ]
 
 
-def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
+def _panel(ax: "Axes", curves: Sequence[DrawnCurve], scale: Scale) -> None:
     for curve, name in zip(curves, legend_names(curves), strict=True):
         x, y = curve.points
         width, order = (HEALTHY_WIDTH, 2.5) if curve.is_healthy else (WIDTH, 1.8 if curve.is_measured else 2.0)
-        ax.plot(x, scale.shown(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name or None)
+        ax.plot(x, scale.to_axis(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name or None)
     ax.margins(x=0.0)
     ax.yaxis.set_major_formatter(NumberFormatter())
 
@@ -341,7 +347,7 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool, height: float) 
         ax.set_ylabel(text, fontsize=8.0)
 
 
-def _entries(axes: Iterable["Axes"]) -> list[Line2D]:
-    """Return a curve for each name, for the legend."""
+def _legend_entries(axes: Iterable["Axes"]) -> list[Line2D]:
+    """Return one line for each name in the legend."""
     curves = {str(line.get_label()): line for ax in axes for line in ax.lines}
     return [line for name, line in curves.items() if not name.startswith("_")]

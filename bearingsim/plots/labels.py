@@ -58,23 +58,23 @@ COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
 
 
 class PlotError(UserError):
-    """Figure that cannot be drawn from the results."""
+    """Error for a figure that cannot be drawn from the results."""
 
 
 class PlotWarning(UserWarning):
-    """Figure that was skipped."""
+    """Warning of a figure that is skipped."""
 
 
-def pretty(unit: str) -> str:
-    """Return a unit as printed: µ for u, the degree sign, superscripts."""
+def format_unit(unit: str) -> str:
+    """Format a unit as printed: µ for u, the degree sign, superscripts."""
     return PRINTED_UNITS.get(unit, unit)
 
 
-def printed(quantity: str) -> str:
-    """Return a quantity with its unit as printed: `0.35 µm (3 samples)` for `0.35 um (3 samples)`."""
+def format_quantity(quantity: str) -> str:
+    """Format a quantity with its unit as printed: `0.35 µm (3 samples)` for `0.35 um (3 samples)`."""
     value, bracket, remark = quantity.partition(" (")
     number, space, unit = value.rpartition(" ")
-    return f"{number}{space}{pretty(unit)}{bracket}{remark}"
+    return f"{number}{space}{format_unit(unit)}{bracket}{remark}"
 
 
 def name_text(path: str) -> str:
@@ -105,7 +105,7 @@ def unit_of(path: str, units: Mapping[str, str]) -> str:
 
 
 def table_unit(name: str, units: Mapping[str, str]) -> str:
-    """Return the unit of a column of an exported table: SI, but of a swept speed the unit of the study."""
+    """Return the unit of a column of an exported table: SI; for a swept speed, the unit of the study."""
     if name not in units:
         return _feature_unit(name)
     dimension = _dimension(name)
@@ -115,13 +115,13 @@ def table_unit(name: str, units: Mapping[str, str]) -> str:
     return next(iter(si), "")
 
 
-def shown(path: str, value: float, unit: str) -> float:
+def to_unit(path: str, value: float, unit: str) -> float:
     """Convert an SI value of a path to ``unit``."""
     return display(value, unit, _dimension(path)) if unit else value
 
 
 def number_text(value: float, digits: int = DIGITS) -> str:
-    """Format a number with at most some significant digits, without an exponent up to a million: `2e6`, `1e-5`."""
+    """Format a number with a few significant digits, without exponent below a million: `2e6`, `1e-5`."""
     rounded = float(f"{value:.{digits}g}")
     text = f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
     mantissa, exponential, exponent = text.partition("e")
@@ -135,16 +135,16 @@ def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
     unit = unit_of(path, units)
     if _dimension(path) is None and float(value).is_integer():  # a seed or a count, which is not rounded
         return f"{value:.0f}"
-    return with_unit(number_text(shown(path, float(value), unit)), unit)
+    return with_unit(number_text(to_unit(path, float(value), unit)), unit)
 
 
 def with_unit(number: str, unit: str) -> str:
     """Join a number and its printed unit: `0.8 mm`, `30°`."""
-    return f"{number}{'' if unit in ('deg', '') else ' '}{pretty(unit)}"
+    return f"{number}{'' if unit in ('deg', '') else ' '}{format_unit(unit)}"
 
 
 def phrase(text: str) -> str:
-    """Write a value of a study file in words: of a mapping its kind, then the rest in brackets.
+    """Write a value of a study file in words; a mapping as its kind, then its other keys in brackets.
 
     Examples: `housing (stiffness 1e10 N/m²)` for ``{by: housing, stiffness: 1e10 N/m/m}``, `on` for ``true``.
     """
@@ -172,7 +172,7 @@ def _words(node: "Node") -> str:
 
 
 def _word(text: str) -> str:
-    """Print a scalar of a study file: its unit as in a figure, a switch as on or off."""
+    """Format a scalar of a study file: its unit as in a figure, `true` and `false` as `on` and `off`."""
     number, _, unit = text.partition(" ")
     is_quantity = number[-1:].isdigit() and any(unit in units for units in UNITS.values())
     return with_unit(number, unit) if is_quantity else SWITCHES.get(text, text)
@@ -181,7 +181,7 @@ def _word(text: str) -> str:
 def swept_text(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
     """Join swept values in one line: `circular, length 3 mm, load 150 N, model rollers`.
 
-    Keys that a defect does not have are left out.
+    Keys that a defect does not have are omitted.
     """
     paths = [path for path in swept if not (swept[path] == NONE and path.startswith("defect"))]
     return ", ".join(f"{_short(path)} {value_text(path, swept[path], units)}".strip() for path in paths)
@@ -192,7 +192,7 @@ def _short(path: str) -> str:
     return "" if path == "defect.shape" else name_text(path.removeprefix("defect."))
 
 
-def squared(unit: str) -> str:
+def square_unit(unit: str) -> str:
     """Return the square of a printed unit: `µm²/s²`."""
     above, _, below = unit.partition("/")
     return "/".join(
@@ -221,7 +221,7 @@ def in_sentence(text: str) -> str:
 
 def feature_axis(name: str, largest: float) -> tuple[str, float]:
     """Choose unit and factor from SI for a feature by its largest value; ``("", 1.0)`` without a unit."""
-    return readable(COST_UNIT if name == COST else _feature_unit(name), name, largest)
+    return choose_unit(COST_UNIT if name == COST else _feature_unit(name), name, largest)
 
 
 def _feature_unit(name: str) -> str:
@@ -230,7 +230,7 @@ def _feature_unit(name: str) -> str:
     return "rad" if name.endswith(".phase") else FEATURES[name].unit if name in FEATURES else ""
 
 
-def readable(unit: str, name: str, largest: float) -> tuple[str, float]:
+def choose_unit(unit: str, name: str, largest: float) -> tuple[str, float]:
     """Choose unit and factor from SI for a quantity by its name and largest value."""
     if any(name == share or name.startswith(f"{share}.") for share in SHARES):
         unit = "%"

@@ -31,16 +31,17 @@ FAMILIES = {
     "inner": Family("BPFI", Line(inner=1), Line(shaft=1), "fr"),
     "roller": Family("2BSF", Line(spin=2), Line(cage=1), "FTF"),
 }
-"""Families of lines by the carrier of the defect. Rotation through the load zone causes the sidebands."""
+"""Families of lines by the element that carries the defect, whose rotation through the load zone causes the
+sidebands."""
 
 
 class Mark(NamedTuple):
-    """Line on the frequency axis (Hz): element of its family, name, harmonic, and side of a sideband.
+    """Line on the frequency axis: its frequency (Hz), element with the defect, name, and number of the harmonic.
 
-    side: -1 or 1 of a sideband, 0 of a harmonic. The sideband of number 0 is the frequency between sidebands.
+    side: -1 or 1 for a sideband, 0 for a harmonic. Number 0 marks the spacing of the sidebands itself.
     """
 
-    hertz: float
+    frequency: float
     race: str
     name: str
     number: int
@@ -90,7 +91,8 @@ def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
 def speeds(parameters: Mapping[Any, Any], info: Mapping[Any, Any], time: "np.ndarray") -> "np.ndarray":
     """Return the speed (rad/s) of the inner ring of a job at the times (n,) of its record (s).
 
-    A ramp begins with the settling, the record after it. info: attributes set by the solver, with that time.
+    A ramp begins with the settling time, after which the record begins. info: attributes set by the solver, which
+    contain that time.
     """
     import numpy as np
 
@@ -102,7 +104,7 @@ def speeds(parameters: Mapping[Any, Any], info: Mapping[Any, Any], time: "np.nda
 
 
 def frequencies(line: Line, parameters: "pd.DataFrame") -> list[float]:
-    """Compute the distinct frequencies (Hz) of a line in some jobs without cage slip, of ramps at both ends."""
+    """Compute the distinct frequencies (Hz) of a line in some jobs without cage slip; for ramps, at both ends."""
     names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
     cases = parameters[names].drop_duplicates().to_dict("records")
     if "ramp.to" in parameters:
@@ -112,13 +114,13 @@ def frequencies(line: Line, parameters: "pd.DataFrame") -> list[float]:
 
 
 def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
-    """Yield the lines up to ``highest`` (Hz) of the families of a job's defects, sidebands and their spacing."""
+    """Yield the harmonics, sidebands and sideband spacings up to ``highest`` (Hz) of a job's defects."""
     for race in races(parameters) or ["outer"]:
-        yield from (mark for mark in _family_marks(race, parameters, highest) if mark.hertz <= highest)
+        yield from (mark for mark in _family_marks(race, parameters, highest) if mark.frequency <= highest)
 
 
 def _family_marks(race: str, parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
-    """Yield the lines of one element: all up to ``highest`` (Hz), and some above."""
+    """Yield the lines of one element: all up to ``highest`` (Hz), and some above it."""
     family = FAMILIES[race]
     fundamental = frequency(family.fundamental, parameters)
     spacing = frequency(family.modulation, parameters) if family.modulation else 0.0

@@ -41,24 +41,24 @@ def fundamental_frequency(parameters: Mapping[Any, Any]) -> float:
 def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
     """Mark the lines of the defects' families, or of BPFO if there is no defect; sidebands are dashed.
 
-    named: whether names are written between the axes and their title; above: distance (points) of the names from
-    the axes, in addition to ``GAP_POINTS``. Each family has a row of names of harmonics, and below it a row of
-    names of sidebands if any fits. Marks and names too close to others are left out.
+    named: True to write names between the axes and their title; above: distance (points) of the names from the
+    axes, in addition to ``GAP_POINTS``. Each family has a row of names of harmonics, and below it a row of names
+    of sidebands if any fits. Marks and names too close to others are omitted.
     """
     low, high = ax.get_xlim()
     height = above + GAP_POINTS
     for race in lines.races(job.parameters) or ["outer"]:
         colour = MARK_COLOURS[race]
         marks = [mark for mark in lines.marks(job.parameters, high) if mark.race == race]
-        marks = [mark for mark in marks if low <= mark.hertz <= high]
+        marks = [mark for mark in marks if low <= mark.frequency <= high]
         fundamental = lines.frequency(lines.FAMILIES[race].fundamental, job.parameters)
-        drawn_marks = _apart(marks, fundamental, MIN_MARK_DISTANCE * (high - low))
+        drawn_marks = _select_apart(marks, fundamental, MIN_MARK_DISTANCE * (high - low))
         for mark in drawn_marks:
             dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.side else {"alpha": 0.5}
-            ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
+            ax.axvline(mark.frequency, color=colour, lw=0.7, zorder=0.9, **dashes)
         if named:
             distance = MIN_NAME_DISTANCE_IN / _width(ax) * (high - low)
-            harmonics = _apart([mark for mark in marks if not mark.side], fundamental, distance)
+            harmonics = _select_apart([mark for mark in marks if not mark.side], fundamental, distance)
             sidebands = [mark for mark in drawn_marks if mark.side and mark.number]
             for row in (sidebands, [*(mark for mark in drawn_marks if not mark.number), *harmonics]):
                 height += ROW_POINTS * _name_marks(ax, row, colour, height)
@@ -75,11 +75,11 @@ def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: fl
     """Write names of marks in a row, at ``height`` points above the axes; return True if any fits.
 
     The names of sidebands and of the fundamental line include the frequency, those of other harmonics only if all
-    have room. Names of sidebands are on the outer side of their marks. Names that overlap others are left out.
+    fit. Names of sidebands are on the outer side of their marks. Names that would overlap others are omitted.
     """
     character_width = CHARACTER_IN / _width(ax)  # part of the axis
     to_axes = ax.transData + ax.transAxes.inverted()
-    positions = [float(to_axes.transform((mark.hertz, 0.0))[0]) for mark in marks]
+    positions = [float(to_axes.transform((mark.frequency, 0.0))[0]) for mark in marks]
     longest = max((len(_with_frequency(mark)) for mark in marks), default=0)
     has_room = character_width * longest < min(np.diff(positions), default=1.0)
     occupied: list[tuple[float, float]] = []
@@ -87,27 +87,27 @@ def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: fl
         zip(marks, positions, strict=True), key=lambda pair: (pair[0].number != 1, pair[1])
     ):
         alignment, part = ALIGNMENTS[mark.side if mark.number else 0]
-        for text in _texts(mark, has_room):
+        for text in _name_texts(mark, has_room):
             left = position - part * character_width * len(text)
             right = left + character_width * len(text)
             is_inside = alignment == "center" or 0.0 <= left < right <= 1.0
             if is_inside and all(right <= start or left >= end for start, end in occupied):
                 occupied.append((left, right))
-                ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
+                ax.annotate(text, (mark.frequency, 1.0), (0, height), xycoords=("data", "axes fraction"),
                             textcoords="offset points", ha=alignment, fontsize=7, color=colour)  # fmt: skip
                 break
     return bool(occupied)
 
 
-def _texts(mark: lines.Mark, has_room: bool) -> list[str]:
+def _name_texts(mark: lines.Mark, has_room: bool) -> list[str]:
     """List the alternative texts of a name, the longest first."""
     if mark.side and mark.number:
-        return [_with_frequency(mark), *([f"{mark.hertz:.1f} Hz"] if mark.number == 1 else [])]
+        return [_with_frequency(mark), *([f"{mark.frequency:.1f} Hz"] if mark.number == 1 else [])]
     return [_with_frequency(mark), mark.name] if has_room or mark.number <= 1 else [mark.name]
 
 
 def _with_frequency(mark: lines.Mark) -> str:
-    return f"{mark.name} {mark.hertz:.1f} Hz"
+    return f"{mark.name} {mark.frequency:.1f} Hz"
 
 
 def _width(ax: "Axes") -> float:
@@ -118,21 +118,21 @@ def _width(ax: "Axes") -> float:
     return float(canvas.get_size_inches()[0]) / subplot.get_gridspec().ncols
 
 
-def _apart(marks: Sequence[lines.Mark], fundamental: float, distance: float) -> list[lines.Mark]:
-    """Select the fundamental, and the harmonics at multiples of a round number, ``distance`` (Hz) or more apart.
+def _select_apart(marks: Sequence[lines.Mark], fundamental: float, distance: float) -> list[lines.Mark]:
+    """Select the fundamental, and harmonics in steps of a round number that are ``distance`` (Hz) or more apart.
 
     Their sidebands are included if every harmonic is selected, and the sidebands are at least ``distance``/3 from
     the harmonics.
     """
     stride = next((step for step in ROUND_STEPS if step * fundamental >= distance), ROUND_STEPS[-1])
-    spacings = [abs(mark.hertz - mark.number * fundamental) for mark in marks if mark.side]
+    spacings = [abs(mark.frequency - mark.number * fundamental) for mark in marks if mark.side]
     with_sidebands = stride == 1 and min(spacings, default=0.0) >= distance / 3.0
     selected = [mark for mark in marks if mark.number == 1 or mark.number % stride == 0]
     return [mark for mark in selected if with_sidebands or not mark.side]
 
 
 def sideband_entries(jobs: Iterable[Job]) -> list[Line2D]:
-    """Return entries of a legend with the meaning of the dashed lines."""
+    """Make legend entries that explain the dashed lines, the sidebands."""
     steady = [job for job in jobs if not recorded.has_ramp(job)]
     elements = dict.fromkeys(race for job in steady for race in lines.races(job.parameters))
     entries = []

@@ -12,9 +12,9 @@ from matplotlib.patches import Rectangle
 from bearingsim.diagnosis import NONE, Diagnosis
 from bearingsim.diagnosis.thresholds import decibels
 from bearingsim.measured.si import factor_to
-from bearingsim.plots.labels import PlotError, pretty
+from bearingsim.plots.labels import PlotError, format_unit
 from bearingsim.plots.marks import MARK_COLOURS
-from bearingsim.plots.plot import FORMATS, MADE_BY, is_replaceable
+from bearingsim.plots.plot import FORMATS, METADATA, is_replaceable
 from bearingsim.plots.style import COLOURS, PAGE_IN, disable_invalid_math, drawing
 from bearingsim.signals import band_pass, envelope_spectrum, spectrum
 from bearingsim.store import write_bytes
@@ -26,19 +26,19 @@ if TYPE_CHECKING:
     from bearingsim.measured import Recording
 
 SHOWN_PASSES = 8.0
-"""Periods of the detected line shown in the panel of the time signal."""
+"""Number of periods of the line shown in the panel of the time signal."""
 MIN_SHOWN = 1e-8
 """Smallest amplitude shown in a spectrum, relative to the largest; smaller ones are rounding errors."""
 LOWEST_DB = -10.0
-"""dB; lower limit of the axis of an envelope spectrum: 90 % of the bins of noise are above -8 dB."""
+"""dB, lower limit of the axis of an envelope spectrum; 90 % of the bins of noise are above -8 dB."""
 MAX_POINTS = 4000
-"""Largest number of points of a drawn spectrum; of a longer one, the largest in each group is drawn."""
-SHOWN_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
+"""Limit of the points of a drawn spectrum; a longer one is reduced to the maxima of groups of neighbours."""
+LINE_NAMES = {"outer": "BPFO", "inner": "BPFI", "roller": "2 BSF"}
 QUANTITIES = {"m/s^2": "Acceleration", "m/s": "Velocity", "m": "Displacement", "N": "Force"}
 """Quantities by SI unit."""
 HARMONICS = 3
 SCORE_THRESHOLD = "threshold of the score of 3 lines"
-"""Legend of the threshold, which applies to the score over three harmonics, not to single lines."""
+"""Legend of the threshold, which applies to the score of three harmonics, not to single lines."""
 TITLES = {
     "outer": "outer race",
     "inner": "inner race",
@@ -61,7 +61,7 @@ def check_path(path: Path) -> None:
 
 
 @drawing()
-def diagnosis_figure(
+def draw_diagnosis(
     recording: "Recording",
     channel: str,
     diagnosis: Diagnosis,
@@ -73,7 +73,7 @@ def diagnosis_figure(
     canvas = Figure(figsize=(PAGE_IN, 0.8 * PAGE_IN), layout="constrained")
     (time, spectrum), (envelope, kurtosis) = canvas.subplots(2, 2)
     values, fs, unit = recording.channels[channel], recording.rate.value, recording.units[channel].value
-    in_unit = f" ({pretty(unit)})" if unit else ""
+    in_unit = f" ({format_unit(unit)})" if unit else ""
     quantity = _quantity(unit)
     _draw_time(time, values, fs, diagnosis, f"{quantity}{in_unit}")
     _draw_spectrum(spectrum, values, fs, f"{quantity}, 0-peak{in_unit}")
@@ -96,7 +96,7 @@ def _title(diagnosis: Diagnosis) -> str:
     if diagnosis.is_of_shaft:
         other = diagnosis.strongest_other.frequency
         line = f"order {round(other / diagnosis.lines.shaft)} of the shaft, {other:.2f} Hz"
-        return f"{line}, whose harmonics explain {SHOWN_LINES[diagnosis.best]}"
+        return f"{line}, whose harmonics explain {LINE_NAMES[diagnosis.best]}"
     frequency = {"none": None, "other rhythm": diagnosis.strongest_other.frequency}.get(
         diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
     )
@@ -105,7 +105,7 @@ def _title(diagnosis: Diagnosis) -> str:
 
 
 def _draw_time(ax: Axes, values: np.ndarray, fs: float, diagnosis: Diagnosis, label: str) -> None:
-    """Draw some passes around the largest sample."""
+    """Draw some periods of the line around the largest sample."""
     count = min(len(values), int(SHOWN_PASSES * fs / diagnosis.findings[diagnosis.best].comb.frequency))
     start = int(np.clip(np.argmax(np.abs(values - values.mean())) - count // 2, 0, len(values) - count))
     ax.plot(1e3 * np.arange(start, start + count) / fs, values[start : start + count], color=COLOURS[0], lw=0.7)
@@ -122,11 +122,11 @@ def _draw_spectrum(ax: Axes, values: np.ndarray, fs: float, label: str) -> None:
     ax.semilogy(1e-3 * frequency[:count:group], drawn, color=COLOURS[0], lw=0.6)
     ax.set_xlabel(f"Frequency (kHz), line spacing {significant(float(frequency[1] - frequency[0]), 2)} Hz")
     ax.set_ylabel(label)
-    ax.set_ylim(_floor(drawn), 2.0 * float(drawn.max()))
+    ax.set_ylim(_lower_limit(drawn), 2.0 * float(drawn.max()))
     ax.margins(x=0.0)
 
 
-def _floor(amplitude: np.ndarray) -> float:
+def _lower_limit(amplitude: np.ndarray) -> float:
     """Return the lower limit of a logarithmic axis, below all amplitudes (n,) except the lowest 1 %."""
     return max(0.5 * float(np.quantile(amplitude, 0.01)), MIN_SHOWN * float(amplitude.max()))
 
@@ -140,7 +140,7 @@ def _draw_envelope(ax: Axes, diagnosis: Diagnosis, band: tuple[float, float]) ->
     for race, finding in diagnosis.findings.items():
         is_verdict = race in diagnosis.verdict
         for number in range(1, HARMONICS + 1):
-            text = SHOWN_LINES[race] if number == 1 else None
+            text = LINE_NAMES[race] if number == 1 else None
             ax.axvline(
                 number * finding.comb.frequency, color=MARK_COLOURS[race], lw=1.0, label=text, zorder=0.9,
                 ls="-" if is_verdict else (0, (2, 2)), alpha=0.7,
@@ -197,7 +197,7 @@ def _draw_kurtogram(ax: Axes, image: "Kurtogram", band: tuple[float, float]) -> 
 
 
 @drawing()
-def comparison_figure(
+def draw_comparison(
     simulated: "Signal",
     measured: "Signal",
     race: str,
@@ -209,8 +209,8 @@ def comparison_figure(
     """Draw time signals around their largest samples, spectra and envelope spectra, one over the other.
 
     names: of the simulated and the measured signal; unit: of both, empty if it is not stated; band: of the
-    envelope (Hz); factor: by which the simulated signal was multiplied. If None, both are drawn relative to their
-    largest samples over time.
+    envelope (Hz); factor: by which the simulated signal was multiplied. If None, each time signal is drawn
+    relative to its largest sample.
     """
     canvas = Figure(figsize=(PAGE_IN, 1.15 * PAGE_IN), layout="constrained")
     time, whole, envelope = canvas.subplots(3, 1)
@@ -227,9 +227,11 @@ def comparison_figure(
         passes = (np.arange(start, start + count) - peak) / signal.fs * signal.lines.of_race(race)
         largest = float(np.abs(part).max())
         if factor is None:
-            part, name = part / largest, f"{name} (largest sample {largest:.3g} {pretty(unit)})"
+            part, name = part / largest, f"{name} (largest sample {largest:.3g} {format_unit(unit)})"
         time.plot(passes, part, color=colour, lw=width, label=name)
-        centres, heights = _largest(*spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1])
+        centres, heights = _interval_maxima(
+            *spectrum(signal.series, signal.fs), signal.lines.of_race(race), band[1]
+        )
         whole.semilogy(1e-3 * centres, heights, color=colour, lw=width + 0.3, drawstyle="steps-mid")
         orders, level = envelope_spectrum(signal.series, signal.fs, band)
         orders = orders / signal.lines.shaft
@@ -238,8 +240,8 @@ def comparison_figure(
     for number in range(1, HARMONICS + 2):
         order = number * simulated.lines.of_race(race) / simulated.lines.shaft
         envelope.axvline(order, color="0.5", lw=0.7, ls=(0, (2, 2)), zorder=0.9)
-    line, quantity = SHOWN_LINES[race], _quantity(unit)
-    in_unit = f" ({pretty(unit)})" if unit else ""
+    line, quantity = LINE_NAMES[race], _quantity(unit)
+    in_unit = f" ({format_unit(unit)})" if unit else ""
     time.set_xlabel(f"Time in passes ({line}), from the largest sample; band to {band[1] / 1e3:.3g} kHz")
     time.set_ylabel(f"{quantity},\nof its largest sample" if factor is None else f"{quantity}{in_unit}")
     whole.set_xlabel("Frequency (kHz)")
@@ -252,10 +254,10 @@ def comparison_figure(
     return canvas
 
 
-def _largest(
+def _interval_maxima(
     frequency: np.ndarray, amplitude: np.ndarray, width: float, highest: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return centres (m,) in Hz and largest amplitudes (m,) of intervals of a width (Hz), up to a frequency.
+    """Return centres (m,) in Hz and largest amplitudes (m,) of intervals of a ``width`` (Hz), up to ``highest``.
 
     A periodic signal has one line in each interval as wide as its frequency, so the curve connects its lines.
     """
@@ -269,5 +271,5 @@ def write(canvas: Figure, path: Path) -> None:
     """Write a figure in the format of the file's suffix."""
     disable_invalid_math(canvas)
     content, kind = BytesIO(), path.suffix.removeprefix(".").lower()
-    canvas.savefig(content, format=kind, metadata=MADE_BY[kind])
+    canvas.savefig(content, format=kind, metadata=METADATA[kind])
     write_bytes(path, content.getvalue())

@@ -28,8 +28,8 @@ COLOUR = "0.15"
 MARK: dict[str, Any] = {"ls": "", "ms": 5.5, "mfc": "white", "mew": 1.2, "zorder": 6.0, "gid": "measured"}
 
 
-class Drawing(NamedTuple):
-    """Drawing of measured points in a figure: completed figure, all its rows, and the units of the study."""
+class FigureData(NamedTuple):
+    """Data of a figure in which measured points are drawn: the completed figure, its rows, the study's units."""
 
     figure: "Figure"
     rows: "pd.DataFrame"
@@ -38,7 +38,7 @@ class Drawing(NamedTuple):
 
 def mark_measured(
     ax: "Axes",
-    drawing: Drawing,
+    data: FigureData,
     name: str,
     part: "pd.DataFrame",
     curves: Sequence["Curve"],
@@ -49,21 +49,21 @@ def mark_measured(
     """Draw the measured values of feature ``name`` as open markers.
 
     A mark has the colour of its curve, or ``COLOUR`` if it may belong to several. Points at other parameters than
-    those of the panel's curves are left out. part: rows of the panel; factor: from SI to the axis; upright:
-    whether x is on the vertical axis.
+    those of the panel's curves are omitted. part: rows of the panel; factor: from SI to the axis; upright: True if
+    x is on the vertical axis.
     """
     for entry, shape in zip(sets, _shapes(sets), strict=True):
-        for x, y, colour in _marks(drawing, name, part, curves, entry):
+        for x, y, colour in _marks(data, name, part, curves, entry):
             coordinates = ([y * factor], [x]) if upright else ([x], [y * factor])
             ax.plot(*coordinates, marker=shape, mec=colour, **MARK)
 
 
-def entries(drawing: Drawing, sets: Sequence["MeasuredSet"]) -> list[Line2D]:
+def measured_entries(data: FigureData, sets: Sequence["MeasuredSet"]) -> list[Line2D]:
     """Make a legend entry for each measured source with a mark in the figure."""
     return [
         Line2D([], [], marker=shape, mec=COLOUR, label=entry.legend, **MARK)
         for entry, shape in zip(sets, _shapes(sets), strict=True)
-        if any(True for name in drawing.figure.y for _ in _marks(drawing, name, drawing.rows, (), entry))
+        if any(True for name in data.figure.y for _ in _marks(data, name, data.rows, (), entry))
     ]
 
 
@@ -72,31 +72,31 @@ def _shapes(sets: Sequence["MeasuredSet"]) -> list[str]:
 
 
 def _marks(
-    drawing: Drawing, name: str, part: "pd.DataFrame", curves: Sequence["Curve"], entry: "MeasuredSet"
+    data: FigureData, name: str, part: "pd.DataFrame", curves: Sequence["Curve"], entry: "MeasuredSet"
 ) -> Iterator[tuple[float, float, str]]:
     """Yield position on x, value (SI) and colour of each point of a source with feature ``name``."""
     for point in entry.points:
-        value, x = point["features"].get(name), position_in(drawing, part, point)
+        value, x = point["features"].get(name), position_on_x(data, part, point)
         if value is not None and x is not None:
-            yield x, entry.scaled(name, value), _colour(curves, part, point["parameters"], drawing.figure.x)
+            yield x, entry.scaled(name, value), _colour(curves, part, point["parameters"], data.figure.x)
 
 
-def position_in(drawing: Drawing, part: "pd.DataFrame", point: Mapping[str, Any]) -> float | None:
+def position_on_x(data: FigureData, part: "pd.DataFrame", point: Mapping[str, Any]) -> float | None:
     """Return the position of a point on the x axis of a panel with the rows ``part``.
 
     None if the point has no value of x, or if its other parameters match no row.
     """
-    parameters, x = point["parameters"], drawing.figure.x
+    parameters, x = point["parameters"], data.figure.x
     paths = x.split(", ")  # several if words are joined to a category
     others = {path: value for path, value in parameters.items() if path not in paths and path in part}
-    if not set(paths) <= set(parameters) or not _alike(part, others).any():
+    if not set(paths) <= set(parameters) or not _has_values(part, others).any():
         return None
-    value = parameters[x] if len(paths) == 1 else select.category(paths, parameters, drawing.units)
-    return _position(x, value, drawing.rows, drawing.units)
+    value = parameters[x] if len(paths) == 1 else select.category(paths, parameters, data.units)
+    return _position(x, value, data.rows, data.units)
 
 
-def _alike(part: "pd.DataFrame", values: Mapping[str, Any]) -> "pd.Series[bool]":
-    """Check by row of ``part`` if it has some values; each is compared with the distinct ones of its column."""
+def _has_values(part: "pd.DataFrame", values: Mapping[str, Any]) -> "pd.Series[bool]":
+    """Check which rows of ``part`` have some values, each compared with the distinct values of its column."""
     is_alike = part["job"].notna()
     for path, value in values.items():
         is_alike &= part[path].isin([stored for stored in part[path].unique() if same(stored, value)])
@@ -105,9 +105,9 @@ def _alike(part: "pd.DataFrame", values: Mapping[str, Any]) -> "pd.Series[bool]"
 
 def _position(path: str, value: float | str, rows: "pd.DataFrame", units: Mapping[str, str]) -> float | None:
     """Return the position of a value on the x axis; None for a word that is not a category."""
-    distinct = select.values(rows, path)
+    distinct = select.distinct_values(rows, path)
     if select.is_numeric(distinct) and not isinstance(value, str):
-        return labels.shown(path, value, select.x_unit(path, rows, units))
+        return labels.to_unit(path, value, select.x_unit(path, rows, units))
     return next((float(number) for number, other in enumerate(distinct) if same(other, value)), None)
 
 
@@ -137,7 +137,7 @@ def signal_points(results: "Results", job: str) -> Iterator[tuple["MeasuredSet",
 def overlaid_signals(results: "Results", job: str, channel: str) -> Iterator[tuple[str, Signal]]:
     """Yield legend and signal (SI) of each measurement at a job's parameters, in the unit of a channel of motion.
 
-    Warns of files that cannot be read any more.
+    Warns of files that can no longer be read.
     """
     if not channel.startswith(("ring.", "sensor.")):
         return

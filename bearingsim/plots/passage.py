@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
 
 
-ACROSS, ALONG = 401, 241  # grid points of a depth map along rolling and along the roller
-FINER = 4  # factor on the number of points, in a section
-ALIKE = 0.98  # relative to the largest depth; from here on the middle section is taken as the deepest
-MARGIN = 0.3  # margin shown on either side, over the defect's width
+ROLLING_POINTS, AXIAL_POINTS = 401, 241  # grid points of a depth map along rolling and along the roller
+SECTION_REFINEMENT = 4  # intervals of a section per interval of the depth map
+SAME_DEPTH_RATIO = 0.98  # depth of the central section, relative to the largest, from which it is the deepest
+MARGIN = 0.3  # margin shown on either side, relative to the defect's width
 
 Reals = NDArray[np.float64]
 
 
 class Defect(NamedTuple):
-    """One defect. Lengths in m; s along rolling from its middle, z along the roller from the roller's centre.
+    """One defect. Lengths in m; s along rolling from its centre, z along the roller from the roller's centre.
 
     race: its carrier; R: effective radius of the roller on the race (the outer race for a roller's defect);
     angle: rad, as in the case; map: its depth (``defects/depth.py``); s, z: its limits.
@@ -36,19 +36,19 @@ class Defect(NamedTuple):
     s: tuple[float, float]
     z: tuple[float, float]
 
-    def positions(self, count: int = ACROSS, margin: float = MARGIN) -> Reals:
+    def positions(self, count: int = ROLLING_POINTS, margin: float = MARGIN) -> Reals:
         """Return positions (count,) in m along rolling, up to ``margin`` defect widths beyond the defect."""
         more = margin * (self.s[1] - self.s[0])
         return np.linspace(self.s[0] - more, self.s[1] + more, count)
 
     @property
     def axial_positions(self) -> Reals:
-        """Axial positions (ALONG,) in m of the sections: midpoints of equal intervals of the defect."""
-        return self.z[0] + (self.z[1] - self.z[0]) * (np.arange(ALONG) + 0.5) / ALONG
+        """Axial positions (AXIAL_POINTS,) in m of the sections: midpoints of equal intervals of the defect."""
+        return self.z[0] + (self.z[1] - self.z[0]) * (np.arange(AXIAL_POINTS) + 0.5) / AXIAL_POINTS
 
     @property
     def depth_map(self) -> Reals:
-        """Depth (ALONG, ACROSS) in m at ``axial_positions`` and ``positions()``."""
+        """Depth (AXIAL_POINTS, ROLLING_POINTS) in m at ``axial_positions`` and ``positions()``."""
         from bearingsim.core.defects.depth import section
         from bearingsim.core.defects.profile import depth_at
 
@@ -64,23 +64,23 @@ class Section(NamedTuple):
     h: Reals
 
 
-def cut(defect: Defect, z: float) -> Section:
+def compute_section(defect: Defect, z: float) -> Section:
     """Compute the section of a defect at z (m) along the roller."""
     from bearingsim.core.defects.depth import section
     from bearingsim.core.defects.envelope import path_drop, path_over
     from bearingsim.core.defects.profile import depth_at
 
-    s, profile = defect.positions(FINER * (ACROSS - 1) + 1), section(defect.map, z)
+    s, profile = defect.positions(SECTION_REFINEMENT * (ROLLING_POINTS - 1) + 1), section(defect.map, z)
     return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, defect.R), s)[0])
 
 
 def distinct_sections(defect: Defect) -> list[float]:
-    """List the positions z (m) of the sections to draw: the deepest, and the middle if it differs."""
-    deepest = defect.depth_map.max(axis=1)
-    lowest, middle = int(np.argmax(deepest)), ALONG // 2
-    if deepest[middle] >= ALIKE * deepest[lowest]:
-        return [float(defect.axial_positions[middle])]
-    return [float(defect.axial_positions[k]) for k in ((lowest, middle) if deepest[middle] > 0.0 else (lowest,))]
+    """List the positions z (m) of the sections to draw: the deepest, and the central one if it differs."""
+    depths = defect.depth_map.max(axis=1)
+    deepest, centre = int(np.argmax(depths)), AXIAL_POINTS // 2
+    if depths[centre] >= SAME_DEPTH_RATIO * depths[deepest]:
+        return [float(defect.axial_positions[centre])]
+    return [float(defect.axial_positions[k]) for k in ((deepest, centre) if depths[centre] > 0.0 else (deepest,))]
 
 
 def defects_of(case: "Case") -> Iterator[Defect]:
@@ -103,12 +103,12 @@ def ends_of_slices(case: "Case") -> Reals:
     return np.asarray(slice_ends(case) if MODELS[case.model].sliced else ())
 
 
-BEFORE, AFTER = 1.5, 3.0  # widths of the defect shown before and after its middle
-MIN_WIDTH = 6e-4  # m, minimum width of a defect in a window, to cover the pocket clearance of the roller
+WIDTHS_BEFORE, WIDTHS_AFTER = 1.5, 3.0  # widths of the defect shown before and after its centre
+MIN_WIDTH = 6e-4  # m, minimum width of a defect in the time range, to cover the pocket clearance of the roller
 
 
 class RollerPath(NamedTuple):
-    """Path of a roller (number from 1) over a defect: position s and depth below the sound race, (n,), m.
+    """Path of a roller (number from 1) over a defect: position s and depth below the undamaged race, (n,) in m.
 
     tilt: (n,) in rad of the roller's axis; the depth increases by tilt times z.
     """
@@ -124,7 +124,7 @@ class RollerPath(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """Passage of a roller: the defect, the time (s) over its middle, and the speed (m/s) along rolling.
+    """Passage of a roller: the defect, the time (s) over its centre, and the speed (m/s) along rolling.
 
     angle: position (rad) of the roller at that time, from the load line.
     """
@@ -135,17 +135,17 @@ class Passage(NamedTuple):
     angle: float
 
     @property
-    def window(self) -> tuple[float, float]:
+    def time_range(self) -> tuple[float, float]:
         """Beginning and end (s) of the time shown."""
         width = max(self.defect.s[1] - self.defect.s[0], MIN_WIDTH)
-        return self.time - BEFORE * width / self.speed, self.time + AFTER * width / self.speed
+        return self.time - WIDTHS_BEFORE * width / self.speed, self.time + WIDTHS_AFTER * width / self.speed
 
     @property
     def crossing(self) -> tuple[float, float]:
         """Times (s) at which the contact enters and leaves the defect; it moves towards -s on the inner race."""
         low, high = self.defect.s
-        entry, exit_ = (-high, -low) if self.defect.race == "inner" else (low, high)
-        return self.time + entry / self.speed, self.time + exit_ / self.speed
+        start, end = (-high, -low) if self.defect.race == "inner" else (low, high)
+        return self.time + start / self.speed, self.time + end / self.speed
 
     def samples(self, rate: float) -> float:
         """Compute the number of samples, at ``rate`` (Hz), during the crossing of the defect."""
@@ -161,7 +161,10 @@ def first_passage(job: Job, case: "Case", number: int, race: str) -> Passage | N
 
 
 def passages(job: Job, case: "Case", number: int, race: str) -> list[Passage]:
-    """Return the complete passages of a roller over the first defect that it passes; else as above."""
+    """List the complete passages of a roller (from 1) over the first defect that it passes; empty without any.
+
+    Defects of ``race`` are tried first, those of rollers not at all. Raises PlotError under a ramp.
+    """
     defects = [defect for defect in defects_of(case) if defect.race != "roller"]
     ordered = sorted(defects, key=lambda defect: defect.race != race)
     of_defects = (list(_passages(job, case, number, defect)) for defect in ordered)
@@ -169,7 +172,7 @@ def passages(job: Job, case: "Case", number: int, race: str) -> list[Passage]:
 
 
 def _passages(job: Job, case: "Case", number: int, defect: Defect) -> Iterator[Passage]:
-    """Yield the passages over one defect whose windows lie in the record."""
+    """Yield the passages over one defect whose time ranges lie in the record."""
     time = job.series.time
     angle = roller_angle(job, number)
     ahead = angle - defect.angle
@@ -178,12 +181,14 @@ def _passages(job: Job, case: "Case", number: int, defect: Defect) -> Iterator[P
         settle = float(job.info.get("settle_s", case.settle))  # stored per job by the first version
         ahead = case.speed * (settle + time) - ahead
         radius -= case.bearing.roller_diameter
-    turns = ahead / (2.0 * pi)
+    revolutions = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)
-    middle_times = np.interp(np.arange(np.ceil(turns[0]), np.floor(turns[-1]) + 1.0), turns, time)
-    for middle, roller in zip(middle_times, np.interp(middle_times, time, angle), strict=True):
-        passage = Passage(defect, float(middle), speed, float(roller))
-        if passage.window[0] >= time[0] and passage.window[1] <= time[-1]:
+    centre_times = np.interp(
+        np.arange(np.ceil(revolutions[0]), np.floor(revolutions[-1]) + 1.0), revolutions, time
+    )
+    for centre_time, position in zip(centre_times, np.interp(centre_times, time, angle), strict=True):
+        passage = Passage(defect, float(centre_time), speed, float(position))
+        if passage.time_range[0] >= time[0] and passage.time_range[1] <= time[-1]:
             yield passage
 
 

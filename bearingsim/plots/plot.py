@@ -22,8 +22,8 @@ FORMATS = ("png", "svg", "pdf")
 FIGURES = "figures"
 """Folder of a study's figures, within its results."""
 MARK = b"made by bearingsim"
-"""Mark in the metadata of every figure; files with it may be replaced."""
-MADE_BY = {
+"""Mark in the metadata of every figure; only files that contain it are replaced."""
+METADATA = {
     "png": {"Software": MARK.decode()},
     "svg": {"Creator": MARK.decode(), "Date": None},
     "pdf": {"Creator": MARK.decode()},
@@ -31,7 +31,7 @@ MADE_BY = {
 LISTS = ("y", "by", "panels", "log")
 """Options that are lists; ``where`` maps paths to values, ``x`` is one path, all others belong to ``View``."""
 
-Draw = Callable[["Results", Figure, Sequence[str]], list[Sheet]]
+DrawFunction = Callable[["Results", Figure, Sequence[str]], list[Sheet]]
 
 
 def plot(
@@ -54,18 +54,18 @@ def plot(
 
     folder = out or results.path / FIGURES
     with drawing():
-        sheets = drawn(results, kind, jobs, **options)
+        sheets = draw_figures(results, kind, jobs, **options)
         folder.mkdir(parents=True, exist_ok=True)
-        return [written(canvas, folder / f"{name}.{file_format}", results) for name, canvas in sheets]
+        return [write_figure(canvas, folder / f"{name}.{file_format}", results) for name, canvas in sheets]
 
 
-def drawn(
+def draw_figures(
     results: "Results", kind: str | None = None, jobs: Sequence[str] = (), **options: Any
 ) -> list[tuple[str, "Canvas"]]:
     """Draw the figures of ``plot`` without writing them; return pairs of name and figure.
 
-    Warns of figures of the study that cannot be drawn, and of unfinished jobs in figures of all selected ones;
-    raises the first error if no figure can be drawn.
+    Warns of figures of the study that cannot be drawn, and of unfinished jobs that a figure omits; raises the
+    first error if no figure can be drawn.
     """
     options = {key: value for key, value in options.items() if is_set(value)}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
@@ -99,7 +99,7 @@ def draw(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> list[S
     """Draw one figure; jobs: as of ``plot``. Raises PlotError."""
     kind = KINDS[figure.kind]
     module, name = kind.draw.split(".")
-    function: Draw = getattr(importlib.import_module(f"bearingsim.plots.{module}"), name)
+    function: DrawFunction = getattr(importlib.import_module(f"bearingsim.plots.{module}"), name)
     ids = jobs_of(results, figure, jobs) if kind.of_jobs else []
     sheets = function(results, figure, ids)
     if list(jobs) != [ALL]:
@@ -132,23 +132,23 @@ def requested_figures(
     named_paths = [*options.get("where", ()), *options.get("by", ()), *options.get("panels", ())]
     select.check_swept(results, [*named_paths, *filter(None, [options.get("x")])])
     if kind is not None and KINDS[kind].of_jobs:
-        return [_changed(Figure(y=(), x="", kind=kind), options)]
+        return [_apply_options(Figure(y=(), x="", kind=kind), options)]
     rows = select.case_rows(results)
     has_design = bool(select.design_paths(results))
     named = options.get("x") or results.plan["figures"] or options.get("panels")
     if kind == "design" or (kind in (None, "sweep") and has_design and not named):
-        return [_changed(Figure(y=(), x="", kind="design"), options)]
+        return [_apply_options(Figure(y=(), x="", kind="design"), options)]
     if options.get("x"):
-        figures = [select.arranged(results, options["x"], rows)]
+        figures = [select.arrange_figure(results, options["x"], rows)]
     else:
-        figures = select.planned(results, rows, kind)
+        figures = select.planned_figures(results, rows, kind)
     if kind == "phase":
         figures = [replace(figure, kind="phase", y=(), log=(), view=View()) for figure in figures]
-    changed = [_changed(figure, options) for figure in figures]
+    changed = [_apply_options(figure, options) for figure in figures]
     return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
 
 
-def _changed(figure: Figure, options: Mapping[str, Any]) -> Figure:
+def _apply_options(figure: Figure, options: Mapping[str, Any]) -> Figure:
     """Apply options to a figure; a path used for curves is removed from the panels, and vice versa.
 
     Raises OptionError for an option that the kind of figure does not have.
@@ -176,8 +176,10 @@ def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> lis
     named = [] if list(jobs) == [ALL] else list(jobs)
     if named and figure.where:
         raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
-    rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
-    with_signal = [job for job in select.done_jobs(rows) if any(signal_points(results, job))][: select.SOME]
+    rows = select.matching_rows(select.case_rows(results), figure.where, results.plan["units"])
+    with_signal = [job for job in select.done_jobs(rows) if any(signal_points(results, job))][
+        : select.DEFAULT_JOBS
+    ]
     chosen = named or (
         select.done_jobs(rows) if _shows_all(figure, jobs) else with_signal or select.some_jobs(rows)
     )
@@ -192,13 +194,13 @@ def _shows_all(figure: Figure, jobs: Sequence[str]) -> bool:
 
 
 def _warn_of_unfinished(results: "Results", figure: Figure, jobs: Sequence[str]) -> None:
-    """Warn of selected cases that a figure of signals leaves out because they are not done."""
+    """Warn of selected cases that a figure of signals omits because they are not done."""
     from bearingsim.plots import select
 
     if KINDS[figure.kind].of_jobs and _shows_all(figure, jobs) and list(jobs) in ([], [ALL]):
-        rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
-        if left := len(rows) - len(select.done_jobs(rows)):
-            text = f"{figure.kind} without {left} of {len(rows)} cases, which failed or are not computed yet"
+        rows = select.matching_rows(select.case_rows(results), figure.where, results.plan["units"])
+        if omitted := len(rows) - len(select.done_jobs(rows)):
+            text = f"{figure.kind} without {omitted} of {len(rows)} cases, which failed or are not computed yet"
             warnings.warn(text, PlotWarning, stacklevel=3)
 
 
@@ -223,7 +225,7 @@ def slug(words: Sequence[str]) -> str:
     return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
-def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
+def write_figure(canvas: "Canvas", path: Path, results: "Results") -> Path:
     """Write a figure in the format of the file's suffix; return the file.
 
     Raises PlotError instead of replacing a file that is not a figure of bearingsim.
@@ -232,16 +234,16 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     from bearingsim.store import write_bytes
 
     disable_invalid_math(canvas)
-    drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
-    canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
+    buffer, kind = BytesIO(), path.suffix.removeprefix(".").lower()
+    canvas.savefig(buffer, format=kind, metadata=METADATA[kind])
     if path.parent.resolve() != results.path.resolve() / FIGURES and not is_replaceable(path):
         raise PlotError(f"{path} exists and is not a figure of bearingsim; use another --out, or move the file")
-    write_bytes(path, drawing.getvalue())
+    write_bytes(path, buffer.getvalue())
     return path
 
 
 def is_replaceable(path: Path) -> bool:
-    """Check if a path is free or a figure of bearingsim."""
+    """Check if a path does not exist, or is a figure of bearingsim."""
     if path.is_symlink() or not path.is_file():
         return not path.is_symlink() and not path.exists()
     return MARK in path.read_bytes()

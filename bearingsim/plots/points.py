@@ -19,7 +19,8 @@ class Points:
 
     jobs: ids; x: value, or index of a word; y; low, high: ends of the uncertainty; error: error bound of the
     accuracy; healthy: level of the healthy bearing; chaotic: True for a value with statistical scatter; status:
-    done, failed, missing; models: chosen models, "" if all points have one. NaN where a point lacks a quantity.
+    done, failed, missing; models: chosen models, "" if all points have the same. NaN where a point lacks a
+    quantity.
     """
 
     jobs: list[str]
@@ -70,20 +71,20 @@ def curve_rows(
     figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], order: Mapping[Any, int]
 ) -> Iterator[tuple[str, str, "pd.DataFrame"]]:
     """Yield the curves of one panel: text of the first `by` path, text of the others, rows in ``order`` on x."""
-    for colour_text, part in select.splits(rows, figure.by[:1], units):
-        for line_text, inner in select.splits(part, figure.by[1:], units):
+    for colour_text, part in select.split_rows(rows, figure.by[:1], units):
+        for line_text, inner in select.split_rows(part, figure.by[1:], units):
             yield colour_text, line_text, inner.loc[inner[figure.x].map(order).sort_values().index]
 
 
 def order_of(figure: Figure, rows: "pd.DataFrame") -> dict[Any, int]:
     """Return the ranks of the values on x."""
-    return {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
+    return {value: rank for rank, value in enumerate(select.distinct_values(rows, figure.x))}
 
 
 def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
     """Return the positions of rows on the x axis: in the study's unit, or the index of a word."""
-    distinct = select.values(rows, x)
+    distinct = select.distinct_values(rows, x)
     if not select.is_numeric(distinct):
         return [float(distinct.index(value)) for value in part[x]]
     unit = select.x_unit(x, rows, units)
-    return [labels.shown(x, value, unit) for value in part[x]]
+    return [labels.to_unit(x, value, unit) for value in part[x]]

@@ -20,14 +20,16 @@ if TYPE_CHECKING:
     from bearingsim.figure_kinds import View
     from bearingsim.store import Results, Series
 
-LOW_PASS = "drawn through a low-pass that does not ring before an impact: peaks differ from those of the table"
-SAMPLED = "contact forces at the samples, between which the table may have larger ones"
+LOW_PASS_TEXT = (
+    "drawn through a low-pass that does not ring before an impact: peaks differ from those of the table"
+)
+SAMPLED_TEXT = "contact forces at the samples, between which the table may have larger ones"
 
 
 class Signal(NamedTuple):
-    """Component of a channel: its name, time (n,) in s and values (n,) in SI.
+    """Component of a channel: time (n,) in s, values (n,) in SI, and name of the component.
 
-    source: name of the file of a measured signal; empty for that of a job.
+    source: name of a measured signal in messages; empty for a signal of a job.
     """
 
     time: np.ndarray
@@ -157,9 +159,9 @@ def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
 
 
 def drawing_texts(jobs: Iterable[Job], channels: Sequence[str]) -> list[str]:
-    """Say for a caption why peaks of channels over time differ from those of the table."""
+    """Return caption texts on the reasons why peaks of channels over time differ from those of the table."""
     filtered = any(is_filtered_causally(job, name) for job in jobs for name in channels)
-    return [LOW_PASS] * filtered + [SAMPLED] * any(map(is_contact_force, channels))
+    return [LOW_PASS_TEXT] * filtered + [SAMPLED_TEXT] * any(map(is_contact_force, channels))
 
 
 def check_passband(option: str, limits: tuple[float, float], *jobs: Job) -> None:
@@ -181,7 +183,7 @@ def check_rate(signal: Signal, highest: float) -> None:
         raise PlotError(f"the band ends at {highest:g} Hz, above {end}: show a `band` within it")
 
 
-def filtered(job: Job, signal: Signal, view: "View") -> Signal:
+def filter_signal(job: Job, signal: Signal, view: "View") -> Signal:
     """Apply the band-pass filter of a view and subtract the mean, if requested.
 
     Raises PlotError for a band beyond the passband.
@@ -197,7 +199,7 @@ def filtered(job: Job, signal: Signal, view: "View") -> Signal:
 
 
 def has_ramp(job: Job) -> bool:
-    """Check if the speed of a job varies."""
+    """Check if the speed of a job changes in a ramp."""
     return bool(job.parameters.get("ramp.to", np.nan) > 0.0)
 
 

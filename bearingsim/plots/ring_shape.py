@@ -12,26 +12,26 @@ from bearingsim.plots.labels import PlotError
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-PARTS = (0.0, 0.25, 0.5, 0.75)
-"""Instants shown, as fractions of a ball pass from the passage of a roller over the first defect of the outer race
-(or over the load line)."""
-MAX_RESIDUAL = 1e-6  # largest residual force of an equilibrium, over the load
+FRACTIONS = (0.0, 0.25, 0.5, 0.75)
+"""Instants shown, as fractions of a ball pass after a roller passes the first defect of the outer race, or without
+one the load line."""
+MAX_RESIDUAL = 1e-6  # largest residual force of an equilibrium, relative to the load
 
 Reals = NDArray[np.float64]
 
 
-class Push(NamedTuple):
+class AppliedForce(NamedTuple):
     """Applied force (N), inwards at an angle (rad)."""
 
     angle: float
     force: float
 
 
-class Mark(NamedTuple):
-    """Extent (rad) of a defect at some instant, and its carrier.
+class DefectMark(NamedTuple):
+    """Angular position and width of a defect at some instant.
 
-    on: `outer`, `inner`, or `roller`; angle: of its middle (rad), around the centre of its carrier; half: half its
-    angular width (rad) seen from there; roller: index of the roller.
+    on: element that carries it, `outer`, `inner` or `roller`; angle: of its centre (rad) around the centre of that
+    element; half: half its angular width (rad) around it; roller: index of the roller.
     """
 
     on: str
@@ -43,14 +43,14 @@ class Mark(NamedTuple):
 class Instant(NamedTuple):
     """Bearing in static equilibrium at a cage angle. Lengths in m, forces in N, angles in rad from the load line.
 
-    part: fraction of the ball pass; x, y: position of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes
+    fraction: part of the ball pass; x, y: position of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes
     of cosine and sine, empty for a rigid ring; angles, outwards, forces: (Z,) of the rollers, their angle, their
     outward displacement from the pitch circle (without the drop into a defect of the outer race), and their force
-    on the outer race; loaded: (Z,) whether a roller is loaded by both races; springs: (P,) their forces; carrier:
-    position of the body around the springs; marks: the defects.
+    on the outer race; loaded: (Z,) True for a roller loaded by both races; springs: (P,) their forces; carrier:
+    position of the body that supports the springs; marks: the defects.
     """
 
-    part: float
+    fraction: float
     x: float
     y: float
     n: Reals
@@ -62,25 +62,25 @@ class Instant(NamedTuple):
     loaded: NDArray[np.bool_]
     springs: Reals
     carrier: tuple[float, float]
-    marks: tuple[Mark, ...]
+    marks: tuple[DefectMark, ...]
 
-    def bent(self, angles: Reals) -> Reals:
+    def bending(self, angles: Reals) -> Reals:
         """Compute the outward bending displacement (m) of the ring at some angles."""
-        turns = np.multiply.outer(np.asarray(angles), self.n)
-        return np.asarray(np.cos(turns) @ self.a + np.sin(turns) @ self.b)
+        phases = np.multiply.outer(np.asarray(angles), self.n)
+        return np.asarray(np.cos(phases) @ self.a + np.sin(phases) @ self.b)
 
-    def moved(self, angles: Reals) -> Reals:
+    def displacement(self, angles: Reals) -> Reals:
         """Compute the outward displacement (m) of the ring at some angles: bending plus rigid body."""
-        return self.bent(angles) + self.x * np.cos(angles) + self.y * np.sin(angles)
+        return self.bending(angles) + self.x * np.cos(angles) + self.y * np.sin(angles)
 
 
 class RingShape(NamedTuple):
     """Ring of a case in static equilibrium over a ball pass. Lengths in m, angles in rad from the load line.
 
-    bends: whether the ring is flexible; pitch, roller, outside: radii of the pitch circle, of a roller, and outer
-    radius of the ring; gap: a quarter of the diametral clearance; by: `load.by` of the rig, or `rigid`; pushes:
-    forces on the ring, or on the carrier if there are springs; spring_angles: (P,); sensor: its angle; sensor_on:
-    `ring` or `housing`.
+    bends: True for a flexible ring; pitch, roller, outside: radii of the pitch circle, of a roller, and outer
+    radius of the ring; gap: a quarter of the diametral clearance; by: `load.by` of the rig, or `rigid`;
+    applied_forces: those on the ring, or on the carrier if there are springs; spring_angles: (P,); sensor: its
+    angle; sensor_on: `ring` or `housing`.
     """
 
     bends: bool
@@ -89,7 +89,7 @@ class RingShape(NamedTuple):
     outside: float
     gap: float
     by: str
-    pushes: tuple[Push, ...]
+    applied_forces: tuple[AppliedForce, ...]
     spring_angles: Reals
     sensor: float
     sensor_on: str
@@ -101,15 +101,15 @@ class RingShape(NamedTuple):
         displacements = [self.gap]
         for instant in self.instants:
             displacements += [
-                np.abs(instant.moved(around)).max(),
+                np.abs(instant.displacement(around)).max(),
                 np.abs(instant.outwards).max(),
                 float(np.hypot(*instant.carrier)),
             ]
         return float(max(displacements))
 
 
-def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
-    """Compute the outer ring of a case in static equilibrium at some ``parts`` of a ball pass.
+def ring_shape(case: "Case", fractions: tuple[float, ...] = FRACTIONS) -> RingShape:
+    """Compute the outer ring of a case in static equilibrium at some ``fractions`` of a ball pass.
 
     Raises PlotError for a model without load or a case without equilibrium.
     """
@@ -121,7 +121,7 @@ def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
         raise PlotError(f"the model `{case.model}` has no loaded rollers, so there is no ring at rest to draw")
     try:
         model = assemble.model(case)
-        instants = tuple(_instants(case, model, parts))
+        instants = tuple(_instants(case, model, fractions))
     except NoEquilibrium as error:
         raise PlotError(str(error)) from None
     b, rig, bent = case.bearing, case.rig, _bending(model)
@@ -133,7 +133,7 @@ def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
         outside=b.outside_diameter / 2.0,
         gap=case.clearance / 4.0,
         by=rig.load.by if bent is not None and rig.load is not None else "rigid",
-        pushes=tuple(_pushes(case)),
+        applied_forces=tuple(_applied_forces(case)),
         spring_angles=springs,
         sensor=rig.sensor_angle,
         sensor_on=rig.sensor.on,
@@ -159,30 +159,30 @@ def _spring_angles(bent: Any) -> Reals:
     return np.asarray(np.arctan2(bent.springs.spring_table[SIN_S, :real], bent.springs.spring_table[COS_S, :real]))
 
 
-def _pushes(case: "Case") -> Iterator[Push]:
+def _applied_forces(case: "Case") -> Iterator[AppliedForce]:
     """Yield the applied loads: at the load line, or distributed over the pads, and the transverse load."""
     pads = case.rig.load.angles if case.rig.ring is not None and case.rig.load is not None else None
     angles = np.asarray(pads or (0.0,))
     for angle in angles:
-        yield Push(float(angle), float(case.load / np.cos(angles).sum()))
+        yield AppliedForce(float(angle), float(case.load / np.cos(angles).sum()))
     if case.load_across:
         side = pi / 2.0 if case.load_across > 0.0 else -pi / 2.0
-        yield Push(side, abs(case.load_across))
+        yield AppliedForce(side, abs(case.load_across))
 
 
-def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[Instant]:
+def _instants(case: "Case", model: Any, fractions: tuple[float, ...]) -> Iterator[Instant]:
     """Yield the bearing in equilibrium at each fraction of a ball pass."""
     from bearingsim import assemble
 
     y, bearing = assemble.empty_buffer(model), model.bearing
     ball_pass = 2.0 * pi / (bearing.Z * bearing.omega_c)
     load = float(np.hypot(case.load, case.load_across))
-    for part in parts:
-        t = _begin(model) + part * ball_pass
+    for fraction in fractions:
+        t = _begin(model) + fraction * ball_pass
         residual = assemble.find_equilibrium(model, t, y, from_scratch=True)
         if not residual <= MAX_RESIDUAL * load:
             raise PlotError(f"no static equilibrium: residual force {residual:g} N at a load of {load:g} N")
-        yield _read(model, t, y, part)
+        yield _read(model, t, y, fraction)
 
 
 def _begin(model: Any) -> float:
@@ -194,7 +194,7 @@ def _begin(model: Any) -> float:
     return float(ahead / model.bearing.omega_c)
 
 
-def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
+def _read(model: Any, t: float, y: np.ndarray, fraction: float) -> Instant:
     """Extract an instant from the buffer of a bearing in equilibrium at ``t`` (s)."""
     from bearingsim.core import layout as lay
 
@@ -205,7 +205,7 @@ def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
     angles = np.arctan2(sines, cosines)
     springs, carrier = _springs(bent, y)
     instant = Instant(
-        part=part,
+        fraction=fraction,
         x=float(y[lay.POSITION + lay.X]),
         y=float(y[lay.POSITION + lay.Y]),
         n=n,
@@ -219,7 +219,7 @@ def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
         carrier=carrier,
         marks=tuple(_marks(model, t, angles)),
     )
-    touching = instant.moved(angles) + model.bearing.gap + np.maximum(approach, 0.0)
+    touching = instant.displacement(angles) + model.bearing.gap + np.maximum(approach, 0.0)
     return instant._replace(outwards=np.minimum(outwards, touching))
 
 
@@ -251,7 +251,7 @@ def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
     return y[lay.SPRING_FORCE : lay.SPRING_FORCE + count].copy(), (float(x), float(z))
 
 
-def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
+def _marks(model: Any, t: float, angles: Reals) -> Iterator[DefectMark]:
     """Yield the positions of the defects at ``t`` (s)."""
     from bearingsim.core.defects.pairs import ANGLE, CARRIER, HALF_WIDTH, ON_INNER, ON_OUTER, OUTER, RADIUS, SIDE
 
@@ -259,8 +259,8 @@ def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
     for row in model.defects.head:
         on, angle, half = row[CARRIER], float(row[ANGLE]), float(row[HALF_WIDTH] / row[RADIUS])
         if on == ON_OUTER:
-            yield Mark("outer", angle, half)
+            yield DefectMark("outer", angle, half)
         elif on == ON_INNER:
-            yield Mark("inner", angle + bearing.omega_i * t, half)
+            yield DefectMark("inner", angle + bearing.omega_i * t, half)
         elif row[SIDE] == OUTER:  # a roller's defect has a second row, for the inner race
-            yield Mark("roller", float(angles[int(on)]) + angle - bearing.omega_b * t, half, int(on))
+            yield DefectMark("roller", float(angles[int(on)]) + angle - bearing.omega_b * t, half, int(on))

@@ -8,7 +8,7 @@ import numpy as np
 
 from bearingsim.config.names import roller_of
 from bearingsim.plots import recorded
-from bearingsim.plots.grid import Curve, Display, content, grid
+from bearingsim.plots.grid import CurvePoints, Display, compute_content, draw_grid
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.recorded import Job, Signal
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-FEW_TICKS = 90.0  # deg, distance of ticks, and minimum range of angles that has them
+TICK_DISTANCE = 90.0  # deg, distance of ticks; a smaller range of angles has matplotlib's ticks
 
 
 def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
@@ -40,35 +40,35 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
     if figure.view.around:
         low, high = _around_defect(results, records, channels[0], figure)
 
-    def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
-        values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, figure.view))
+    def curve(name: str, job: Job, channel: str, signal: Signal) -> CurvePoints:
+        values = recorded.drawn_values(job, channel, recorded.filter_signal(job, signal, figure.view))
         angle = np.degrees(recorded.roller_angle(job, (roller_of(channel) or (1, ""))[0]))
-        angle = _around(angle, 0.5 * (low + high))
+        angle = _wrap(angle, 0.5 * (low + high))
         return _in_range(angle, values, low, high, one_pass=bool(figure.view.around))
 
     if figure.view.healthy is None:
         figure = replace(figure, view=replace(figure.view, healthy="off"))
     texts = recorded.drawing_texts(records.values(), channels)
     display = Display(curve, "Angle of the roller (°)", texts)
-    panels = grid(content(results, records, channels, figure, display), figure.title)
+    panels = draw_grid(compute_content(results, records, channels, figure, display), figure.title)
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
         for ax in row:
-            if high - low > FEW_TICKS:
-                ax.set_xticks(np.arange(np.ceil(low / FEW_TICKS), high / FEW_TICKS + 1e-9) * FEW_TICKS)
+            if high - low > TICK_DISTANCE:
+                ax.set_xticks(np.arange(np.ceil(low / TICK_DISTANCE), high / TICK_DISTANCE + 1e-9) * TICK_DISTANCE)
             ax.set_xlim(low, high)
             for job in jobs_of_row:
                 for angle in outer_defects(job.parameters):
-                    position = _around(np.degrees(angle), 0.5 * (low + high))
+                    position = _wrap(np.degrees(angle), 0.5 * (low + high))
                     ax.axvline(position, color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
     return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 
-def _around(angle: Any, middle: float) -> Any:
-    """Return angles (deg) in the revolution around the middle of the axis (deg)."""
-    return (angle - middle + 180.0) % 360.0 - 180.0 + middle
+def _wrap(angle: Any, centre: float) -> Any:
+    """Return angles (deg) shifted by whole revolutions into the range ``centre`` - 180 to ``centre`` + 180."""
+    return (angle - centre + 180.0) % 360.0 - 180.0 + centre
 
 
-def _in_range(angle: np.ndarray, values: np.ndarray, low: float, high: float, one_pass: bool) -> Curve:
+def _in_range(angle: np.ndarray, values: np.ndarray, low: float, high: float, one_pass: bool) -> CurvePoints:
     """Return angles (deg) and values within limits: of the first pass, or with a gap after each revolution."""
     indices = np.flatnonzero((angle >= low) & (angle <= high))
     if not len(indices):
@@ -88,10 +88,10 @@ def _around_defect(
         passage = passage_of(results, name, job, channel)
         if passage is None or passage.defect.race != "outer":
             raise PlotError(f"the roller of job {name} passes no defect of the outer race; use `range`")
-        rate = recorded.roller_angle(job, 1)
-        speed = float((rate[-1] - rate[0]) / (job.series.time[-1] - job.series.time[0]))
-        angle = (np.degrees(passage.defect.angle) + 180.0) % 360.0 - 180.0
-        ranges.append([angle + np.degrees(speed * (end - passage.time)) for end in passage.window])
+        angles = recorded.roller_angle(job, 1)
+        speed = float((angles[-1] - angles[0]) / (job.series.time[-1] - job.series.time[0]))
+        defect_angle = _wrap(np.degrees(passage.defect.angle), 0.0)
+        ranges.append([defect_angle + np.degrees(speed * (end - passage.time)) for end in passage.time_range])
     return min(low for low, _ in ranges), max(high for _, high in ranges)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.config import CHANNELS, FEATURES
 from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
-from bearingsim.plots.labels import COST, NONE, PlotError, printed, swept_text, unit_of, value_text
+from bearingsim.plots.labels import COST, NONE, PlotError, format_quantity, swept_text, unit_of, value_text
 from bearingsim.plots.lines import fundamental_lines, may_slip, races_of_all
 from bearingsim.study import Figure, dimension, restore_figure
 from bearingsim.study.figures import LIST_OF_NAMES, whole_name_hint
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 HEALTHY_PHASE = "-healthy.phase"
 MAX_CURVES = 9  # largest number of curves in a panel of an automatic figure
-MAX_LISTED = 8  # largest number of values in a message
-SOME = 3  # number of jobs in a figure of signals without a selection
+MAX_LISTED = 20  # largest number of values, or of valid words, that a message lists
+DEFAULT_JOBS = 3  # number of jobs in a figure of signals without a selection
 
 
 def case_rows(results: "Results") -> "pd.DataFrame":
@@ -37,17 +37,17 @@ def design_paths(results: "Results") -> tuple[str, ...]:
     return tuple(design["paths"]) if design else ()
 
 
-def scattered(figure: Figure, rows: "pd.DataFrame", design: Sequence[str]) -> list[str]:
-    """List the paths of a design that vary freely along the curves of a figure: its points form no line."""
-    return varied(rows, [path for path in design if path not in (figure.x, *figure.by, *figure.panels)])
+def scattered_paths(figure: Figure, rows: "pd.DataFrame", design: Sequence[str]) -> list[str]:
+    """List the paths of a design that vary freely along a figure's curves, whose points then form no lines."""
+    return varied_paths(rows, [path for path in design if path not in (figure.x, *figure.by, *figure.panels)])
 
 
-def varied(rows: "pd.DataFrame", paths: Sequence[str]) -> list[str]:
+def varied_paths(rows: "pd.DataFrame", paths: Sequence[str]) -> list[str]:
     """List the paths with more than one value in the rows."""
     return [path for path in paths if path in rows and rows[path].nunique() > 1]
 
 
-def values(rows: "pd.DataFrame", path: str) -> list[Any]:
+def distinct_values(rows: "pd.DataFrame", path: str) -> list[Any]:
     """List the distinct values of a path: numbers ascending, words in the order of the study."""
     distinct = list(dict.fromkeys(rows[path].dropna()))
     return sorted(distinct) if is_numeric(distinct) else distinct
@@ -58,54 +58,59 @@ def is_numeric(distinct: Sequence[Any]) -> bool:
     return all(isinstance(value, int | float) for value in distinct)
 
 
-def planned(results: "Results", rows: "pd.DataFrame", kind: str | None = None) -> list[Figure]:
-    """List the figures of the study whose x is swept, of ``kind`` if given; automatic ones if there are none."""
+def planned_figures(results: "Results", rows: "pd.DataFrame", kind: str | None = None) -> list[Figure]:
+    """List the figures of the study, of ``kind`` if given, that can be drawn; automatic ones if there are none."""
     swept = list(results.plan["units"])
     named = map(restore_figure, results.plan["figures"])
     figures = [
         figure for figure in named if kind in (None, figure.kind) or (kind == "phase" and not _is_signal(figure))
     ]
     drawable = [
-        replace(f, by=_known(f.by, swept), panels=_known(f.panels, swept), where=_known_items(f.where, swept))
+        replace(
+            f,
+            by=_select_swept(f.by, swept),
+            panels=_select_swept(f.panels, swept),
+            where=_select_swept_items(f.where, swept),
+        )
         for f in figures
-        if _is_signal(f) or f.kind == "design" or f.x in varied(rows, swept)
+        if _is_signal(f) or f.kind == "design" or f.x in varied_paths(rows, swept)
     ]
-    return drawable or automatic(results, rows)
+    return drawable or automatic_figures(results, rows)
 
 
 def _is_signal(figure: Figure) -> bool:
     return KINDS[figure.kind].of_jobs
 
 
-def _known(paths: Sequence[str], swept: Sequence[str]) -> tuple[str, ...]:
+def _select_swept(paths: Sequence[str], swept: Sequence[str]) -> tuple[str, ...]:
     return tuple(path for path in paths if path in swept)
 
 
-def _known_items(where: Mapping[str, str], swept: Sequence[str]) -> dict[str, str]:
+def _select_swept_items(where: Mapping[str, str], swept: Sequence[str]) -> dict[str, str]:
     return {path: text for path, text in where.items() if path in swept}
 
 
-def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
+def automatic_figures(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
     """Make a figure over each swept numeric path, with all other paths as curves and panels.
 
     Raises PlotError if nothing is swept.
     """
     units = results.plan["units"]
-    paths = varied(rows, list(units))
-    numbers = [path for path in paths if is_numeric(values(rows, path))]
+    paths = varied_paths(rows, list(units))
+    numbers = [path for path in paths if is_numeric(distinct_values(rows, path))]
     if not paths:
         raise PlotError("the study sweeps no parameter to plot against (try `--kind spectrum`)")
-    return [arranged(results, x, rows) for x in numbers or paths[:1]]
+    return [arrange_figure(results, x, rows) for x in numbers or paths[:1]]
 
 
-def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
-    """Make a figure over x with other paths as curves; if too many, the path with fewest values as panels."""
+def arrange_figure(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
+    """Make a figure over x with other paths as curves; if these are too many, one path becomes panels."""
     units = results.plan["units"]
-    joined_paths = joined(x, [], rows, units)
+    joined_paths = category_paths(x, [], rows, units)
     leading = [x, *(path for path in design_paths(results) if path != x)]
-    paths = [path for path in varied(rows, list(units)) if path not in (*joined_paths, *leading)]
+    paths = [path for path in varied_paths(rows, list(units)) if path not in (*joined_paths, *leading)]
     others = [path for path in paths if not follows(path, leading, rows)]
-    ordered = sorted(others, key=lambda path: len(values(rows, path)))
+    ordered = sorted(others, key=lambda path: len(distinct_values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
     panels = tuple(ordered[:1]) if curves > MAX_CURVES and len(ordered) > 1 else ()
     curves_of = tuple(path for path in others if path not in panels)
@@ -118,9 +123,13 @@ def done_jobs(rows: "pd.DataFrame") -> list[str]:
 
 
 def some_jobs(rows: "pd.DataFrame") -> list[str]:
-    """List the ids of the first, a middle and the last finished case in the rows."""
+    """List the ids of ``DEFAULT_JOBS`` finished cases that are evenly spaced in the rows."""
     done = done_jobs(rows)
-    return list(dict.fromkeys(done[round(i * (len(done) - 1) / (SOME - 1))] for i in range(SOME))) if done else []
+    return (
+        list(dict.fromkeys(done[round(i * (len(done) - 1) / (DEFAULT_JOBS - 1))] for i in range(DEFAULT_JOBS)))
+        if done
+        else []
+    )
 
 
 def follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
@@ -149,7 +158,7 @@ def default_phases(results: "Results") -> tuple[str, ...]:
 
 
 def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
-    """Add the phase (rad) of each line minus the healthy baseline, that is of the defect's contribution."""
+    """Add the phase (rad) of the change of each line from the healthy baseline, the defect's contribution."""
     import numpy as np
     import pandas as pd
 
@@ -204,18 +213,18 @@ def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
         (variation["what"], variation["value"]) for variation in results.variations if variation["of"] in drawn
     )
     band = " and ".join(
-        (f"{what} ({text})" if PARAMETER_KINDS[what].choices else f"{what} {printed(text)}")
+        (f"{what} ({text})" if PARAMETER_KINDS[what].choices else f"{what} {format_quantity(text)}")
         for what, text in ((what, PARAMETER_KINDS[what].range_text(values)) for what, values in tried.items())
     )
     chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
-    varied = rows[rows["job"].isin({variation["of"] for variation in results.variations})]
-    unknown = int((varied[ends].isna().any(axis=1) & (varied["status"] == "done")).sum())
-    exception = f", range unknown in {unknown} of {len(varied)} cases" if unknown else ""
+    varied_rows = rows[rows["job"].isin({variation["of"] for variation in results.variations})]
+    unknown = int((varied_rows[ends].isna().any(axis=1) & (varied_rows["status"] == "done")).sum())
+    exception = f", range unknown in {unknown} of {len(varied_rows)} cases" if unknown else ""
     scatter = ", in part chaotic (with standard errors)" if chaotic else ""
     return [f"bands and bars: {band}{exception}{scatter}"]
 
 
-def completed(
+def complete_figure(
     figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], design: Sequence[str] = ()
 ) -> tuple[Figure, "pd.DataFrame"]:
     """Return a figure with all remaining varied paths as curves, and its rows.
@@ -230,12 +239,14 @@ def completed(
             raise PlotError(f"`{path}` can be only one of x axis, curves and panels")
     for name in figure.y:
         _check(name, list(filter(is_drawable, map(str, rows))), "feature")
-    rows = matching(rows, figure.where, units)
-    joined_paths = joined(figure.x, (*figure.by, *figure.panels), rows, units)
+    rows = matching_rows(rows, figure.where, units)
+    joined_paths = category_paths(figure.x, (*figure.by, *figure.panels), rows, units)
     x, rows = _as_categories(joined_paths, rows, units)
     by = list(figure.by)
-    free = scattered(figure, rows, design)
-    for path in varied(rows, [path for path in units if path not in (*joined_paths, *by, *figure.panels, *free)]):
+    free = scattered_paths(figure, rows, design)
+    for path in varied_paths(
+        rows, [path for path in units if path not in (*joined_paths, *by, *figure.panels, *free)]
+    ):
         if rows.groupby([x, *free, *by, *figure.panels])[path].nunique().max() > 1:
             by.append(path)
     return replace(figure, x=x, by=tuple(by)), rows
@@ -246,15 +257,15 @@ def is_drawable(column: str) -> bool:
     return column in FEATURES or column == COST or column.endswith(HEALTHY_PHASE)
 
 
-def joined(x: str, drawn: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
+def category_paths(x: str, drawn: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
     """List the paths that form a common category with the words on x, for example those tied to it by `zip`.
 
     Paths are tied if not all combinations of their words occur. ``drawn``: paths of curves and panels.
     """
-    if x not in rows or is_numeric(values(rows, x)):
+    if x not in rows or is_numeric(distinct_values(rows, x)):
         return [x]
-    others = [path for path in varied(rows, list(units)) if path != x and path not in drawn]
-    words = [path for path in others if not is_numeric(values(rows, path))]
+    others = [path for path in varied_paths(rows, list(units)) if path != x and path not in drawn]
+    words = [path for path in others if not is_numeric(distinct_values(rows, path))]
     count = rows[x].nunique()
     return [x, *(path for path in words if rows.groupby([x, path]).ngroups < count * rows[path].nunique())]
 
@@ -274,25 +285,25 @@ def category(paths: Sequence[str], row: Mapping[Any, Any], units: Mapping[str, s
     return ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != NONE)
 
 
-def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
-    """Select the rows with given values of swept paths. Raises PlotError for an unknown path or no match."""
+def matching_rows(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
+    """Select the rows with the values ``where`` of swept paths. Raises PlotError for no match or unknown paths."""
     for path, text in where.items():
         _check(path, units, "swept path")
         if not _matches(rows[path], path, text).any() and len(rows):
-            swept = [value_text(path, value, units) for value in values(rows, path)]
+            swept = [value_text(path, value, units) for value in distinct_values(rows, path)]
             several = f" (values: {', '.join(swept[:MAX_LISTED])}{', ...' * (len(swept) > MAX_LISTED)})"
-            raise PlotError(f"no case has {_described_filter(where)}{several}")
+            raise PlotError(f"no case has {_describe_filter(where)}{several}")
         rows = rows[_matches(rows[path], path, text)]
     if rows.empty:
-        raise PlotError(f"no case has {_described_filter(where)}")
+        raise PlotError(f"no case has {_describe_filter(where)}")
     return rows
 
 
-def _described_filter(where: Mapping[str, str]) -> str:
+def _describe_filter(where: Mapping[str, str]) -> str:
     return ", ".join(f"{path} {text}" for path, text in where.items())
 
 
-def phases(features: Sequence[str]) -> tuple[str, ...]:
+def phase_names(features: Sequence[str]) -> tuple[str, ...]:
     """Convert names of lines or phases to names of phases. Raises PlotError for a feature without a phase."""
     names = tuple(f"{name.removesuffix('.phase')}.phase" for name in features)
     for name, phase in zip(features, names, strict=True):
@@ -302,7 +313,7 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
 
 
 def check_swept(results: "Results", paths: Sequence[str]) -> None:
-    """Raise PlotError for a parameter that the study keeps fixed, with its value."""
+    """Raise PlotError for a parameter that is fixed in the study; the message states its value."""
     parameters = results.parameters()
     for path in paths:
         column = path.replace("defect.", "defects.1.", 1) if path.startswith("defect.") else path
@@ -315,10 +326,6 @@ def check_paths(paths: Sequence[str], units: Mapping[str, str]) -> None:
     """Raise PlotError for a path that is not swept."""
     for path in paths:
         _check(path, units, "swept path")
-
-
-MAX_LISTED = 20
-"""Largest number of valid words that a message lists."""
 
 
 def _check(word: str, valid: Any, kind: str) -> None:
@@ -352,23 +359,23 @@ def undrawn_paths(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
     The latter is empty for a path that follows no single drawn path.
     """
     drawn = [*figure.x.split(", "), *figure.by, *figure.panels]
-    for path in varied(rows, [path for path in units if path not in drawn]):
+    for path in varied_paths(rows, [path for path in units if path not in drawn]):
         yield path, next((leader for leader in drawn if follows(path, [leader], rows)), "")
 
 
-def splits(
+def split_rows(
     rows: "pd.DataFrame", paths: Sequence[str], units: Mapping[str, str]
 ) -> Iterator[tuple[str, "pd.DataFrame"]]:
     """Yield text and rows for each combination of values of some paths; all rows if there are no paths."""
     if not paths:
         yield "", rows
         return
-    for value in values(rows, paths[0]):
+    for value in distinct_values(rows, paths[0]):
         part = rows[rows[paths[0]] == value]
-        for text, inner in splits(part, paths[1:], units):
+        for text, inner in split_rows(part, paths[1:], units):
             yield ", ".join(filter(None, [swept_text({paths[0]: value}, units), text])), inner
 
 
 def x_unit(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
     """Return the unit of the x axis; empty for words."""
-    return unit_of(path, units) if is_numeric(values(rows, path)) else ""
+    return unit_of(path, units) if is_numeric(distinct_values(rows, path)) else ""

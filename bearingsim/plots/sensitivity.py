@@ -26,7 +26,7 @@ COLUMN_IN, BAR_IN, NAMES_IN, POINTS_IN = 2.9, 0.42, 1.3, 2.9
 """Sizes (inches): width of a panel, height of a pair of bars, width of the names, height of a panel of points."""
 BAR_THICKNESS = 0.38
 """Thickness of a bar, relative to the spacing of the parameters."""
-LABEL_CHARACTERS = 36  # per line of a panel's title
+LABEL_CHARACTERS = 36  # limit of the characters in a line of a panel's title
 BARS = (
     ("first", "first index (parameter alone)", "#9BD0F0"),
     ("total", "total index (with interactions)", COLOURS[0]),
@@ -36,32 +36,32 @@ WHISKER: dict[str, Any] = {"ecolor": "0.15", "elinewidth": 1.0, "capsize": 2.0}
 
 def draw(results: "Results", analyses: Sequence[FeatureAnalysis], path: Path) -> Path:
     """Write the figure in the format given by the suffix of ``path``; return the file."""
-    from bearingsim.plots.plot import written
+    from bearingsim.plots.plot import write_figure
 
     with drawing():
-        return written(figure(results, analyses), path, results)
+        return write_figure(draw_figure(results, analyses), path, results)
 
 
-def figure(results: "Results", analyses: Sequence[FeatureAnalysis]) -> Canvas:
+def draw_figure(results: "Results", analyses: Sequence[FeatureAnalysis]) -> Canvas:
     """Draw a panel per feature; all features are from the same design."""
     blocks, indices = analyses[0]
     design, units = results.plan["design"], results.plan["units"]
     names = [label_of(path, ends, units) for path, ends in zip(blocks.paths, design["ranges"], strict=True)]
-    bars = isinstance(indices, Indices)
+    has_bars = isinstance(indices, Indices)
     width = len(analyses) * COLUMN_IN + NAMES_IN
-    height = (len(names) * BAR_IN if bars else POINTS_IN) + 1.3
+    height = (len(names) * BAR_IN if has_bars else POINTS_IN) + 1.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
-    axes = canvas.subplots(1, len(analyses), sharey=bars, squeeze=False)[0]
+    axes = canvas.subplots(1, len(analyses), sharey=has_bars, squeeze=False)[0]
     ranks = _ranks(indices) if isinstance(indices, Indices) else []
     for ax, (blocks, analysis) in zip(axes, analyses, strict=True):
         if isinstance(analysis, Indices):
-            _bars(ax, analysis, ranks, names)
+            _draw_bars(ax, analysis, ranks, names)
             ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_CHARACTERS), loc="left")
         else:
-            _points(ax, blocks, analysis, names)
+            _draw_points(ax, blocks, analysis, names)
     handles, texts = axes[0].get_legend_handles_labels()
     options: dict[str, Any] = (
-        {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
+        {"loc": "outside upper center", "ncols": 2} if has_bars else {"loc": "outside right upper"}
     )
     canvas.legend(handles, texts, **options)
     table = results.table()[["job"]]
@@ -73,7 +73,7 @@ def figure(results: "Results", analyses: Sequence[FeatureAnalysis]) -> Canvas:
 def label_of(path: str, limits: Sequence[float], units: Mapping[str, str]) -> str:
     """Format a parameter and its range (SI) in the study's unit, on two lines."""
     unit = labels.unit_of(path, units)
-    smallest, largest = (labels.number_text(labels.shown(path, end, unit)) for end in limits)
+    smallest, largest = (labels.number_text(labels.to_unit(path, end, unit)) for end in limits)
     name = labels.name_text(path)
     return f"{name[:1].upper()}{name[1:]}\n{smallest} to {labels.with_unit(largest, unit)}".rstrip()
 
@@ -83,7 +83,7 @@ def _ranks(indices: Indices) -> list[int]:
     return [int(rank) for rank in np.argsort(np.argsort(-indices.total.value, kind="stable"))]
 
 
-def _bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequence[str]) -> None:
+def _draw_bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequence[str]) -> None:
     for number, (name, text, colour) in enumerate(BARS):
         estimate: Estimate = getattr(indices, name)
         where = [rank + (number - 0.5) * BAR_THICKNESS for rank in ranks]
@@ -97,7 +97,7 @@ def _bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequence[st
     ax.grid(visible=False, axis="y")
 
 
-def _points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) -> None:
+def _draw_points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) -> None:
     unit, factor = labels.feature_axis(blocks.feature, float(effects.magnitude.high.max()))
     in_unit = f" ({unit})" if unit else ""
     mu_star, sigma = (
@@ -125,6 +125,6 @@ def _whiskers(estimate: Estimate) -> np.ndarray:
 
 
 def _notes(analyses: Sequence[FeatureAnalysis]) -> list[str]:
-    """State the number of blocks and the meaning of the whiskers."""
+    """Return caption texts: the number of blocks, and the meaning of the whiskers."""
     counts = dict.fromkeys(f"{len(blocks.values)} of {blocks.planned} blocks" for blocks, _ in analyses)
     return [f"{' and '.join(counts)} ({analyses[0][0].kind})", f"whiskers: {100 * LEVEL:.0f} % by bootstrap"]

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bearingsim.plots import recorded
-from bearingsim.plots.grid import Content, Curve, Display, content, grid
+from bearingsim.plots.grid import Content, CurvePoints, Display, compute_content, draw_grid
 from bearingsim.plots.overlay import signal_points
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
-from bearingsim.plots.window import cut, origin_text, pass_period, window_of
+from bearingsim.plots.window import crop, origin_text, pass_period, window_of
 
 if TYPE_CHECKING:
     from bearingsim.store import Results
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}
 """Ball passes shown by default, by channel; other channels are shown in full."""
-CROSSING = "0.93"
+CROSSING_COLOUR = "0.93"
 MEASURED_AROUND = "measured signals at any phase, because the times of their impacts are not known"
 SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
@@ -29,10 +29,10 @@ def draw_series(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
     crossing = _common_crossing(results, figure, records, channels)
     if crossing is not None:
         content.caption.append("grey: the contact is over the defect")
-    panels = grid(content, figure.title)
+    panels = draw_grid(content, figure.title)
     if crossing is not None:
         for ax in (ax for row in panels.axes for ax in row):
-            ax.axvspan(*crossing, color=CROSSING, lw=0.0, zorder=0.5)
+            ax.axvspan(*crossing, color=CROSSING_COLOUR, lw=0.0, zorder=0.5)
     return [Sheet(file_words(figure, jobs), panels.canvas)]
 
 
@@ -48,10 +48,10 @@ def series_of(
     channels = recorded.channels_for(records, figure.y)
     unit, scale = _time_unit(figure, records, channels)
 
-    def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
+    def curve(name: str, job: Job, channel: str, signal: Signal) -> CurvePoints:
         window = window_of(results, name, records[name], channel, view, shown_time(records, channel))
-        values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, view))
-        part = cut(signal._replace(values=values), window)
+        values = recorded.drawn_values(job, channel, recorded.filter_signal(job, signal, view))
+        part = crop(signal._replace(values=values), window)
         return (part.time - window.origin) / scale, part.values
 
     since = origin_text(records.values()) if view.around else ""
@@ -59,7 +59,7 @@ def series_of(
     if any(True for job in jobs for _ in signal_points(results, job)):
         texts.append(MEASURED_AROUND if view.around else "measured signals from their own start")
     display = Display(curve, f"Time{since} ({unit})", texts)
-    return content(results, records, channels, figure, display), records, channels
+    return compute_content(results, records, channels, figure, display), records, channels
 
 
 def _time_unit(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]) -> tuple[str, float]:
@@ -97,7 +97,7 @@ def _crossings(
 
 
 def shown_time(records: Mapping[str, Job], channel: str) -> float:
-    """Return the duration (s) of a series to draw: ``SHOWN_PASSES`` of the slowest job, as jobs share the axis."""
+    """Return the duration (s) to draw: ``SHOWN_PASSES`` of the slowest job, because jobs share the time axis."""
     passes = next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), np.inf)
     return max(
         float(min((np.inf if recorded.has_ramp(job) else passes) * pass_period(job), job.parameters["duration"]))

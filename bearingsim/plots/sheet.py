@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 MAX_NAMED = 4  # largest number of jobs in the name of a file
 ALL = "all"
+"""Word for all selected jobs instead of their ids."""
 
 
 class Sheet(NamedTuple):
@@ -23,7 +24,7 @@ class Sheet(NamedTuple):
 def file_words(figure: "Figure", jobs: Sequence[str]) -> list[str]:
     """List the words of the file name of a figure of signals: its kind, channels and jobs.
 
-    Of many jobs the first are named; a digest of the others keeps the name apart from that of other jobs.
+    Of many jobs, only the first are named; a digest of the others distinguishes the name from those of other jobs.
     """
     others = sha256(" ".join(jobs[MAX_NAMED:]).encode()).hexdigest()[:4]
     more = [f"and {len(jobs) - MAX_NAMED} more {others}"] if len(jobs) > MAX_NAMED else []

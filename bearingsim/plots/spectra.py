@@ -8,8 +8,7 @@ import numpy as np
 
 from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, lines, recorded
-from bearingsim.plots.grid import Content, Curve, Display, grid
-from bearingsim.plots.grid import content as content_of
+from bearingsim.plots.grid import Content, CurvePoints, Display, compute_content, draw_grid
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import (
     GAP_POINTS,
@@ -23,7 +22,7 @@ from bearingsim.plots.marks import (
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.units import RANGE_DB
-from bearingsim.plots.window import cut, window_of
+from bearingsim.plots.window import crop, window_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,19 +32,19 @@ if TYPE_CHECKING:
 
 SHOWN_LINES = {"spectrum": 12, "envelope": 6}  # multiples of the fundamental line shown by default
 ORDERS_POINTS = 30.0  # height of the axis in orders above the axes
-AROUND_PASSES = 8.0  # ball passes of which the spectrum around an impact is computed
+AROUND_PASSES = 8.0  # ball passes in the spectrum around an impact
 MIN_BINS = 8  # minimum number of frequencies in a spectrum
-HEADROOM, MARGIN_DB = 2.0, 5.0  # limit of a logarithmic axis over the largest value, and margin of levels
-DECADES = 5  # largest range of a logarithmic axis below the largest value
+HEADROOM, MARGIN_DB = 2.0, 5.0  # upper limit of a logarithmic axis relative to the largest value; margin of levels
+DECADES = 5  # limit of the decades of a logarithmic axis below the largest value
 
-Spectrum = Callable[[np.ndarray, float], Curve]
+Spectrum = Callable[[np.ndarray, float], CurvePoints]
 
 
 def _spectrum_of(figure: "Figure", band: tuple[float, float]) -> Spectrum:
     """Return the function that computes the spectrum of a kind of figure; band: of envelopes (Hz)."""
     from bearingsim import signals
 
-    def spectrum(values: np.ndarray, rate: float) -> Curve:
+    def spectrum(values: np.ndarray, rate: float) -> CurvePoints:
         return signals.envelope_spectrum(values, rate, band)
 
     return spectrum if figure.kind == "envelope" else signals.spectrum
@@ -73,14 +72,14 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
     if figure.view.band:
         recorded.check_passband("band", figure.view.band, *records.values())
 
-    def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
+    def curve(name: str, job: Job, channel: str, signal: Signal) -> CurvePoints:
         leading = records[name]
         if is_envelope:
             recorded.check_rate(signal, band[1])
         window = window_of(
             results, name, leading, channel, figure.view, float(signal.time[-1]), passes=AROUND_PASSES
         )
-        frequency, amplitude = part_of_spectrum(spectrum, cut(signal, window), limits, name, leading)
+        frequency, amplitude = compute_spectrum(spectrum, crop(signal, window), limits, name, leading)
         resolution = f"{frequency[1] - frequency[0]:.3g} Hz between lines"
         if resolution not in notes:
             notes.append(resolution)
@@ -89,13 +88,13 @@ def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Con
     notes = [_quantity(figure, band), "Hann window"]
     y_label, power = (_envelope_label, 2) if is_envelope else (str, 1)
     display = Display(curve, "Frequency (Hz)", notes, y_label, power, amplitude=True)
-    return content_of(results, records, recorded.channels_for(records, figure.y), figure, display)
+    return compute_content(results, records, recorded.channels_for(records, figure.y), figure, display)
 
 
 def draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw spectra of channels, of amplitude (a sine of amplitude A has height A) or of the squared envelope."""
     content = spectra_of(results, figure, jobs)
-    panels = grid(content, figure.title, sideband_entries(job for row in content.jobs for job in row))
+    panels = draw_grid(content, figure.title, sideband_entries(job for row in content.jobs for job in row))
     limits = frequency_range(figure, (job for row in panels.jobs for job in row))
     marked: list[Job] = []
     for row, jobs_of_row in zip(panels.axes, panels.jobs, strict=True):
@@ -129,23 +128,23 @@ def frequency_range(figure: "Figure", jobs: Iterable[Job]) -> tuple[float, float
     return figure.view.range
 
 
-def part_of_spectrum(
+def compute_spectrum(
     spectrum: Spectrum, signal: Signal, limits: tuple[float, float], name: str, job: Job
-) -> Curve:
+) -> CurvePoints:
     """Compute the spectrum of whole ball passes of a signal between two frequencies (Hz).
 
-    name, job: of the signal, or of its healthy baseline. Raises PlotError for fewer than ``MIN_BINS``
+    name, job: id and record of the job whose ball passes count. Raises PlotError for fewer than ``MIN_BINS``
     frequencies.
     """
     frequency, amplitude = spectrum(*whole_periods(signal, fundamental_frequency(job.parameters)))
     in_range = (frequency >= limits[0]) & (frequency <= limits[1])
-    owner = signal.source or f"job {name}"
+    source = signal.source or f"job {name}"
     if frequency[-1] <= limits[0]:
         raise PlotError(
-            f"{owner} is sampled at {signal.rate:g} Hz, too slowly for {limits[0]:g} to {limits[1]:g} Hz"
+            f"{source} is sampled at {signal.rate:g} Hz, too slowly for {limits[0]:g} to {limits[1]:g} Hz"
         )
     if np.count_nonzero(in_range) < MIN_BINS:
-        part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of {owner} resolve {frequency[1]:.3g} Hz"
+        part = f"{1e3 * len(signal.time) / signal.rate:.3g} ms of {source} resolve {frequency[1]:.3g} Hz"
         raise PlotError(
             f"{part}, too coarse for {limits[0]:g} to {limits[1]:g} Hz; show a longer part of the record"
         )

@@ -10,12 +10,12 @@ from matplotlib.figure import Figure as Canvas
 from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import finish
-from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.caption import fixed_values, sampling_texts
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.style import COLUMN_IN
-from bearingsim.plots.units import scale_of
-from bearingsim.plots.window import cut, origin_text, pass_period, window_of
+from bearingsim.plots.units import choose_scale
+from bearingsim.plots.window import crop, origin_text, pass_period, window_of
 
 if TYPE_CHECKING:
     from bearingsim.plots.recorded import Signal
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
 ROW_IN = 2.0
 CHARACTER_IN = 0.08  # inches, width of a character of a label
-PASSES = 4.0  # ball passes shown by default
-PER_PASS = 8.0  # segments in a ball pass, so that single impacts are separate
+DEFAULT_PASSES = 4.0  # ball passes shown by default
+SEGMENTS_PER_PASS = 8.0  # ball pass period relative to the length of a segment, which separates single impacts
 MIN_SAMPLES = 32  # minimum length of a segment
-OVERLAP = 8  # segments begin this number of times per length of a segment
-SCALE = "viridis"
-FLOOR_DB = 80.0  # dB below the largest amplitude, the lower end of the colours
+STARTS_PER_SEGMENT = 8  # length of a segment relative to the distance of segments, which overlap
+COLOUR_MAP = "viridis"
+FLOOR_DB = 80.0  # dB, range of the colours below the largest amplitude
 
 
 def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw the amplitude spectra of overlapping segments of a channel, a row per job, colours in dB or in a unit.
 
-    Raises PlotError if the record is too coarse to separate impacts.
+    Raises PlotError if the sampling is too coarse to separate impacts.
     """
     view = figure.view
     records = recorded.load_jobs(results, jobs)
@@ -46,17 +46,17 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     maps = {}
     for name, job in records.items():
         signal = next(recorded.signals_of(job, channel))
-        window = window_of(results, name, job, channel, view, PASSES * pass_period(job))
-        maps[name] = (*segments(cut(signal, window), pass_period(job)), window.origin)
+        window = window_of(results, name, job, channel, view, DEFAULT_PASSES * pass_period(job))
+        maps[name] = (*segment_spectra(crop(signal, window), pass_period(job)), window.origin)
     unit = recorded.unit_of(channel)
-    scale = scale_of(unit, channel, max(float(a.max()) for _, _, a, _ in maps.values()), view)
+    scale = choose_scale(unit, channel, max(float(a.max()) for _, _, a, _ in maps.values()), view)
     canvas = Canvas(figsize=(2 * COLUMN_IN, ROW_IN * len(jobs) + 0.9), layout="constrained")
     axes = canvas.subplots(len(jobs), 1, sharex=True, squeeze=False)[:, 0]
-    scaled = {name: scale.shown(amplitude) for name, (_, _, amplitude, _) in maps.items()}
+    scaled = {name: scale.to_axis(amplitude) for name, (_, _, amplitude, _) in maps.items()}
     top = max(float(values.max()) for values in scaled.values())
     bottom = top - FLOOR_DB if view.db else 0.0
     for ax, (name, (time, frequency, _, origin)) in zip(axes, maps.items(), strict=True):
-        colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, scaled[name], cmap=SCALE, vmin=bottom,
+        colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, scaled[name], cmap=COLOUR_MAP, vmin=bottom,
                                 vmax=top, shading="nearest", rasterized=True)  # fmt: skip
         low, high = view.range or (0.0, PASSBAND * float(records[name].parameters["sampling"]))
         ax.set_ylim(low / 1e3, high / 1e3)
@@ -70,29 +70,30 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     table = select.case_rows(results)
     swept_paths = set().union(*(swept[name] for name in jobs))
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)
-    lengths = sorted(1e3 * pass_period(job) / PER_PASS for job in records.values())
+    lengths = sorted(1e3 * pass_period(job) / SEGMENTS_PER_PASS for job in records.values())
     ends = " to ".join(dict.fromkeys(f"{length:.2g}" for length in (lengths[0], lengths[-1])))
-    finish(canvas, figure.title, [f"segments of {ends} ms", *sampling_of(records.values(), [channel]), *fixed])
+    finish(canvas, figure.title, [f"segments of {ends} ms", *sampling_texts(records.values(), [channel]), *fixed])
     return [Sheet(file_words(figure, jobs), canvas)]
 
 
-def segments(signal: "Signal", period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def segment_spectra(signal: "Signal", period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Compute the amplitude spectra of overlapping segments of a signal, with a Hann window.
 
-    period: of the ball passes (s). Returns the middles of the segments (m,) in s, frequencies (f,) in Hz and
-    amplitudes (f, m) in SI. Raises PlotError if a segment has fewer than ``MIN_SAMPLES`` samples.
+    period: of the ball passes (s). Returns the centres of the segments (m,) in s, frequencies (f,) in Hz and
+    amplitudes (f, m) in SI. Raises PlotError if a segment has fewer than ``MIN_SAMPLES`` samples, or is longer
+    than the signal.
     """
     from bearingsim import signals
 
-    length = round(period / PER_PASS * signal.rate)
+    length = round(period / SEGMENTS_PER_PASS * signal.rate)
     if length < MIN_SAMPLES:
-        needed = MIN_SAMPLES * PER_PASS / period
+        needed = MIN_SAMPLES * SEGMENTS_PER_PASS / period
         raise PlotError(
             f"a spectrogram that separates the ball passes needs `sampling` of {needed:.0f} Hz or more"
         )
-    starts = np.arange(0, len(signal.values) - length + 1, max(1, length // OVERLAP))
+    starts = np.arange(0, len(signal.values) - length + 1, max(1, length // STARTS_PER_SEGMENT))
     if not len(starts):
         raise PlotError(f"the time axis is shorter than a segment of {length / signal.rate:.3g} s")
     spectra = [signals.spectrum(signal.values[start : start + length], signal.rate) for start in starts]
-    middles = signal.time[0] + (starts + 0.5 * (length - 1)) / signal.rate
-    return middles, spectra[0][0], np.stack([amplitude for _, amplitude in spectra], axis=1)
+    centres = signal.time[0] + (starts + 0.5 * (length - 1)) / signal.rate
+    return centres, spectra[0][0], np.stack([amplitude for _, amplitude in spectra], axis=1)

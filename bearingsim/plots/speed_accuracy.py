@@ -1,4 +1,4 @@
-"""Chart of speed against accuracy: a figure per scene, CPU time over numerical (left) and total error (right).
+"""Chart of speed against accuracy: a figure per scene, CPU time over numerical (left) and total (right) error.
 
 The rows of panels are the amplitude at the defect frequency, the RMS, and the largest force. Each model has a
 colour, paler for variants with other harmonics or slices. A dot is a run at one step or tolerance; a line joins
@@ -35,20 +35,20 @@ FAILURES_HEIGHT = 1.075  # height of the line under the list of failed runs, rel
 TITLES = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 QUANTITY_LABELS = {"line": "defect line", "rms": "RMS of the velocity", "force": "largest force"}
 MIN_ERROR, MAX_ERROR = 1e-4, 10.0  # limits to which errors are clipped
-LEAST_RANGE = 0.1  # error to twice which the axes extend at least
+MIN_SHOWN_ERROR = 0.1  # half the smallest upper limit of the error axes
 LINES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
 """Line styles of the methods, in their order."""
 DOT: dict[str, Any] = {"marker": "o", "markersize": 3.5}
 HOLLOW: dict[str, Any] = DOT | {"markerfacecolor": "white", "linewidth": 0.6, "linestyle": (0, (1, 3))}
 STAR: dict[str, Any] = {"marker": "*", "markersize": 9.0, "markeredgecolor": "black", "markeredgewidth": 0.5}
 FRONT: dict[str, Any] = {"color": "0.85", "linewidth": 5.0, "zorder": 1, "solid_capstyle": "round"}
-PALER = 0.35  # share of white added to the colour for each further variant of a model
+WHITE_SHARE = 0.35  # share of white added to the colour for each further variant of a model
 
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
     """Draw a scene's rows (``errors.with_errors``) to a PNG file; return its path."""
     with drawing(STYLE):
-        canvas = figure(rows, title)
+        canvas = draw_figure(rows, title)
         buffer = BytesIO()
         canvas.savefig(buffer, dpi=DPI)
     with Image.open(buffer) as image:  # few colours reduce the file to a third
@@ -56,7 +56,7 @@ def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
     return path
 
 
-def figure(rows: Sequence[Row], title: str) -> Canvas:
+def draw_figure(rows: Sequence[Row], title: str) -> Canvas:
     """Draw cost against numerical and total error of a scene, a row of panels per quantity."""
     methods = dict.fromkeys(row["method"] for row in rows if row["role"] == POINT and row["method"])
     styles = {name: LINES[n % len(LINES)] for n, name in enumerate(methods)}
@@ -86,12 +86,12 @@ def _colours(rows: Sequence[Row]) -> dict[str, str]:
         list[str](),
     )
     for variant, model in {row["variant"]: row["model"] for row in rows}.items():
-        shades[variant] = _paler(base_colours[model], 1.0 - (1.0 - PALER) ** previous.count(model))
+        shades[variant] = _lighten(base_colours[model], 1.0 - (1.0 - WHITE_SHARE) ** previous.count(model))
         previous.append(model)
     return shades
 
 
-def _paler(colour: str, white: float) -> str:
+def _lighten(colour: str, white: float) -> str:
     """Blend a colour with white; ``white``: share of white, 0 to 1."""
     red, green, blue = (value + white * (1.0 - value) for value in to_rgb(colour))
     return to_hex((red, green, blue))
@@ -138,13 +138,15 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
         variant_rows = [row for row in completed if row["variant"] == variant]
         for method, style in styles.items():
             runs = [row for row in variant_rows if row["role"] == POINT and row["method"] == method]
-            _dots(ax, runs, column, DOT | {"color": colour, "linewidth": 0.9, "linestyle": style, "zorder": 3})
+            _draw_runs(
+                ax, runs, column, DOT | {"color": colour, "linewidth": 0.9, "linestyle": style, "zorder": 3}
+            )
         for method in dict.fromkeys(row["method"] for row in variant_rows if row["role"] == PEER):
             runs = [row for row in variant_rows if row["role"] == PEER and row["method"] == method]
-            _dots(ax, runs, column, HOLLOW | {"color": colour, "zorder": 2})
+            _draw_runs(ax, runs, column, HOLLOW | {"color": colour, "zorder": 2})
             if kind == NUMERICAL:
                 _annotate(ax, runs[0], _clipped(runs[0][column]))
-        _dots(
+        _draw_runs(
             ax, [row for row in variant_rows if row["role"] == JOB], column, STAR | {"color": colour, "zorder": 5}
         )
     errors = [
@@ -154,7 +156,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
         for name in QUANTITIES
         if not row["failure"]
     ]
-    ax.set_xlim(MIN_ERROR / 1.6, 2.0 * max(error for error in [*errors, LEAST_RANGE] if error == error))
+    ax.set_xlim(MIN_ERROR / 1.6, 2.0 * max(error for error in [*errors, MIN_SHOWN_ERROR] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
@@ -167,8 +169,8 @@ def _annotate(ax: "Axes", row: Row, x: float) -> None:
     )  # fmt: skip
 
 
-def _dots(ax: "Axes", rows: Sequence[Row], column: str, style: dict[str, Any]) -> None:
-    """Draw runs, joined from the coarsest setting if the style has a line."""
+def _draw_runs(ax: "Axes", rows: Sequence[Row], column: str, style: dict[str, Any]) -> None:
+    """Draw runs as dots, joined in the order of the rows if the style has a line."""
     if rows:
         style = {"linestyle": "none"} | style
         ax.plot([_clipped(row[column]) for row in rows], [row["cpu_per_s"] for row in rows], **style)

@@ -19,14 +19,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
-PAGE_IN = 7.08  # largest width, 180 mm
-MIN_IN = 5.6  # minimum width, for the title and the legend
-COLUMN_IN, NAMES_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.1, 1.0, 1.05, 1.1, 1.0
-TICK_POINTS = 7.0  # size of the smallest texts
+PAGE_IN = 7.08  # largest width (inches), 180 mm
+MIN_IN = 5.6  # minimum width (inches), for the title and the legend
+COLUMN_IN, NAMES_IN = 2.1, 1.0  # widths (inches) of a column of panels and of the names of methods
+ROW_IN, HEAD_IN, FOOT_IN = 1.05, 1.1, 1.0  # heights (inches) of a row of panels, of title, and of legend
+TICK_POINTS = 7.0  # font size of the smallest texts
 
 
 class ClassStyle(NamedTuple):
-    """Colour of a class, and the mark that distinguishes it in grey print."""
+    """Colour of a class, and the mark, with its colour ``ink``, that distinguishes the class in grey print."""
 
     colour: str
     mark: str = ""
@@ -68,29 +69,32 @@ def draw_all(path: Path) -> list[Path]:
     table = pd.read_csv(path)
     maps = table[["model", "pit"]].drop_duplicates().itertuples(index=False)
     return [
-        file for model, defect in maps for file in draw(table, model, defect, path.parent / _name(model, defect))
+        file
+        for model, defect in maps
+        for file in draw(table, model, defect, path.parent / _file_stem(model, defect))
     ]
 
 
-def _name(model: str, defect: str) -> str:
+def _file_stem(model: str, defect: str) -> str:
     return f"stability-{model}-{defect.replace(' ', '-')}"
 
 
 def draw(table: "pd.DataFrame", model: str, defect: str, path: Path) -> list[Path]:
     """Draw the map of one model and defect: methods with a step, then those with a tolerance; return the files."""
-    chosen = table[(table["model"] == model) & (table["pit"] == defect)]
+    map_rows = table[(table["model"] == model) & (table["pit"] == defect)]
     paths = []
     for axis, ending in (("step", "steps"), ("tolerance", "tolerances")):
-        rows = chosen[chosen[axis].notna()]
+        rows = map_rows[map_rows[axis].notna()]
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
             with drawing(PLAIN):
-                figure(rows, axis, f"{model}, {defect}").savefig(file)
+                draw_figure(rows, axis, f"{model}, {defect}").savefig(file)
             paths.append(file)
     return paths
 
 
-def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
+def draw_figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
+    """Draw the map of ``rows`` over damping and the setting ``axis``, which is `step` or `tolerance`."""
     methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
     named = dict(zip(rows["k"], rows["stiffness"].fillna(""), strict=True))
     damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
@@ -108,12 +112,12 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
                 name = method.replace("-", "-\n")
                 ax.set_ylabel(name, rotation=0, ha="right", va="center", labelpad=4, fontsize=8.0)
             if i == 0:
-                ax.set_title(_stiffness(named[k], k), fontsize=8.0, pad=16)
-                _laws(ax, damping)
+                ax.set_title(_stiffness_text(named[k], k), fontsize=8.0, pad=16)
+                _write_exponents(ax, damping)
             if i == len(methods) - 1:
                 ax.set_xlabel("Damping (N s/mm$^{1+m_3}$)", fontsize=8.0)
-    against = "step (µs)" if axis == "step" else "relative tolerance"
-    canvas.suptitle(f"{title}: outcome by {against} and damping", x=0.01, ha="left", fontsize=10)
+    setting_text = "step (µs)" if axis == "step" else "relative tolerance"
+    canvas.suptitle(f"{title}: outcome by {setting_text} and damping", x=0.01, ha="left", fontsize=10)
     entries = _legend(rows, axis == "step")
     canvas.legend(
         [entry.handles for entry in entries],
@@ -135,7 +139,7 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
         if cell["measure"] == "RMS":
             ax.plot([x + 0.28, x + 0.46], [y - 0.42, y - 0.42], color="white", lw=1.0)
     if axis == "step":
-        _limit(ax, cells, column, settings)
+        _draw_step_limits(ax, cells, column, settings)
     ax.set_xlim(-0.5, len(damping) - 0.5)
     ax.set_ylim(-0.5, len(settings) - 0.5)
     ax.set_xticks(range(len(damping)), [_compact(c) for _, c in damping], fontsize=TICK_POINTS)
@@ -143,12 +147,12 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
     labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _compact(settings[n]) for n in labelled]
     ax.set_yticks(labelled, labels, fontsize=TICK_POINTS)
     ax.tick_params(length=1.5, pad=1.5)
-    for n, (before, after) in enumerate(pairwise(damping)):
-        if before[0] != after[0]:
+    for n, (previous, following) in enumerate(pairwise(damping)):
+        if previous[0] != following[0]:
             ax.axvline(n + 0.5, color="black", lw=0.8)
 
 
-def _limit(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float]) -> None:
+def _draw_step_limits(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float]) -> None:
     """Draw the theoretical step limit for each damping as a bar at its position among the steps."""
     logs = np.log(settings)
     for (m3, c), group in cells.groupby(["m3", "c"]):
@@ -159,7 +163,7 @@ def _limit(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float
                 ax.plot([x - 0.46, x + 0.46], [y, y], color=colour, lw=width, solid_capstyle="butt", zorder=5)
 
 
-def _laws(ax: "Axes", damping: list[tuple[float, float]]) -> None:
+def _write_exponents(ax: "Axes", damping: list[tuple[float, float]]) -> None:
     """Write the exponent m3 above its columns."""
     for m3 in sorted({m3 for m3, _ in damping}):
         columns = [n for n, pair in enumerate(damping) if pair[0] == m3]
@@ -169,7 +173,7 @@ def _laws(ax: "Axes", damping: list[tuple[float, float]]) -> None:
         )  # fmt: skip
 
 
-def _stiffness(name: str, k: float) -> str:
+def _stiffness_text(name: str, k: float) -> str:
     return f"{name}{name and ': '}k = {_compact(k)} N/mm$^{{10/9}}$"
 
 
@@ -182,7 +186,7 @@ def _compact(value: float) -> str:
 
 
 def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
-    """Make an entry for each class present, for the limit, and for cells compared by RMS."""
+    """Make an entry for each class present, for the step limit if ``limit``, and for cells compared by RMS."""
     entries: list[Any] = []
     for name, cell_style in CLASS_STYLES.items():
         if (rows["class"] == name).any():

@@ -11,8 +11,8 @@ from matplotlib.text import Text
 
 COLUMN_IN = 3.3  # inches, width of one column of axes
 PAGE_IN = 6.8  # inches, largest width of a figure of a sweep, for a page of 180 mm
-FEW = 4  # number of curves up to which each is thinner than the previous one
-SEQUENCE_FROM = 7  # number of ordered values from which their colours are shades of a colour map
+MAX_THINNED = 4  # largest number of curves of which each is thinner than the previous one
+SEQUENCE_FROM = 7  # smallest number of ordered values whose colours are shades of a colour map
 
 RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -45,7 +45,7 @@ LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
 
 @contextmanager
 def drawing(changes: Mapping[str, Any] = RC) -> Iterator[None]:
-    """Apply settings to matplotlib's defaults, without the user's matplotlibrc."""
+    """Apply ``changes`` to matplotlib's defaults instead of the user's matplotlibrc within the context."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(changes)  # type: ignore[arg-type]
@@ -66,7 +66,7 @@ def disable_invalid_math(canvas: Figure) -> None:
 class CurveStyle(NamedTuple):
     """Colour, marker and line of a curve, and the filled part of its markers (``FILLS``).
 
-    ``rank``: the higher, the thinner the curve, so that curves drawn earlier remain visible below it.
+    ``rank``: the higher, the thinner the curve, so that curves drawn before it remain visible.
     """
 
     colour: Any
@@ -85,11 +85,11 @@ class CurveStyle(NamedTuple):
 def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[CurveStyle]]:
     """Return the styles of ``by_colour`` x ``by_line`` curves, distinguished by colour and marker, and by line.
 
-    The filled part of the markers varies with the line, for points that no line joins. If ``by_line`` is 1, line
-    styles vary with the colour, except among shades. ``ordered``: ``SEQUENCE_FROM`` colours or more are shades.
+    The filled part of the markers varies with the line style, for points that no line joins. If ``by_line`` is 1,
+    line styles vary with the colour, except for shades. ``ordered``: ``SEQUENCE_FROM`` colours or more are shades.
     """
     shades = ordered and by_colour >= SEQUENCE_FROM
-    colours = shaded(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
+    colours = shades_of(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
     return [
         [
             CurveStyle(
@@ -97,14 +97,18 @@ def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[Curve
             )
             for j in range(by_line)
             for line, rank in [
-                (j, j + 1) if by_line > 1 else (0, 3) if shades else (i, min(i, 3) if by_colour <= FEW else 3)
+                (j, j + 1)
+                if by_line > 1
+                else (0, 3)
+                if shades
+                else (i, min(i, 3) if by_colour <= MAX_THINNED else 3)
             ]
         ]
         for i in range(by_colour)
     ]
 
 
-def shaded(count: int) -> list[Any]:
+def shades_of(count: int) -> list[Any]:
     """Return ``count`` (2 or more) colours of a colour map, from dark to light."""
     scale = mpl.colormaps["viridis"]
     return [scale(0.86 * i / (count - 1)) for i in range(count)]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MAX_LINEAR_RATIO = 3.0  # ratio of limits below which a log axis gets linear ticks
 MAX_LINEAR_INTERVALS = 4  # largest number of intervals between linear ticks on a log axis
 MANTISSAS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)), (np.inf, (1.0,)))
-"""Pairs of the largest ratio of axis limits and the tick mantissas used up to it, densest first."""
+"""Pairs of a ratio of axis limits, and the mantissas of ticks used below it, densest first."""
 INTERVAL_COUNTS = (7, 5, 4, 3, 2, 1)  # largest numbers of intervals between linear ticks, tried in turn
 DIGIT_WIDTH = 0.65  # em, of a digit in DejaVu Sans (0.636), with a margin
 LINE_HEIGHT = 1.2  # em, of a label
@@ -25,14 +25,14 @@ ROUNDING = 0.01  # largest deviation of a label from its tick, over the distance
 
 
 def digits_of(values: Sequence[float] | np.ndarray) -> int:
-    """Return the number of significant digits of tick labels: 5, or more if ticks are so close that these differ.
+    """Return the number of significant digits of tick labels: ``labels.DIGITS``, or more if ticks are close.
 
-    A label may deviate from its tick by ``ROUNDING`` of the smallest distance of two ticks.
+    A label may deviate from its tick by ``ROUNDING`` times the smallest distance of two ticks.
     """
     steps = np.abs(np.diff(values))
-    room = ROUNDING * float(min(steps[steps > 0.0], default=np.inf))
-    wide = range(labels.DIGITS, MAX_DIGITS)
-    fits = (d for d in wide if all(abs(float(labels.number_text(v, d)) - v) <= room for v in values))
+    tolerance = ROUNDING * float(min(steps[steps > 0.0], default=np.inf))
+    digit_counts = range(labels.DIGITS, MAX_DIGITS)
+    fits = (d for d in digit_counts if all(abs(float(labels.number_text(v, d)) - v) <= tolerance for v in values))
     return next(fits, MAX_DIGITS)
 
 
@@ -68,7 +68,7 @@ class FittingLocator(Locator):
     def __call__(self) -> Any:
         """Return the ticks within the limits of the axis.
 
-        If the labels of no locator fit, these are the first and the last tick of the sparsest.
+        If the labels of no locator fit, return the first and the last tick of the sparsest one.
         """
         transform = self._axis.get_transform().transform
         low, high = sorted(transform(np.array(self._axis.get_view_interval())))
@@ -102,7 +102,7 @@ class FittingLocator(Locator):
         return bool(np.all(points_per_unit * np.abs(np.diff(transform(values))) >= widths))
 
 
-def log_ticks(axis: "Axis", low: float, high: float) -> None:
+def set_log_ticks(axis: "Axis", low: float, high: float) -> None:
     """Set the ticks of a log axis from ``low`` > 0 to ``high``: decimal numbers, denser over a smaller range."""
     ratio = high / low
     dense: list[Locator] = [LogLocator(subs=mantissas) for max_ratio, mantissas in MANTISSAS if ratio < max_ratio]
@@ -116,7 +116,7 @@ def log_ticks(axis: "Axis", low: float, high: float) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def linear_ticks(axis: "Axis", values: Sequence[float] = ()) -> None:
+def set_linear_ticks(axis: "Axis", values: Sequence[float] = ()) -> None:
     """Set the ticks of a linear axis: at ``values``, if any and if their labels fit, else at round numbers.
 
     values: ascending, in the unit of the axis.

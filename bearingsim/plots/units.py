@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from bearingsim.figure_kinds import View
 
 GRAVITY = 9.80665  # m/s^2, standard acceleration of gravity (3rd CGPM, 1901)
-CHOICES: dict[str, dict[str, float]] = {
+UNIT_FACTORS: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "mm": 1e3, "um": 1e6, "nm": 1e9},
     "m/s": {"m/s": 1.0, "mm/s": 1e3, "um/s": 1e6, "in/s": 1.0 / 0.0254},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e3, "g": 1.0 / GRAVITY},
@@ -31,21 +31,25 @@ REFERENCES = {"m": ("pm", 1e-12), "m/s": ("nm/s", 1e-9), "m/s^2": ("µm/s²", 1e
 """Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015)."""
 ROUNDING_NOTE = "zero within numerical errors"
 ROUNDING = {"m": 1e-15, "m/s": 1e-11, "m/s^2": 1e-7, "N": 1e-9}
-"""Values of features below which they are errors of the solution and of its spectrum, by SI unit."""
-FLOOR_DB = 120.0  # dB below the largest level of a curve, its smallest level
+"""Values of features, by SI unit, below which they are errors of the solution and of its spectrum."""
+FLOOR_DB = 120.0  # dB below the largest level of a curve, to which smaller levels are raised
 RANGE_DB = 100.0  # dB, range of an axis of levels below the largest
-SQUARES = 3.0  # a squared quantity is shown in its larger unit from 0.1 on
+SQUARE_FACTOR = 3.0
+"""Factor on the root of a squared quantity, so that the larger unit is chosen from 0.1 of its square on."""
 
 
 class Scale(NamedTuple):
-    """Scale of a y axis: printed unit, factor from SI; for a level, its reference (SI) and the power."""
+    """Scale of a y axis: printed unit, factor from SI; for a level in dB, its reference (SI).
+
+    power: exponent of the reference's unit in that of the values.
+    """
 
     unit: str
     factor: float
     reference: float | None = None
     power: int = 1
 
-    def shown(self, values: np.ndarray) -> np.ndarray:
+    def to_axis(self, values: np.ndarray) -> np.ndarray:
         """Convert values (n,) in SI to the axis."""
         if self.reference is None:
             return np.asarray(self.factor * values)
@@ -61,7 +65,7 @@ class Scale(NamedTuple):
         return ", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK)
 
 
-def scale_of(unit: str, name: str, largest: float, view: "View", power: int = 1) -> Scale:
+def choose_scale(unit: str, name: str, largest: float, view: "View", power: int = 1) -> Scale:
     """Choose the scale of a quantity with SI ``unit``: that of ``view``, or a readable unit by the largest value.
 
     Raises PlotError for a unit of another quantity, or a level of a quantity without a reference value.
@@ -75,8 +79,12 @@ def scale_of(unit: str, name: str, largest: float, view: "View", power: int = 1)
     if view.unit:
         printed, factor = requested_unit(view.unit, unit, name)
     else:
-        printed, factor = labels.readable(unit, name, (SQUARES if power == 2 else 1.0) * largest ** (1.0 / power))
-    return Scale(labels.squared(printed) if power == 2 else labels.pretty(printed), factor**power, None, power)
+        printed, factor = labels.choose_unit(
+            unit, name, (SQUARE_FACTOR if power == 2 else 1.0) * largest ** (1.0 / power)
+        )
+    return Scale(
+        labels.square_unit(printed) if power == 2 else labels.format_unit(printed), factor**power, None, power
+    )
 
 
 class FeatureScale(NamedTuple):
@@ -87,7 +95,7 @@ class FeatureScale(NamedTuple):
     is_rounding: bool
 
 
-def feature_scale(name: str, largest: float, view: "View") -> FeatureScale:
+def choose_feature_scale(name: str, largest: float, view: "View") -> FeatureScale:
     """Choose the scale of a feature: the unit of ``view``, or a readable one by its ``largest`` value (SI).
 
     Raises PlotError for a unit of another quantity.
@@ -121,10 +129,10 @@ def requested_unit(word: str, unit: str, name: str) -> tuple[str, float]:
 
     Raises PlotError for a unit of another quantity.
     """
-    choices = CHOICES.get(unit, {unit: 1.0})
+    choices = UNIT_FACTORS.get(unit, {unit: 1.0})
     symbol = word.strip().translate(SPELLING)
     if symbol not in choices:
         near = suggestion(symbol, choices) or f"use {', '.join(filter(None, choices)) or 'no unit'}"
         problem = f"`{word}` is not a unit of {name}" if symbol else f"no unit of {name}"
         raise PlotError(f"{problem} ({near})")
-    return labels.pretty(symbol), choices[symbol]
+    return labels.format_unit(symbol), choices[symbol]

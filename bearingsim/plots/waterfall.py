@@ -9,13 +9,13 @@ from matplotlib.figure import Figure as Canvas
 
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish
-from bearingsim.plots.caption import fixed_values, following_parameters, sampling_of
+from bearingsim.plots.caption import fixed_values, following_parameters, sampling_texts
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import mark_lines, share_lines
 from bearingsim.plots.sheet import Sheet
-from bearingsim.plots.spectra import frequency_range, part_of_spectrum
+from bearingsim.plots.spectra import compute_spectrum, frequency_range
 from bearingsim.plots.style import COLOURS, COLUMN_IN
-from bearingsim.plots.units import scale_of
+from bearingsim.plots.units import choose_scale
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,54 +24,54 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-SPACING = 0.5  # distance of the curves' zero lines, over the largest value
+SPACING = 0.5  # distance of the curves' zero lines, relative to the largest value
 SPACING_DB = 25.0  # dB, distance of the curves of levels
 ROW_IN, MIN_IN = 0.32, 2.2  # height per curve, and minimum height of axes
-FEW = 3  # minimum number of spectra
-WIDTH = 0.9
+MIN_SPECTRA = 3  # minimum number of spectra
+LINE_WIDTH = 0.9
 
 
 def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
-    """Draw the spectra of jobs above each other, in the order of the swept path `by`, one axes per other case.
+    """Draw the spectra of jobs above each other, ordered by the swept path `by`, in axes by the other paths.
 
-    Raises PlotError without a swept path, or for fewer than ``FEW`` spectra.
+    Raises PlotError without a swept path, or for fewer than ``MIN_SPECTRA`` spectra.
     """
     from bearingsim import signals
 
     units = results.plan["units"]
     table = select.case_rows(results).set_index("job").loc[list(jobs)].reset_index()
     select.check_paths(figure.by, units)
-    varied = select.varied(table, list(units))
+    varied = select.varied_paths(table, list(units))
     path = _stacked_path(figure, varied, table)
     others = [other for other in varied if other != path and not select.follows(other, [path], table)]
-    groups = list(select.splits(table, others, units))
+    groups = list(select.split_rows(table, others, units))
     records = recorded.load_jobs(results, jobs)
     channel = recorded.channels_for(records, figure.y)[0]
     limits = frequency_range(figure, records.values())
     spectra = {
-        name: part_of_spectrum(signals.spectrum, next(recorded.signals_of(job, channel)), limits, name, job)
+        name: compute_spectrum(signals.spectrum, next(recorded.signals_of(job, channel)), limits, name, job)
         for name, job in records.items()
     }
-    if max(len(rows) for _, rows in groups) < FEW:
-        raise PlotError(f"a waterfall needs {FEW} spectra or more over `{path}`; use `--kind spectrum`")
+    if max(len(rows) for _, rows in groups) < MIN_SPECTRA:
+        raise PlotError(f"a waterfall needs {MIN_SPECTRA} spectra or more over `{path}`; use `--kind spectrum`")
     largest = max(float(np.max(amplitude)) for _, amplitude in spectra.values())
-    scale = scale_of(recorded.unit_of(channel), channel, largest, figure.view)
-    tallest = max(MIN_IN, ROW_IN * max(len(rows) for _, rows in groups))
-    canvas = Canvas(figsize=(2 * COLUMN_IN, tallest * len(groups) + 0.9), layout="constrained")
+    scale = choose_scale(recorded.unit_of(channel), channel, largest, figure.view)
+    axes_height = max(MIN_IN, ROW_IN * max(len(rows) for _, rows in groups))
+    canvas = Canvas(figsize=(2 * COLUMN_IN, axes_height * len(groups) + 0.9), layout="constrained")
     axes = canvas.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
     step = SPACING_DB if figure.view.db else SPACING * scale.factor * largest
     marked: list[Job] = []
     for ax, (title, rows) in zip(axes, groups, strict=True):
-        ordered = rows.sort_values(path) if select.is_numeric(select.values(rows, path)) else rows
+        ordered = rows.sort_values(path) if select.is_numeric(select.distinct_values(rows, path)) else rows
         names = list(ordered["job"])
-        floor = min(float(np.min(scale.shown(spectra[name][1]))) for name in names) if figure.view.db else 0.0
+        floor = min(float(np.min(scale.to_axis(spectra[name][1]))) for name in names) if figure.view.db else 0.0
         for number, name in enumerate(names):
             frequency, amplitude = spectra[name]
             bottom = number * step
-            curve = bottom + scale.shown(amplitude) - floor
+            curve = bottom + scale.to_axis(amplitude) - floor
             order = 2.0 + 2.0 * (len(names) - number) / len(names)
             ax.fill_between(frequency, bottom, curve, color="white", zorder=order, lw=0.0)
-            ax.plot(frequency, curve, color=COLOURS[0], lw=WIDTH, zorder=order)
+            ax.plot(frequency, curve, color=COLOURS[0], lw=LINE_WIDTH, zorder=order)
         ax.set_yticks([number * step for number in range(len(names))],
                       [labels.value_text(path, value, units) for value in ordered[path]])  # fmt: skip
         ax.set_ylabel(axis_label(labels.name_text(path), ""))
@@ -87,7 +87,7 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
     fixed = fixed_values(results, table, {path, *others})
     tied = following_parameters(replace(figure, x=path, by=(), panels=tuple(others)), table, units)
-    finish(canvas, figure.title, [*caption, *sampling_of(records.values(), [channel]), *fixed, *tied])
+    finish(canvas, figure.title, [*caption, *sampling_texts(records.values(), [channel]), *fixed, *tied])
     return [Sheet(["waterfall", channel, "over", path], canvas)]
 
 
@@ -97,7 +97,7 @@ def _stacked_path(figure: "Figure", varied: Sequence[str], rows: "pd.DataFrame")
         raise PlotError("a waterfall is stacked over one swept path: give `by` once")
     if figure.by:
         return figure.by[0]
-    numbers = [path for path in varied if select.is_numeric(select.values(rows, path))]
+    numbers = [path for path in varied if select.is_numeric(select.distinct_values(rows, path))]
     if not numbers:
         raise PlotError("no swept number varies in these jobs; use `--kind spectrum`")
-    return max(numbers, key=lambda path: len(select.values(rows, path)))
+    return max(numbers, key=lambda path: len(select.distinct_values(rows, path)))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bearingsim.figure_kinds import View
     from bearingsim.store import Results
 
-LEAD = 0.25  # part of the time axis before the impact
+LEAD = 0.25  # fraction of the time axis before the impact
 MIN_SAMPLES = 4
 
 
@@ -30,7 +30,7 @@ class Window(NamedTuple):
     origin: float = 0.0
     crossing: tuple[float, float] | None = None
 
-    def shown(self, time: np.ndarray) -> np.ndarray:
+    def contains(self, time: np.ndarray) -> np.ndarray:
         """Check which times (n,) in s lie in the window."""
         step = time[1] - time[0] if len(time) > 1 else 0.0
         return (time >= self.start - 1e-6 * step) & (time <= self.stop + 1e-6 * step)
@@ -41,8 +41,8 @@ def window_of(
 ) -> Window:
     """Return the part of a channel of a job to show.
 
-    default_span: its length (s) by default; passes: its length around an impact by default, in ball passes.
-    Raises PlotError if it lies outside the record or contains too few samples.
+    default_span: its default length (s); passes: its default length around an impact, in ball passes. Raises
+    PlotError if it lies outside the record or contains too few samples.
     """
     time = job.series.time
     if view.around:
@@ -53,7 +53,7 @@ def window_of(
         start = view.start or 0.0
         stop = view.stop if view.stop is not None else start + (view.span or default_span)
         window = Window(start, stop)
-    count = np.count_nonzero(window.shown(time))
+    count = np.count_nonzero(window.contains(time))
     is_cut = (view.stop or view.span) and window.stop > time[-1] + 2.0 / float(job.parameters["sampling"])
     if count < MIN_SAMPLES or is_cut:
         raise PlotError(
@@ -63,9 +63,9 @@ def window_of(
     return window
 
 
-def cut(signal: Signal, window: Window) -> Signal:
+def crop(signal: Signal, window: Window) -> Signal:
     """Return the part of a signal in a window. Raises PlotError if a measured one has too few samples in it."""
-    in_window = window.shown(signal.time)
+    in_window = window.contains(signal.time)
     count = np.count_nonzero(in_window)
     if signal.source and count < MIN_SAMPLES:
         raise PlotError(
@@ -81,8 +81,8 @@ def pass_period(job: Job) -> float:
 
 
 def origin_text(jobs: Iterable[Job]) -> str:
-    """Name the zero of the time axis of a window around an impact, as ``impact_time`` finds it."""
-    names = ("the largest deviation" if is_on_rollers(job) else "the middle of the defect" for job in jobs)
+    """Describe the origin of the time axis of a window around an impact, which ``impact_time`` returns."""
+    names = ("the largest deviation" if is_on_rollers(job) else "the centre of the defect" for job in jobs)
     return f" from {' or '.join(dict.fromkeys(names))}"
 
 
@@ -94,11 +94,11 @@ def is_on_rollers(job: Job) -> bool:
 def impact_time(
     results: "Results", name: str, job: Job, channel: str, span: float
 ) -> tuple[float, tuple[float, float] | None]:
-    """Return the time (s) at which a roller passes the middle of a race defect, and of entering and leaving it.
+    """Return the time (s) at which a roller passes the centre of a race defect, and those of entry and exit.
 
-    The passage is that of ``passage_of``; span: duration (s) shown. For a defect of a roller, whose angle is not
-    recorded, the time at which the channel deviates most from its mean. Raises PlotError for a healthy bearing, or
-    if no roller passes.
+    The passage is that of ``passage_of``; span: duration (s) shown. If all defects are on rollers, whose angles
+    are not recorded, return the time at which the channel deviates most from its mean, and None. Raises PlotError
+    for a healthy bearing, or if no roller passes.
     """
     if not lines.races(job.parameters):
         raise PlotError(f"job {name} has no defect, so there is no impact; use `from` and `span`")
@@ -114,9 +114,9 @@ def impact_time(
 def passage_of(results: "Results", name: str, job: Job, channel: str, span: float = 0.0) -> Passage | None:
     """Return a complete passage over a race defect, of the channel's roller or else of any roller.
 
-    That is the first one over a defect of the outer race. A defect of the inner race turns through the load zone:
-    of its passages with ``span`` (s) in the record, the one at the largest contact load, nearest the direction of
-    the load. None without a passage.
+    Over a defect of the outer race, the first passage. A defect of the inner race rotates through the load zone:
+    of its passages with ``span`` (s) in the record, the one nearest the direction of the load, where the contact
+    load is largest. None without a passage.
     """
     case = recorded.case_of(results, name, job.parameters)
     roller = roller_of(channel)

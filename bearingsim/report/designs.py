@@ -4,10 +4,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import labels, select
-from bearingsim.plots.design import is_logarithmic, trend
-from bearingsim.plots.features import design_content
+from bearingsim.plots.design import compute_trend, is_logarithmic
+from bearingsim.plots.features import complete_design
 from bearingsim.plots.points import points_of
-from bearingsim.plots.units import feature_scale
+from bearingsim.plots.units import choose_feature_scale
 from bearingsim.report.charts import SYMBOLS, Axis, Chart, Control, Curve, Panel, list_settings, round_values
 from bearingsim.report.sweeps import MARKS, NAMES, make_panel, x_axis
 
@@ -28,8 +28,8 @@ def make_design_chart(results: "Results", figure: "Figure") -> Chart:
     """
     rows, units = select.case_rows(results), results.plan["units"]
     completed = replace(figure, y=figure.y or select.default_y(results, rows), kind="design")
-    paths, complete, part, caption = design_content(results, completed, rows)
-    coloured = [*paths, *select.varied(part, [path for path in units if path not in paths])]
+    paths, complete, part, caption = complete_design(results, completed, rows)
+    coloured = [*paths, *select.varied_paths(part, [path for path in units if path not in paths])]
     axes = [_axis(complete, path, part, results) for path in paths]
     start = paths.index(figure.x) if figure.x in paths else 0
     names = [labels.name_text(path) for path in paths]
@@ -64,15 +64,15 @@ def _axis(figure: "Figure", path: str, rows: "pd.DataFrame", results: "Results")
 
 
 def _panel(figure: "Figure", name: str, rows: "pd.DataFrame", results: "Results", x: list[list[float]]) -> Panel:
-    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    scale = choose_feature_scale(name, float(rows[name].abs().max()), figure.view)
     points = points_of(figure, name, rows, rows, results.plan["units"], scale.factor)
     columns: dict[str, list[Any]] = {
         "y": round_values(points.y),
         "chaotic": [int(value) for value in points.chaotic],
     }
-    groups = [trend(column, points.y) for column in x]
+    groups = [compute_trend(column, points.y) for column in x]
     trends = [
-        [round_values(row) for row in zip(group.x, group.low, group.middle, group.high, strict=True)]
+        [round_values(row) for row in zip(group.x, group.low, group.median, group.high, strict=True)]
         if group
         else []
         for group in groups
@@ -82,14 +82,14 @@ def _panel(figure: "Figure", name: str, rows: "pd.DataFrame", results: "Results"
 
 def _scale_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
     """Describe the scale of a colour: `load, violet 150 N to green 300 N`."""
-    distinct = select.values(rows, path)
+    distinct = select.distinct_values(rows, path)
     low, high = (labels.value_text(path, value, units) for value in (distinct[0], distinct[-1]))
     return f"{labels.name_text(path)}: violet {low} to green {high}"
 
 
 def _shares(rows: "pd.DataFrame", path: str) -> list[float | None]:
     """Return the positions of a path's values from the smallest (0) to the largest (1); words are equidistant."""
-    distinct = select.values(rows, path)
+    distinct = select.distinct_values(rows, path)
     if not select.is_numeric(distinct):
         return round_values(distinct.index(value) / max(1, len(distinct) - 1) for value in rows[path])
     low, high = distinct[0], distinct[-1]

@@ -130,7 +130,7 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
     """
     import pandas as pd
 
-    from bearingsim.plots.labels import printed
+    from bearingsim.plots.labels import format_quantity
     from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 
     if name.endswith((".phase", "-healthy")):
@@ -152,7 +152,7 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
             texts.append(overlap if common[0] < common[1] else "the ranges of some cases do not overlap")
         if jobs:
             scope = f" in {len(jobs)} of {len(rows)} cases" if len(jobs) < len(rows) else ""
-            varied_text = f"with {quantity} {printed(PARAMETER_KINDS[quantity].range_text(values))}{scope}"
+            varied_text = f"with {quantity} {format_quantity(PARAMETER_KINDS[quantity].range_text(values))}{scope}"
             yield f"{varied_text}: {', '.join(texts)}"
 
 

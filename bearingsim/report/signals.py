@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bearingsim.plots import labels, lines
-from bearingsim.plots.grid import Content, Drawn, legend_names
+from bearingsim.plots.grid import Content, DrawnCurve, legend_names
 from bearingsim.plots.marks import share_lines
 from bearingsim.plots.recorded import Job
 from bearingsim.plots.series import series_of
@@ -55,10 +55,10 @@ def _chart(
     records: Sequence[Job],
     label: str,
     scale: Scale,
-    drawn: Sequence[Drawn],
+    drawn: Sequence[DrawnCurve],
 ) -> Chart:
     names = legend_names(drawn)
-    reduced = [reduce(curve.points[0], scale.shown(curve.points[1])) for curve in drawn]
+    reduced = [reduce(curve.points[0], scale.to_axis(curve.points[1])) for curve in drawn]
     counts = [len(x) for x, _ in reduced]
     shortened = max(len(curve.points[0]) for curve in drawn) > MAX_POINTS
     texts = (
@@ -104,9 +104,12 @@ def _chart(
 def _marks(job: Job, highest: float) -> list[tuple[float, str]]:
     """List frequencies (Hz) and names of the spectral lines of a job's defects; sidebands have no name."""
     return [
-        (float(f"{mark.hertz:.6g}"), "" if mark.side and mark.number else f"{mark.name} {mark.hertz:.4g} Hz")
+        (
+            float(f"{mark.frequency:.6g}"),
+            "" if mark.side and mark.number else f"{mark.name} {mark.frequency:.4g} Hz",
+        )
         for mark in lines.marks(job.parameters, highest)
-        if mark.hertz <= highest
+        if mark.frequency <= highest
     ]
 
 

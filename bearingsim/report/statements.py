@@ -103,10 +103,10 @@ def _case_text(
     swept: Mapping[str, dict[str, Any]], units: Mapping[str, str], job: str, variation: dict[str, Any] | None
 ) -> str:
     """Describe a job by its swept values; a variation by those of its case and the varied value."""
-    from bearingsim.plots.labels import printed, swept_text
+    from bearingsim.plots.labels import format_quantity, swept_text
     from bearingsim.study.uncertainty import PARAMETER_KINDS
 
     if variation is None:
         return swept_text(swept[job], units)
-    value = printed(PARAMETER_KINDS[variation["what"]].range_text([variation["value"]]))
+    value = format_quantity(PARAMETER_KINDS[variation["what"]].range_text([variation["value"]]))
     return ", ".join(filter(None, [swept_text(swept[variation["of"]], units), f"{variation['what']} {value}"]))

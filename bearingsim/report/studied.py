@@ -48,12 +48,14 @@ def study_facts(results: "Results") -> Iterator[Fact]:
     if len(parameters):
         yield "Bearing", ", ".join(_bearing(parameters, units, "clearance" in tried))
         yield "Frequencies", ", ".join(_frequencies(parameters))
-    varied = select.varied(rows, list(units))
+    varied = select.varied_paths(rows, list(units))
     texts = [f"{labels.name_text(path)} {_values_text(path, rows, units)}" for path in varied]
     if texts:
         yield "Varied", "; ".join(texts)
     if tried:
-        ranges = [labels.printed(PARAMETER_KINDS[name].range_text(values)) for name, values in tried.items()]
+        ranges = [
+            labels.format_quantity(PARAMETER_KINDS[name].range_text(values)) for name, values in tried.items()
+        ]
         laws = machine_values(results, rows, {"rig", *(path for path, _ in CAPTION_FIELDS)} - DAMPING)
         nominal = {"damping": ", ".join(laws).removeprefix("damping ")}
         nominal["clearance"] = _span("clearance", parameters, SMALL_UNITS | dict(units))
@@ -66,9 +68,9 @@ def study_facts(results: "Results") -> Iterator[Fact]:
         texts = [f"{name} {text}{detail}" for name, text, detail in zip(tried, ranges, details, strict=True)]
         yield "Varied (uncertainty)", "; ".join(texts) + "; one at a time" * (len(tried) > 1)
     if results.plan["design"]:
-        from bearingsim.plots.design import description
+        from bearingsim.plots.design import describe_design
 
-        yield "Design", description(results.plan["design"])
+        yield "Design", describe_design(results.plan["design"])
     stated = set(varied) | {"bearing.name", "clearance"}
     if "damping" in tried:
         stated |= DAMPING
@@ -94,7 +96,7 @@ def describe_subject(results: "Results") -> str:
     bearing = " / ".join(dict.fromkeys(map(str, parameters["bearing.name"])))
     defect = [f"defect of the {race}" for race in _races(parameters)] or ["no defect"]
     names = list(dict.fromkeys(map(labels.feature_text, plotted_features(results.plan))))
-    varied = [labels.name_text(path) for path in select.varied(rows, list(units))]
+    varied = [labels.name_text(path) for path in select.varied_paths(rows, list(units))]
     texts = [labels.in_sentence(name) for name in names[:2]] or ["vibration"]
     quantities = " and ".join(texts) + ", and others" * (len(names) > 2)
     over = [f"over {' and '.join(varied)}"] if varied else []
@@ -131,7 +133,7 @@ def _races(parameters: "pd.DataFrame") -> list[str]:
 
 
 def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
-    distinct = select.values(rows, path)
+    distinct = select.distinct_values(rows, path)
     if len(distinct) > MAX_VALUES and select.is_numeric(distinct):
         ends = [labels.value_text(path, value, units) for value in (distinct[0], distinct[-1])]
         return f"{ends[0]} to {ends[1]}, {len(distinct)} values"

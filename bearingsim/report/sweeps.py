@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots import PlotError, labels, select
 from bearingsim.plots.axes import axis_label, is_baseline_hidden
-from bearingsim.plots.features import Prepared, prepared
-from bearingsim.plots.overlay import Drawing, position_in
+from bearingsim.plots.features import SweepContent, complete_sweep
+from bearingsim.plots.overlay import FigureData, position_on_x
 from bearingsim.plots.points import curve_rows, order_of, points_of
 from bearingsim.plots.style import SEQUENCE_FROM
-from bearingsim.plots.units import FeatureScale, feature_scale
+from bearingsim.plots.units import FeatureScale, choose_feature_scale
 from bearingsim.report.charts import OPEN_SYMBOLS, Axis, Chart, Control, Curve, Panel, round_values, style_curves
 from bearingsim.study.measured_values import same
 
@@ -42,19 +42,21 @@ def group_alike(figures: Sequence["Figure"]) -> list[list["Figure"]]:
     return list(groups.values())
 
 
-def prepare_unfiltered(results: "Results", figure: "Figure") -> tuple["Figure", Prepared]:
+def prepare_unfiltered(results: "Results", figure: "Figure") -> tuple["Figure", SweepContent]:
     """Return a figure without its `where`, and its completion, because a chart has controls instead of `where`.
 
     Raises PlotError.
     """
     rows, unfiltered = select.case_rows(results), replace(figure, where={})
     if figure.kind == "phase":
-        unfiltered = replace(unfiltered, y=select.phases(figure.y) if figure.y else select.default_phases(results))
+        unfiltered = replace(
+            unfiltered, y=select.phase_names(figure.y) if figure.y else select.default_phases(results)
+        )
         rows = select.with_defect_phases(results, rows)
-    return unfiltered, prepared(results, unfiltered, rows)
+    return unfiltered, complete_sweep(results, unfiltered, rows)
 
 
-def make_sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure", complete: Prepared) -> Chart:
+def make_sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure", complete: SweepContent) -> Chart:
     """Make the chart of a figure; it starts with the setting of ``leading``.
 
     unfiltered, complete: from ``prepare_unfiltered``.
@@ -76,13 +78,16 @@ def make_sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure"
     if "healthy" in names and is_baseline_hidden(figure, rows):
         names["healthy"] += ", about zero"
     bands = select.spread_texts(results, rows)
-    numeric = select.is_numeric(select.values(rows, figure.x))
+    numeric = select.is_numeric(select.distinct_values(rows, figure.x))
     return Chart(
         title=leading.title if leading.title and not leading.where else title_of(figure),
         kind="line" if numeric and figure.kind != "phase" else "points",  # a phase wraps
         axes=[x_axis(figure, figure.x, rows, units)],
         panels=panels,
-        curves=[*style_curves(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))), *measured],
+        curves=[
+            *style_curves(ranks, bool(by) and select.is_numeric(select.distinct_values(rows, by[0]))),
+            *measured,
+        ],
         controls=[replace(control, start=start[i]) for i, control in enumerate(controls)],
         combinations=[list(key) for key in combinations],
         x=[points.x],
@@ -96,8 +101,8 @@ def make_sweep_chart(results: "Results", leading: "Figure", unfiltered: "Figure"
 
 def _default_by(figure: "Figure", rows: "pd.DataFrame") -> tuple[str, ...]:
     """Choose the curves of a figure that names none: the values of the path with the fewest, if they are few."""
-    paths = sorted(figure.by, key=lambda path: len(select.values(rows, path)))
-    return tuple(path for path in paths[:1] if len(select.values(rows, path)) < SEQUENCE_FROM)
+    paths = sorted(figure.by, key=lambda path: len(select.distinct_values(rows, path)))
+    return tuple(path for path in paths[:1] if len(select.distinct_values(rows, path)) < SEQUENCE_FROM)
 
 
 def title_of(figure: "Figure") -> str:
@@ -108,7 +113,7 @@ def title_of(figure: "Figure") -> str:
 
 def x_axis(figure: "Figure", path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> Axis:
     """Return the x axis of a figure over a path, with words if its values are words."""
-    distinct = select.values(rows, path)
+    distinct = select.distinct_values(rows, path)
     numeric = select.is_numeric(distinct)
     words = [] if numeric else [labels.value_text(path, value, units) for value in distinct]
     label = axis_label(labels.name_text(path), select.x_unit(path, rows, units))
@@ -127,7 +132,7 @@ def _controls(
     for tied in _group_tied(paths, rows):
         group = [*tied, *(path for path, leader in followers if leader in tied)]
         values = [tuple(row) for row in rows[group].itertuples(index=False)]
-        numeric = select.is_numeric(select.values(rows, group[0]))
+        numeric = select.is_numeric(select.distinct_values(rows, group[0]))
         distinct = sorted(set(values), key=lambda key: key[0]) if numeric else list(dict.fromkeys(values))
         texts = [_setting(group, key, units) for key in distinct]
         name = " and ".join(map(labels.name_text, group))
@@ -147,7 +152,7 @@ def _first(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, s
     if not where:
         return 0
     try:
-        return list(rows.index).index(select.matching(rows, where, units).index[0])
+        return list(rows.index).index(select.matching_rows(rows, where, units).index[0])
     except PlotError:
         return 0
 
@@ -226,13 +231,15 @@ class _Points:
         return {state for state, mark in MARKS.items() if mark and mark in self.mark}
 
 
-def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, str], shared: _Points) -> Panel:
+def _panel(
+    figure: "Figure", name: str, complete: SweepContent, units: Mapping[str, str], shared: _Points
+) -> Panel:
     """Collect the points of a feature by curves, as in the figure, because error bounds refer to whole curves."""
     rows = complete.rows
-    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    scale = choose_feature_scale(name, float(rows[name].abs().max()), figure.view)
     columns: dict[str, list[Any]] = {key: [] for key in (*COLUMNS, "chaotic")}
     is_first, order = not shared.x, order_of(figure, rows)
-    for _, part in select.splits(rows, figure.panels, units):
+    for _, part in select.split_rows(rows, figure.panels, units):
         for _, _, curve in curve_rows(figure, part, units, order):
             if curve.empty:
                 continue
@@ -249,13 +256,15 @@ def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, 
     return make_panel(figure, name, scale, columns)
 
 
-def _add_measured(results: "Results", complete: Prepared, shared: _Points, panels: Sequence[Panel]) -> list[Curve]:
+def _add_measured(
+    results: "Results", complete: SweepContent, shared: _Points, panels: Sequence[Panel]
+) -> list[Curve]:
     """Add the measured points to the columns of each setting to which they belong; return a curve per source."""
     figure, rows, units = complete.figure, complete.rows, results.plan["units"]
-    drawing = Drawing(figure, rows, units)
+    data = FigureData(figure, rows, units)
     curves: list[Curve] = []
     factors = {
-        panel.name: feature_scale(panel.name, float(rows[panel.name].abs().max()), figure.view).factor
+        panel.name: choose_feature_scale(panel.name, float(rows[panel.name].abs().max()), figure.view).factor
         for panel in panels
     }
     for number, entry in enumerate(results.measured):
@@ -265,7 +274,7 @@ def _add_measured(results: "Results", complete: Prepared, shared: _Points, panel
             drawn = part.drop_duplicates(list(shared.by)) if shared.by else part[:1]
             members = {shared.curve_of(row, units): row for row in drawn.to_dict("records")}
             for point in entry.points:
-                x = position_in(drawing, part, point)
+                x = position_on_x(data, part, point)
                 values = {name: value for name, value in point["features"].items() if name in factors}
                 if x is None or not values:
                     continue

@@ -257,7 +257,7 @@ def test_a_model_keeps_its_colour_and_its_variants_differ():
 
 
 def test_figure_marks_automatic_choice_and_failures(tmp_path):
-    canvas = speed_accuracy.figure(ladder(), "a scene")
+    canvas = speed_accuracy.draw_figure(ladder(), "a scene")
     numerical, total = canvas.axes[:2]
     stars = [line for line in total.lines if line.get_marker() == "*"]
     assert len(stars) == 2

@@ -200,7 +200,7 @@ def test_the_figure_states_the_verdict_and_marks_its_evidence(file, race, modula
     recording = read(file)
     values = recording.channels["acc"]
     result = diagnose(values, RATE, PARTS, SHAFT)
-    canvas = measured.diagnosis_figure(recording, "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205")
+    canvas = measured.draw_diagnosis(recording, "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205")
     title, frequency = canvas.get_suptitle(), result.findings[race].comb.frequency
     assert title.startswith("damaged.npz, acc, 6205 at 1500 rpm\n")
     assert title.endswith(f"{' or a healthy bearing with clearance' * (race == 'outer')}, {frequency:.2f} Hz")
@@ -230,9 +230,7 @@ def test_a_strong_rhythm_that_is_no_line_is_marked_and_explained(file, rhythm, v
     assert result.verdict == verdict
     assert result.has_other_rhythm
     assert result.strongest_other.frequency == pytest.approx(rhythm, rel=2e-3)
-    canvas = measured.diagnosis_figure(
-        read(file), "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205"
-    )
+    canvas = measured.draw_diagnosis(read(file), "acc", result, kurtogram(values, RATE), (1000.0, 5120.0), "6205")
     assert f" {result.strongest_other.frequency:.2f} Hz" in canvas.get_suptitle()
     labels = [str(curve.get_label()) for curve in canvas.axes[2].get_lines()]
     assert f"{result.strongest_other.frequency:.2f} Hz" in labels

@@ -219,7 +219,7 @@ def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp
 def test_both_curves_are_seen_over_time(factor, heights):
     t = np.arange(25600) / 25600.0
     high, low = (Signal(height * np.cos(2.0 * np.pi * 3000.0 * t), 25600.0, LINES) for height in (20.0, 0.2))
-    canvas = measured.comparison_figure(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
+    canvas = measured.draw_comparison(high, low, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", factor)
     curves = canvas.axes[0].get_lines()
     assert [np.abs(curve.get_ydata()).max() for curve in curves] == pytest.approx(heights, rel=0.05)
     centres, heights = (np.asarray(values) for values in canvas.axes[1].get_lines()[0].get_data())
@@ -239,7 +239,7 @@ def test_time_of_each_curve_begins_at_its_largest_sample(at):
     """Also in a record of nine passes, with the largest sample near one of its ends."""
     t = np.arange(2560) / 25600.0
     shock = Signal(np.exp(-(((t - at) / 1e-3) ** 2)) + 0.5 * np.sin(2.0 * np.pi * 900.0 * t), 25600.0, LINES)
-    canvas = measured.comparison_figure(shock, shock, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", 1.0)
+    canvas = measured.draw_comparison(shock, shock, "outer", (0.0, 10240.0), ("job", "file"), "m/s^2", 1.0)
     for curve in canvas.axes[0].get_lines():
         passes, values = (np.asarray(data) for data in curve.get_data())
         assert passes[np.argmax(np.abs(values))] == pytest.approx(0.0, abs=1e-9)

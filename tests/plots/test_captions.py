@@ -6,7 +6,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from bearingsim.plots import labels, style
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.report.page import make_page
 from bearingsim.report.studied import study_facts
 from tests.scenes.figure_results import FIGURES, STUDY, only, record, results
@@ -16,13 +16,13 @@ __all__ = ["results"]
 
 def test_caption_gives_parameters_of_law(results):
     law = "contact: {damping: {law: general, coefficient: 1e4, indentation_exponent: 1.5}}\n"
-    _, canvas = only(drawn(results(STUDY + law + FIGURES)))
+    _, canvas = only(draw_figures(results(STUDY + law + FIGURES)))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "damping general, coefficient 10000, m2 1, m3 1.5" in caption
 
 
 def test_caption_gives_fixed_but_not_drawn_parameters(results):
-    _, canvas = only(drawn(results()))
+    _, canvas = only(draw_figures(results()))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "circular defect, width 0.8 mm, depth 0.05 mm" in caption
     assert "clearance 5 µm" in caption
@@ -36,7 +36,7 @@ def test_caption_names_a_flexible_ring_with_its_support_and_the_sensor(results):
     rig = "rig: {ring: {bends: true}, load: {by: housing, stiffness: 1e10 N/m/m, fit: -10 um}, %s}\n"
     text = STUDY.replace("[static, ring]", "[static, rollers]") + FIGURES
     opened = results(text + rig % "sensor: {on: housing, angle: 30 deg}")
-    _, canvas = only(drawn(opened))
+    _, canvas = only(draw_figures(opened))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     ring = "flexible ring, 8 harmonics, load path housing, housing stiffness 1e10 N/m², fit -10 µm"
     assert f"{ring}, sensor on housing, sensor at 30°" in caption
@@ -48,7 +48,7 @@ def test_caption_names_a_flexible_ring_with_its_support_and_the_sensor(results):
 def test_caption_and_report_agree_on_friction(results):
     """The model `planar` computes friction only if there is any."""
     opened = results(STUDY.replace("[static, ring]", "[planar]") + "friction: none\n" + FIGURES)
-    _, canvas = only(drawn(opened))
+    _, canvas = only(draw_figures(opened))
     assert "friction none" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     computed = dict(make_page(opened).computed)
     assert computed["Friction"] == "none (8 runs)"
@@ -77,7 +77,7 @@ def test_caption_states_a_numerical_error_over_one_percent(results, monkeypatch)
     monkeypatch.setattr("tests.scenes.figure_results.record", made)
     text = STUDY.replace("[150 N, 300 N]", "[150 N]").replace("[static, ring]", "[ring]")
     opened = results(text + "figures: [{y: [velocity@BPFO, velocity.rms], x: defect.length}]\n")
-    [(_, canvas)] = drawn(opened)
+    [(_, canvas)] = draw_figures(opened)
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     line = "of the velocity amplitude at BPFO up to"
     assert f"numerical error {line} 2 % of its value (0.74 % of the largest)" in caption
@@ -86,7 +86,7 @@ def test_caption_states_a_numerical_error_over_one_percent(results, monkeypatch)
 
 
 def test_caption_omits_drawn_parameters_if_one_job_is_finished(results):
-    _, canvas = only(drawn(results(lost=dict.fromkeys(range(1, 12), "missing"))))
+    _, canvas = only(draw_figures(results(lost=dict.fromkeys(range(1, 12), "missing"))))
     assert not {"length", "load", "model"} & set(canvas.get_supxlabel().replace("\u00a0", " ").split())
 
 
@@ -94,13 +94,13 @@ def test_long_legend_does_not_shrink_axes(results):
     text = STUDY.replace("[static, ring]", "[ring]").replace(
         "  load", "  contact.damping.chi: [1 s/m, 2 s/m]\n  load"
     )
-    _, canvas = only(drawn(results(text), x="defect.length"))
+    _, canvas = only(draw_figures(results(text), x="defect.length"))
     canvas.draw_without_rendering()
     assert min(ax.get_window_extent().width / canvas.dpi for ax in canvas.axes) > 2.3
 
 
 def test_axes_and_legend_fit_on_the_sheet(results):
-    _, canvas = only(drawn(results(lost={0: "failed"})))
+    _, canvas = only(draw_figures(results(lost={0: "failed"})))
     canvas.draw_without_rendering()
     sheet = canvas.bbox.padded(1.0)
     boxes = [ax.get_tightbbox() for ax in canvas.axes] + [canvas.legends[0].get_window_extent()]
@@ -174,7 +174,7 @@ def test_text_of_swept_option_is_readable(path, value, text):
 
 def test_caption_gives_misalignment_and_roller_profile(results):
     text = STUDY.replace("[static, ring]", "[spatial]") + "misalignment: {inner: 0.2 mrad}\n"
-    sheets = drawn(results(text, overrides={"bearing.roller_profile": "logarithmic"}), x="load")
+    sheets = draw_figures(results(text, overrides={"bearing.roller_profile": "logarithmic"}), x="load")
     caption = only(sheets)[1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "inner ring misaligned by 0.2 mrad, roller profile logarithmic" in caption
     assert "outer ring" not in caption

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.figure_kinds import KEYS, KINDS, OptionError, View
 from bearingsim.plots import PlotError
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.store import layouts
 from tests.scenes.figure_results import long_curves, results, text_of
 from tests.scenes.signal_results import DESIGN, PASS, STUDY, make_results
@@ -143,7 +143,7 @@ def test_each_option_has_its_effect_or_is_refused_by_name(make_results, kind):
         options = {option: value_of(kind, option)}
         if option not in KINDS[kind].options:
             with pytest.raises(OptionError, match=f"a {kind} has no option `{option}`") as caught:
-                drawn(stored, kind=kind, **options)
+                draw_figures(stored, kind=kind, **options)
             assert caught.value.option == option
             continue
         x = "load" if kind in ("sweep", "phase") and option in ("x", "where") else "defect.length"
@@ -151,8 +151,8 @@ def test_each_option_has_its_effect_or_is_refused_by_name(make_results, kind):
         if KINDS[kind].of_jobs and kind != "waterfall" and option != "where":
             others["where"] = {"defect.length": "3 mm"}
         if (x, *others) not in before:
-            [(_, before[(x, *others)]), *_] = drawn(stored, kind=kind, **others)
-        [(name, canvas), *_] = drawn(stored, kind=kind, **others, **options)
+            [(_, before[(x, *others)]), *_] = draw_figures(stored, kind=kind, **others)
+        [(name, canvas), *_] = draw_figures(stored, kind=kind, **others, **options)
         check_effect(kind, option, before[(x, *others)], canvas)
         assert {"y": "", "x": "vs-load"}.get(option, option) in name
 
@@ -162,7 +162,7 @@ def test_load_and_ring_refuse_other_options_by_name(make_results, kind):
     stored = make_results()
     for option in VALUES.keys() - set(KINDS[kind].options):
         with pytest.raises(OptionError, match=f"a {kind} has no option `{option}`"):
-            drawn(stored, kind=kind, **{option: value_of(kind, option)})
+            draw_figures(stored, kind=kind, **{option: value_of(kind, option)})
 
 
 def test_every_option_is_in_the_table():
@@ -195,7 +195,7 @@ def test_every_option_is_in_the_table():
 )
 def test_an_invalid_option_is_named(make_results, kind, options, option, message):
     with pytest.raises(OptionError, match=message) as caught:
-        drawn(make_results(), kind=kind, **options)
+        draw_figures(make_results(), kind=kind, **options)
     assert caught.value.option == option
 
 
@@ -233,7 +233,7 @@ def test_an_invalid_option_is_named(make_results, kind, options, option, message
 )
 def test_option_beyond_the_records_is_refused(make_results, kind, options, message):
     with pytest.raises(PlotError, match=message):
-        drawn(make_results(), kind=kind, **options)
+        draw_figures(make_results(), kind=kind, **options)
 
 
 SPEEDS = STUDY.replace("speed: 1800 rpm\n", "").replace("load: [150 N, 300 N]", "speed: [1200 rpm, 1800 rpm]")
@@ -245,15 +245,15 @@ RAMP = STUDY.replace("model: rollers", "model: planar\nramp: {to: 2400 rpm, time
 )
 def test_orders_of_more_than_one_speed_are_refused(make_results, text, reason):
     with pytest.raises(PlotError, match=f"no single order, because {reason}"):
-        drawn(make_results(text), kind="spectrum", orders=True)
+        draw_figures(make_results(text), kind="spectrum", orders=True)
 
 
 def test_impact_of_healthy_bearing_is_refused(make_results):
     text = STUDY.replace("defect: {race", "# {race").replace("  defect.length: [3 mm, 6 mm, 9 mm]\n", "")
     with pytest.raises(PlotError, match="has no defect, so there is no impact"):
-        drawn(make_results(text), kind="series", around="impact")
+        draw_figures(make_results(text), kind="series", around="impact")
 
 
 def test_spectrogram_of_coarse_record_is_refused(make_results):
     with pytest.raises(PlotError, match=r"needs `sampling` of 40\d\d\d Hz or more"):
-        drawn(make_results(STUDY.replace("51200 Hz", "10240 Hz")), kind="spectrogram")
+        draw_figures(make_results(STUDY.replace("51200 Hz", "10240 Hz")), kind="spectrogram")

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.figure_kinds import View, limits, view_of
 from bearingsim.plots.passage import passages
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.plots.recorded import case_of, load_jobs
 from bearingsim.plots.window import passage_of
 from bearingsim.study import StudyError, restore_figure
@@ -27,7 +27,7 @@ def test_limits_share_a_unit():
 def test_level_is_relative_to_the_reference_value_of_iso_1683(make_results):
     """1 m/s2 is 120 dB over 1 um/s2 (ISO 1683)."""
     _, canvas = only(
-        drawn(make_results(), kind="spectrum", db=True, where={"load": "150 N", "defect.length": "3 mm"})
+        draw_figures(make_results(), kind="spectrum", db=True, where={"load": "150 N", "defect.length": "3 mm"})
     )
     damaged, healthy = long_curves(canvas.axes[0])
     assert max(damaged.get_ydata()) == pytest.approx(120.0, abs=0.1)
@@ -35,7 +35,9 @@ def test_level_is_relative_to_the_reference_value_of_iso_1683(make_results):
 
 
 def test_healthy_curve_is_thinner_and_drawn_on_top(make_results):
-    _, canvas = only(drawn(make_results(), kind="spectrum", where={"load": "150 N", "defect.length": "3 mm"}))
+    _, canvas = only(
+        draw_figures(make_results(), kind="spectrum", where={"load": "150 N", "defect.length": "3 mm"})
+    )
     damaged, healthy = long_curves(canvas.axes[0])
     assert healthy.get_zorder() > damaged.get_zorder()
     assert healthy.get_linewidth() < damaged.get_linewidth()
@@ -54,7 +56,7 @@ def test_damaged_and_healthy_panels_have_equal_scales(make_results, monkeypatch,
     monkeypatch.setattr("tests.scenes.figure_results.record", quiet)
     stored.path.rename(stored.path.with_name("first"))
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(make_results(), kind=kind, db=db, healthy="below", where=where))
+    _, canvas = only(draw_figures(make_results(), kind=kind, db=db, healthy="below", where=where))
     damaged, healthy = canvas.axes
     assert damaged.get_ylim() == healthy.get_ylim()
     low, high = damaged.get_ylim()
@@ -64,7 +66,7 @@ def test_damaged_and_healthy_panels_have_equal_scales(make_results, monkeypatch,
 
 def test_labels_of_rows_do_not_overlap(make_results):
     _, canvas = only(
-        drawn(
+        draw_figures(
             make_results(),
             kind="spectrum",
             y=["ring.acceleration", "ring.acceleration.y"],
@@ -80,10 +82,10 @@ def test_labels_of_rows_do_not_overlap(make_results):
 def test_marks_show_their_frequency_and_do_not_overlap(make_results):
     stored = make_results()
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, near = only(drawn(stored, kind="spectrum", where=where, range="0..500 Hz"))
+    _, near = only(draw_figures(stored, kind="spectrum", where=where, range="0..500 Hz"))
     names = [text.get_text() for text in near.axes[0].texts]
     assert names == ["BPFO 159.0 Hz", "2 BPFO 318.0 Hz", "3 BPFO 477.0 Hz"]
-    _, far = only(drawn(stored, kind="spectrum", where=where, range="0..20 kHz"))
+    _, far = only(draw_figures(stored, kind="spectrum", where=where, range="0..20 kHz"))
     assert 1 < len(far.axes[0].texts) < 15
     assert len(far.axes[0].lines) < 60
 
@@ -96,7 +98,7 @@ def at_two_speeds(make_results):
 def test_marks_at_another_speed_are_named_again(make_results, kind):
     """BPFO is proportional to the speed; rows of equal speed share the names above the first."""
     stored = at_two_speeds(make_results)
-    _, canvas = only(drawn(stored, kind=kind, y=["ring.acceleration"], jobs=["all"], range="0..500 Hz"))
+    _, canvas = only(draw_figures(stored, kind=kind, y=["ring.acceleration"], jobs=["all"], range="0..500 Hz"))
     names = [[text.get_text() for text in ax.texts][:1] for ax in canvas.axes]
     assert names == [["BPFO 159.0 Hz"], ["BPFO 79.5 Hz"]] * 3
     caption = " ".join(canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ").split())
@@ -104,21 +106,21 @@ def test_marks_at_another_speed_are_named_again(make_results, kind):
 
 
 def test_marks_of_a_waterfall_at_another_speed_are_named_again(make_results):
-    _, canvas = only(drawn(at_two_speeds(make_results), kind="waterfall", by=["defect.length"]))
+    _, canvas = only(draw_figures(at_two_speeds(make_results), kind="waterfall", by=["defect.length"]))
     assert {ax.texts[0].get_text() for ax in canvas.axes} == {"BPFO 159.0 Hz", "BPFO 79.5 Hz"}
 
 
 def test_series_at_two_speeds_end_together(make_results):
     """Eight ball passes of the slower job: 8/79.5 s exceeds the record of 100 ms."""
     stored = at_two_speeds(make_results)
-    _, canvas = only(drawn(stored, kind="series", y=["ring.acceleration"], jobs=["all"]))
+    _, canvas = only(draw_figures(stored, kind="series", y=["ring.acceleration"], jobs=["all"]))
     ends = [line.get_xdata()[-1] for ax in canvas.axes for line in ax.lines]
     assert ends == pytest.approx([100.0] * 12, abs=0.05)  # ms
 
 
 @pytest.mark.parametrize("kind", ["series", "roller", "spectrum", "spectrogram"])
 def test_caption_says_that_contact_forces_have_no_low_pass(make_results, kind):
-    _, canvas = only(drawn(make_results(), kind=kind, y=["roller.1.outer_force"]))
+    _, canvas = only(draw_figures(make_results(), kind=kind, y=["roller.1.outer_force"]))
     caption = " ".join(canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ").split())
     assert "sampled at 51.2 kHz (without a low-pass)" in caption
     assert "flat to" not in caption
@@ -126,7 +128,7 @@ def test_caption_says_that_contact_forces_have_no_low_pass(make_results, kind):
 
 
 def test_caption_of_a_force_and_an_acceleration_names_both_bands(make_results):
-    _, canvas = only(drawn(make_results(), kind="series", y=["ring.acceleration", "roller.1.outer_force"]))
+    _, canvas = only(draw_figures(make_results(), kind="series", y=["ring.acceleration", "roller.1.outer_force"]))
     caption = " ".join(canvas.get_supxlabel().replace("\N{NO-BREAK SPACE}", " ").split())
     assert "sampled at 51.2 kHz (flat to 20.5 kHz; contact forces without a low-pass)" in caption
     assert "drawn through a low-pass" in caption
@@ -135,7 +137,9 @@ def test_caption_of_a_force_and_an_acceleration_names_both_bands(make_results):
 def test_impact_is_passage_of_roller_over_defect(make_results):
     """Roller 1 starts at -0.2 rad and passes the defect at 0 rad at the speed of the cage."""
     _, canvas = only(
-        drawn(make_results(), kind="roller", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
+        draw_figures(
+            make_results(), kind="roller", around="impact", where={"load": "150 N", "defect.length": "3 mm"}
+        )
     )
     low, high = canvas.axes[0].get_xlim()
     assert low < 0.0 < high
@@ -147,7 +151,9 @@ def test_caption_explains_the_grey_band_if_it_is_drawn(make_results, where, coun
     """Of jobs whose contacts are over their defects at different times no band is drawn."""
     text = STUDY.replace("defect.length: [3 mm, 6 mm, 9 mm]", "defect.width: [0.8 mm, 2 mm]")
     where = {"load": "150 N", "defect.width": "2 mm"} if where else {"load": "150 N"}
-    [(_, canvas)] = drawn(make_results(text), kind="series", by=["defect.width"], around="impact", where=where)
+    [(_, canvas)] = draw_figures(
+        make_results(text), kind="series", by=["defect.width"], around="impact", where=where
+    )
     assert all(len(ax.patches) == count for ax in canvas.axes)
     assert ("grey" in canvas.get_supxlabel()) == bool(count)
 
@@ -183,13 +189,13 @@ def test_passage_of_a_turning_defect_is_the_most_loaded(make_results):
 
 def test_a_sweep_shows_the_level_of_the_healthy_bearing(make_results):
     stored = make_results()
-    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"]))
+    _, canvas = only(draw_figures(stored, x="defect.length", y=["velocity@BPFO"]))
     [level] = [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
     assert list(level.get_ydata()) == [0.5] * 3
     assert text_of(canvas)[-1] == "healthy"
-    _, without = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], healthy="off"))
+    _, without = only(draw_figures(stored, x="defect.length", y=["velocity@BPFO"], healthy="off"))
     assert not [line for line in without.axes[0].lines if line.get_gid() == "healthy"]
-    _, change = only(drawn(stored, x="defect.length", y=["velocity@BPFO-healthy"]))
+    _, change = only(draw_figures(stored, x="defect.length", y=["velocity@BPFO-healthy"]))
     assert not [line for line in change.axes[0].lines if line.get_gid() == "healthy"]
 
 
@@ -200,11 +206,11 @@ def test_rounding_errors_are_labelled_as_zero(make_results, monkeypatch):
         return result
 
     stored = make_results()
-    _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"]))
+    _, canvas = only(draw_figures(stored, x="load", y=["velocity@BPFO"]))
     assert not canvas.axes[0].texts
     monkeypatch.setattr("tests.scenes.figure_results.record", tiny)
     stored.path.rename(stored.path.with_name("first"))
-    _, canvas = only(drawn(make_results(), x="load", y=["velocity@BPFO"]))
+    _, canvas = only(draw_figures(make_results(), x="load", y=["velocity@BPFO"]))
     assert [text.get_text() for text in canvas.axes[0].texts] == ["zero within numerical errors"]
 
 
@@ -217,18 +223,18 @@ figures:
 
 
 def test_a_study_names_figures_of_signals(make_results):
-    sheets = drawn(make_results(STUDY + SIGNALS))
+    sheets = draw_figures(make_results(STUDY + SIGNALS))
     assert [name.split("-")[0] for name, _ in sheets] == ["fig1", "fig2", "fig3"]
     _, spectrum, series = (canvas for _, canvas in sheets)
     assert spectrum.axes[0].get_xlim() == (0.0, 2000.0)
     assert len(spectrum.axes) == 1
     assert len(series.axes) == 3
-    assert series.axes[-1].get_xlabel() == "Time from the middle of the defect (ms)"
+    assert series.axes[-1].get_xlabel() == "Time from the centre of the defect (ms)"
 
 
 def test_options_of_the_command_replace_those_of_the_study(make_results):
     stored = make_results(STUDY + "figures: [{y: velocity@BPFO, x: load, healthy: off}]\n")
-    _, canvas = only(drawn(stored, healthy="beside"))
+    _, canvas = only(draw_figures(stored, healthy="beside"))
     assert [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
     assert not stored.plan["figures"][0]["view"]["db"]
 
@@ -278,7 +284,7 @@ def test_angles_of_a_roller_and_its_defect_are_within_the_range(make_results, li
     stored = make_results(STUDY.replace("angle: 0 deg", "angle: 250 deg"))
     low, high = limits
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(stored, kind="roller", range=f"{low} deg..{high} deg", where=where))
+    _, canvas = only(draw_figures(stored, kind="roller", range=f"{low} deg..{high} deg", where=where))
     [ax] = canvas.axes
     assert ax.get_xlim() == pytest.approx(limits)
     assert [mark for mark in marks_of(ax) if low <= mark <= high] == pytest.approx(
@@ -292,7 +298,7 @@ def test_angles_of_a_roller_and_its_defect_are_within_the_range(make_results, li
 def test_passage_over_a_defect_opposite_the_load_is_complete(make_results):
     stored = make_results(STUDY.replace("angle: 0 deg", "angle: 180 deg"))
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(stored, kind="roller", around="impact", where=where))
+    _, canvas = only(draw_figures(stored, kind="roller", around="impact", where=where))
     [ax] = canvas.axes
     low, high = ax.get_xlim()
     [mark] = marks_of(ax)
@@ -305,7 +311,7 @@ def test_passage_over_a_defect_opposite_the_load_is_complete(make_results):
 def test_spectra_over_a_tied_parameter_are_stacked(make_results):
     text = STUDY.partition("sweep:")[0]
     text += "sweep: {zip: {defect.length: [3 mm, 6 mm, 9 mm], load: [150 N, 200 N, 250 N]}}\n"
-    _, canvas = only(drawn(make_results(text), kind="waterfall", by=["load"]))
+    _, canvas = only(draw_figures(make_results(text), kind="waterfall", by=["load"]))
     [ax] = canvas.axes
     assert [label.get_text() for label in ax.get_yticklabels()] == ["150 N", "200 N", "250 N"]
     assert "defect length varies with x: 3 to 9 mm" in " ".join(canvas.get_supxlabel().split())
@@ -314,13 +320,13 @@ def test_spectra_over_a_tied_parameter_are_stacked(make_results):
 def test_caption_has_the_segments_of_all_speeds(make_results):
     """A ball pass takes 1/79.5 s and 1/159 s; a segment is an eighth of it."""
     stored = make_results(STUDY.replace("load: [150 N, 300 N]", "speed: [900 rpm, 1800 rpm]"))
-    _, canvas = only(drawn(stored, kind="spectrogram", where={"defect.length": "3 mm"}))
+    _, canvas = only(draw_figures(stored, kind="spectrogram", where={"defect.length": "3 mm"}))
     assert " ".join(canvas.get_supxlabel().split()).startswith("segments of 0.79 to 1.6 ms")
 
 
 @pytest.mark.parametrize("mean", [0, 0.0, "0"])
 def test_mean_is_subtracted_for_a_number_too(make_results, mean):
-    _, canvas = only(drawn(make_results(), kind="series", mean=mean, where={"load": "150 N"}))
+    _, canvas = only(draw_figures(make_results(), kind="series", mean=mean, where={"load": "150 N"}))
     assert long_curves(canvas.axes[0])[0].get_ydata().mean() == pytest.approx(0.0, abs=0.01)
 
 
@@ -328,13 +334,15 @@ def test_zero_of_the_time_axis_is_named(make_results):
     """The angle of a roller defect is unknown, so no passage is found."""
     stored = make_results(STUDY.replace("race: outer", "race: roller, roller: 1"))
     _, canvas = only(
-        drawn(stored, kind="series", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
+        draw_figures(stored, kind="series", around="impact", where={"load": "150 N", "defect.length": "3 mm"})
     )
     assert canvas.axes[-1].get_xlabel() == "Time from the largest deviation (ms)"
 
 
 def test_label_of_the_colours_lies_in_the_figure(make_results):
-    _, canvas = only(drawn(make_results(), kind="spectrogram", where={"load": "150 N", "defect.length": "3 mm"}))
+    _, canvas = only(
+        draw_figures(make_results(), kind="spectrogram", where={"load": "150 N", "defect.length": "3 mm"})
+    )
     canvas.draw_without_rendering()
     label = canvas.axes[-1].yaxis.label.get_window_extent()
     assert 0.0 <= label.y0 < label.y1 <= canvas.bbox.height
@@ -345,7 +353,7 @@ def test_sideband_without_its_harmonic_is_marked(make_results):
     """BPFI - fr of 201 Hz, below BPFI of 231 Hz."""
     stored = make_results(STUDY.replace("race: outer", "race: inner"))
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(stored, kind="spectrum", range="120 Hz..220 Hz", where=where))
+    _, canvas = only(draw_figures(stored, kind="spectrum", range="120 Hz..220 Hz", where=where))
     assert marks_of(canvas.axes[0]) == pytest.approx([201.0])
 
 
@@ -362,7 +370,7 @@ def test_labels_of_close_ticks_differ(make_results, monkeypatch):
     monkeypatch.setattr("tests.scenes.figure_results.record", steady)
     stored.path.rename(stored.path.with_name("first"))
     where = {"load": "150 N", "defect.length": "3 mm"}
-    _, canvas = only(drawn(make_results(), kind="series", y=["roller.1.outer_force"], where=where))
+    _, canvas = only(draw_figures(make_results(), kind="series", y=["roller.1.outer_force"], where=where))
     canvas.draw_without_rendering()
     [axis] = [ax.yaxis for ax in canvas.axes]
     texts = [text.get_text() for text in axis.get_ticklabels()]

@@ -8,7 +8,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from bearingsim.plots import style
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from tests.scenes.figure_results import STUDY, only, results
 
 __all__ = ["results"]
@@ -73,7 +73,7 @@ def test_neighbouring_signals_differ_in_every_simulation_and_in_grey(results, co
     angles = ", ".join(f"{5 * number} deg" for number in range(count))
     study = f"{STUDY[: STUDY.index('sweep:')]}record: [ring.velocity]\nsweep: {{defect.angle: [{angles}]}}\n"
     figure = "figures: [{kind: series, y: ring.velocity, by: defect.angle, healthy: off}]\n"
-    _, canvas = only(drawn(results(study + figure)))
+    _, canvas = only(draw_figures(results(study + figure)))
     looks = [(line.get_color(), str(line._unscaled_dash_pattern)) for line in canvas.axes[0].lines]
     assert len(looks) >= count
     assert all(are_distinct(*pair) for pair in itertools.pairwise(looks))
@@ -83,7 +83,7 @@ def test_neighbouring_signals_differ_in_every_simulation_and_in_grey(results, co
 def test_texts_are_large_enough_on_the_page(results, count):
     names = ", ".join(["velocity@BPFO", "velocity.rms", "seconds"][:count])
     figure = f"figures: [{{y: [{names}], x: defect.length, by: [load, model], title: Length}}]\n"
-    _, canvas = only(drawn(results(STUDY + figure)))
+    _, canvas = only(draw_figures(results(STUDY + figure)))
     canvas.draw_without_rendering()
     scale = min(1.0, PRINTED_MM[count] / (25.4 * canvas.get_size_inches()[0]))
     sizes = [text.get_fontsize() for text in canvas.findobj(Text) if text.get_visible() and text.get_text()]

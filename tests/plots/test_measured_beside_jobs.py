@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bearingsim.plots.overlay import signal_points
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.report.signals import make_signal_charts
 from bearingsim.study import Figure
 from tests.scenes.figure_results import BPFO, only, results, text_of
@@ -46,7 +46,7 @@ def test_measured_signal_without_the_shown_part_or_band_is_skipped(make_results,
     save(tmp_path, "a.npz", 5120, 0.03)
     stored = make_results(with_measured("a.npz"))
     with pytest.warns(UserWarning, match=f"measured signal skipped: .*{reason}"):
-        _, canvas = only(drawn(stored, kind=kind, where=WHERE, **options))
+        _, canvas = only(draw_figures(stored, kind=kind, where=WHERE, **options))
     assert text_of(canvas) == ["with defect", "healthy"]
 
 
@@ -61,7 +61,9 @@ def test_envelope_of_a_faster_measured_signal_is_of_the_same_band(make_results, 
         return (1.0 + np.cos(passes)) * (0.2 * carrier[8000.0](passes) + carrier[30000.0](passes))
 
     save(tmp_path, "a.npz", 102400, 1.0, signal)
-    _, canvas = only(drawn(make_results(with_measured("a.npz")), kind="envelope", unit="m/s^2", where=WHERE))
+    _, canvas = only(
+        draw_figures(make_results(with_measured("a.npz")), kind="envelope", unit="m/s^2", where=WHERE)
+    )
     [curve] = [line for line in canvas.axes[0].lines if line.get_label() == "rig, a.npz"]
     x, y = (np.asarray(values) for values in curve.get_data())
     assert y[np.abs(x - BPFO) < 3.0].max() == pytest.approx(2.0 * 0.2**2, rel=0.02)
@@ -72,7 +74,7 @@ def test_measured_signals_differ_in_colour_or_line(make_results, tmp_path):
     names = [f"{letter}.npz" for letter in "abcdefg"]
     for name in names:
         save(tmp_path, name, 51200, 0.1)
-    _, canvas = only(drawn(make_results(with_measured(*names)), kind="series", where=WHERE))
+    _, canvas = only(draw_figures(make_results(with_measured(*names)), kind="series", where=WHERE))
     measured = [line for line in canvas.axes[0].lines if str(line.get_label()).startswith("rig")]
     assert len({(line.get_color(), str(line._dash_pattern)) for line in measured}) == 7
 
@@ -83,7 +85,7 @@ def test_legend_of_long_names_lies_in_the_figure_below_its_title(make_results, t
         save(tmp_path, name, 51200, 0.1)
     text = with_measured(*(f"'{name}'" for name in names))
     title = "figures:\n  - {kind: series, title: The left bearing and its simulation with a defect}\n"
-    _, canvas = only(drawn(make_results(text + title), where=WHERE))
+    _, canvas = only(draw_figures(make_results(text + title), where=WHERE))
     canvas.draw_without_rendering()
     legend = canvas.legends[0].get_window_extent()
     assert 0.0 <= legend.x0 < legend.x1 <= canvas.bbox.width
@@ -109,6 +111,6 @@ def test_curves_of_many_measured_signals_differ_on_the_page(make_results, tmp_pa
 )
 def test_caption_states_the_time_of_measured_signals(make_results, tmp_path, around, text):
     save(tmp_path, "a.npz", 51200, 0.1)
-    _, canvas = only(drawn(make_results(with_measured("a.npz")), kind="series", around=around, where=WHERE))
+    _, canvas = only(draw_figures(make_results(with_measured("a.npz")), kind="series", around=around, where=WHERE))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert f"measured signals {text}" in caption

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bearingsim import runner, store
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.study import load_study
 from tests.scenes.figure_results import text_of
 
@@ -27,7 +27,7 @@ def test_fig_12_shows_no_force_at_the_defect_and_the_largest_at_its_exit(tmp_pat
     study = load_study(path, {"duration": "90 ms"})
     runner.run(study, tmp_path / "results", jobs=1)
     results = store.open_results(tmp_path / "results")
-    [canvas] = [canvas for _, canvas in drawn(results) if canvas.get_suptitle() == "Fig. 12"]
+    [canvas] = [canvas for _, canvas in draw_figures(results) if canvas.get_suptitle() == "Fig. 12"]
     [ax] = canvas.axes
     assert text_of(canvas) == ["rectangular", "triangular", "circular"]
     largest = results.table().set_index("defect.shape")["outer_force.max"]

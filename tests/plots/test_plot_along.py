@@ -2,7 +2,7 @@
 
 import pytest
 
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from tests.scenes.figure_results import STUDY, lines, only, results, text_of
 
 __all__ = ["results"]
@@ -17,7 +17,7 @@ def caption_of(canvas):
 
 
 def draw(results, text, figure):
-    return only(drawn(results(f"{text}figures: [{figure}]\n")))[1]
+    return only(draw_figures(results(f"{text}figures: [{figure}]\n")))[1]
 
 
 def test_caption_gives_range_of_parameter_zipped_with_x(results):
@@ -79,6 +79,6 @@ def test_caption_gives_constant_zipped_parameter_as_fixed(results):
 def test_caption_gives_band_of_statistic(results, more, band):
     text = f"{STUDY}{more}figures: [{{y: [velocity.rms, velocity@BPFO], x: defect.length}}]\n"
     opened = results(text)
-    assert band in caption_of(only(drawn(opened))[1])
-    line = drawn(opened, x="defect.length", y=["velocity@BPFO"])
+    assert band in caption_of(only(draw_figures(opened))[1])
+    line = draw_figures(opened, x="defect.length", y=["velocity@BPFO"])
     assert "kHz" not in caption_of(only(line)[1])

@@ -11,7 +11,7 @@ from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.plots import PlotError, labels, recorded
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.spectra import whole_periods
 from bearingsim.report import columns
@@ -54,11 +54,11 @@ def test_default_features_include_slip_of_free_cage(planar):
 
 
 def axes_of(opened, **options):
-    return only(drawn(opened, jobs=opened.jobs[:1], **options))[1].axes
+    return only(draw_figures(opened, jobs=opened.jobs[:1], **options))[1].axes
 
 
 def test_series_without_ring_shows_first_recorded_channel(planar):
-    _, canvas = only(drawn(planar, kind="series", jobs=planar.jobs[:2]))
+    _, canvas = only(draw_figures(planar, kind="series", jobs=planar.jobs[:2]))
     assert " ".join(canvas.get_supylabel().split()) == "Contact force of roller 2 on the outer race (N)"
     assert canvas.axes[0].lines[0].get_xdata()[-1] == pytest.approx(
         1e3 * 26 / BPFO, rel=2e-3
@@ -109,7 +109,7 @@ def test_series_without_recorded_channel_is_refused(results, monkeypatch):
     )
     opened = results(PLANAR.replace(RECORD, "record: []\n"))
     with pytest.raises(PlotError, match="did not record any channel"):
-        drawn(opened, kind="series")
+        draw_figures(opened, kind="series")
 
 
 def test_a_roller_without_a_number_is_the_first_one():
@@ -132,12 +132,12 @@ def test_a_roller_without_a_number_is_the_first_one():
 )
 def test_unrecorded_channel_is_refused(planar, options, message):
     with pytest.raises(PlotError, match=message):
-        drawn(planar, **options)
+        draw_figures(planar, **options)
 
 
 def test_roller_figure_without_roller_channel_is_refused(results):
     with pytest.raises(PlotError, match=r"did not record any `roller\.\*` channel"):
-        drawn(results(STUDY), kind="roller")
+        draw_figures(results(STUDY), kind="roller")
 
 
 def test_roller_figure_shows_channels_over_roller_angle(planar):
@@ -198,7 +198,7 @@ def test_squared_envelope_has_squared_unit(results, monkeypatch):
 
     monkeypatch.setattr("tests.scenes.figure_results.record", swinging)
     opened = results(STUDY)
-    _, canvas = only(drawn(opened, kind="envelope", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="envelope", jobs=opened.jobs[:1]))
     [ax] = canvas.axes
     assert max(ax.lines[0].get_ydata()) == pytest.approx(49.0, rel=0.02)
     assert (

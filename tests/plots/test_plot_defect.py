@@ -11,9 +11,9 @@ from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop
 from bearingsim.core.defects.depth import Circular, MergedDefects, ShiftedDefect
 from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, plot
-from bearingsim.plots.defect import SECTION_IN, exaggeration
-from bearingsim.plots.passage import cut, defects_of, distinct_sections
-from bearingsim.plots.plot import drawn as figures
+from bearingsim.plots.defect import SECTION_IN, choose_exaggeration
+from bearingsim.plots.passage import compute_section, defects_of, distinct_sections
+from bearingsim.plots.plot import draw_figures as figures
 from bearingsim.store import case_of, flat_parameters
 from bearingsim.study import load_study
 from tests.scenes.figure_results import STUDY, results
@@ -43,18 +43,18 @@ def group(shape, depth, z):
 def test_drawn_path_equals_path_of_model(shape, z, depth):
     test_defect = defect(shape=shape, depth=depth)
     assert pytest.approx(R) == test_defect.R
-    drawn, row = cut(test_defect, z), np.array([1.0, *group(shape, depth, z)])
-    felt = [roller_drop(row, float(s), R)[0] for s in drawn.s]
-    assert np.max(np.abs(drawn.h - felt)) < 1e-3 * np.max(felt)
-    assert np.all(drawn.h <= drawn.p + 1e-12)
+    draw_figures, row = compute_section(test_defect, z), np.array([1.0, *group(shape, depth, z)])
+    felt = [roller_drop(row, float(s), R)[0] for s in draw_figures.s]
+    assert np.max(np.abs(draw_figures.h - felt)) < 1e-3 * np.max(felt)
+    assert np.all(draw_figures.h <= draw_figures.p + 1e-12)
 
 
 def test_defect_is_centred_at_its_offset():
     test_defect = defect(offset="2 mm")
     assert test_defect.z == pytest.approx((0.5e-3, 3.5e-3))
-    assert cut(test_defect, 2e-3).p.max() == pytest.approx(50e-6)
-    assert cut(test_defect, 2e-3 + 0.75e-3).p.max() == pytest.approx(0.75 * 50e-6)
-    assert cut(test_defect, 0.0).p.max() == 0.0
+    assert compute_section(test_defect, 2e-3).p.max() == pytest.approx(50e-6)
+    assert compute_section(test_defect, 2e-3 + 0.75e-3).p.max() == pytest.approx(0.75 * 50e-6)
+    assert compute_section(test_defect, 0.0).p.max() == 0.0
 
 
 def test_deepest_section_and_different_middle_section_are_drawn():
@@ -74,7 +74,7 @@ def test_deepest_section_and_different_middle_section_are_drawn():
 
 @pytest.mark.parametrize(("height", "times"), [(1e-3, 1.0), (1e-4, 5.0), (3e-5, 20.0), (3e-6, 200.0)])
 def test_exaggeration_is_a_round_number_that_fits(height, times):
-    assert exaggeration(0.32e-3, height) == times
+    assert choose_exaggeration(0.32e-3, height) == times
 
 
 def test_map_is_to_scale_and_sections_match_their_labels(results):
@@ -87,7 +87,7 @@ def test_map_is_to_scale_and_sections_match_their_labels(results):
     assert tall[0] == pytest.approx(per_mm[0], rel=1e-6)
     assert full.get_title(loc="left") == "(b) section A, heights ×5"
     assert 1e3 * tall[1] / per_mm[1] == pytest.approx(5.0, rel=1e-6)
-    assert close.get_title(loc="left") == "(c) section A, closer, heights ×20"
+    assert close.get_title(loc="left") == "(c) section A, enlarged, heights ×20"
     assert 1e3 * tall[2] / per_mm[2] == pytest.approx(20.0, rel=1e-6)
     assert area.get_xlabel() == "Along rolling, s (mm)"
     assert full.get_window_extent().width / canvas.dpi == pytest.approx(SECTION_IN)

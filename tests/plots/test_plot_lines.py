@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.plots import PlotError, lines, select
 from bearingsim.plots.axes import MODEL_MARK
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.plots.ticks import log_ticks
 from bearingsim.report import columns
 from tests.scenes.figure_results import STUDY, only, record, results, text_of
@@ -29,7 +29,7 @@ PAIRS = """\
 
 def frequency_of(name, race):
     """The frequency of a mark of the NF308 at 1800 rpm."""
-    return {mark.name: mark.hertz for mark in lines.marks(NF308 | race, 1000.0)}[name]
+    return {mark.name: mark.frequency for mark in lines.marks(NF308 | race, 1000.0)}[name]
 
 
 def test_marks_are_at_fault_frequencies():
@@ -81,11 +81,11 @@ def of_race(results, monkeypatch):
 @pytest.mark.parametrize(("race", "line"), [("outer", "BPFO"), ("inner", "BPFI"), ("roller", "2BSF")])
 def test_default_figures_plot_line_of_damaged_element(of_race, race, line):
     opened = of_race(race)
-    _, canvas = drawn(opened)[0]
+    _, canvas = draw_figures(opened)[0]
     labels = [" ".join(ax.get_ylabel().split()) for ax in canvas.axes[:2]]
     assert labels[0].startswith(f"Velocity amplitude at {line}")
     assert labels[1].startswith(f"Velocity at {line}, change from healthy")
-    _, canvas = drawn(opened, kind="phase")[0]
+    _, canvas = draw_figures(opened, kind="phase")[0]
     labels = [" ".join(ax.get_ylabel().split()) for ax in canvas.axes[:2]]
     assert labels == [f"Velocity phase at {line} (°)", f"Phase of velocity at {line}, change from healthy (°)"]
 
@@ -98,20 +98,20 @@ def test_default_features_are_of_damaged_element(of_race):
 
 def test_each_damaged_element_has_a_column(of_race):
     opened = of_race("outer", change=("model: [static, ring]", "defect.race: [outer, inner]"))
-    _, canvas = drawn(opened, x="load")[0]
+    _, canvas = draw_figures(opened, x="load")[0]
     labels = [" ".join(ax.get_ylabel().split()) for ax in canvas.axes[:2]]
     assert labels == ["Velocity amplitude at BPFO (µm/s, 0-peak)", "Velocity amplitude at BPFI (µm/s, 0-peak)"]
 
 
 def test_caption_names_damaged_element(of_race):
-    _, canvas = drawn(of_race("roller"))[0]
+    _, canvas = draw_figures(of_race("roller"))[0]
     assert "circular defect of roller 1" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
 
 
 @pytest.mark.parametrize("kind", ["spectrum", "envelope"])
 def test_sidebands_are_marked_and_named(of_race, kind):
     opened = of_race("inner")
-    _, canvas = only(drawn(opened, kind=kind, jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind=kind, jobs=opened.jobs[:1]))
     [ax] = canvas.axes
     marks = sorted(line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2)
     assert marks[:7] == pytest.approx([30.0, 201.0, 231.0, 261.0, 432.0, 462.0, 492.0])
@@ -124,7 +124,7 @@ def test_sidebands_are_marked_and_named(of_race, kind):
 def test_names_of_marks_do_not_overlap(of_race):
     opened = of_race("inner")
     for limits in ("0..500 Hz", "0..1 kHz", "0..4 kHz", "150..300 Hz"):
-        _, canvas = only(drawn(opened, kind="spectrum", jobs=opened.jobs[:1], range=limits))
+        _, canvas = only(draw_figures(opened, kind="spectrum", jobs=opened.jobs[:1], range=limits))
         canvas.draw_without_rendering()
         boxes = [text.get_window_extent() for text in canvas.axes[0].texts]
         assert boxes
@@ -146,7 +146,7 @@ def names_of(ax):
 
 
 def test_zipped_words_share_category_labels(results):
-    name, canvas = only(drawn(results(with_pairs())))
+    name, canvas = only(draw_figures(results(with_pairs())))
     assert name == "fig1-velocity-bpfo-vs-excitation-model-friction"
     assert len(canvas.axes) == 2
     assert names_of(canvas.axes[0]) == [
@@ -161,7 +161,7 @@ def test_zipped_words_share_category_labels(results):
 
 
 def test_cpu_time_of_jobs_is_drawn(results):
-    _, canvas = only(drawn(results(with_pairs())))
+    _, canvas = only(draw_figures(results(with_pairs())))
     cost = canvas.axes[1]
     assert cost.get_xlabel() == "CPU time of a job (ms)"
     assert list(cost.lines[0].get_xdata()) == pytest.approx([100.0] * 5)
@@ -174,7 +174,7 @@ def test_independently_swept_words_are_curves(results):
     text = STUDY.replace("  load", "  excitation: [envelope, soft-edge]\n  load").replace(
         "[static, ring]", "[ring, rollers]"
     )
-    _, canvas = only(drawn(results(text), x="excitation", y=["velocity.rms"], by=["model", "load"]))
+    _, canvas = only(draw_figures(results(text), x="excitation", y=["velocity.rms"], by=["model", "load"]))
     texts = text_of(canvas)
     assert "model ring" in texts
     assert any(text.startswith("load 150 N") for text in texts)
@@ -184,14 +184,14 @@ def test_independently_swept_words_are_curves(results):
 
 
 def test_failed_case_is_marked_at_its_category(results):
-    _, canvas = only(drawn(results(with_pairs(), lost={2: "failed"})))
+    _, canvas = only(draw_figures(results(with_pairs(), lost={2: "failed"})))
     [lost] = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
     assert list(lost.get_ydata()) == [2]
 
 
 def test_curves_over_categories_are_offset(results):
     text = with_pairs("  load: [150 N, 300 N]\nfigures: [{y: velocity@BPFO, x: excitation}]\n")
-    _, canvas = only(drawn(results(text)))
+    _, canvas = only(draw_figures(results(text)))
     low, high = canvas.axes[0].lines[:2]
     assert text_of(canvas) == ["load 150 N", "load 300 N"]
     assert np.subtract(high.get_ydata(), low.get_ydata()) == pytest.approx([0.25] * 5)
@@ -205,7 +205,7 @@ def test_negative_values_beside_names_are_inside_their_axis(results, monkeypatch
 
     monkeypatch.setattr("tests.scenes.figure_results.record", slipping)
     text = with_pairs("  load: [150 N, 300 N]\n")
-    _, canvas = only(drawn(results(text), x="excitation", y=["cage.slip.mean"]))
+    _, canvas = only(draw_figures(results(text), x="excitation", y=["cage.slip.mean"]))
     [ax] = canvas.axes
     low, high = ax.get_xlim()
     points = np.concatenate([line.get_xdata() for line in ax.lines])
@@ -228,7 +228,7 @@ def test_names_have_error_bars_models_and_measured_values(results, has_errors):
         goal = {"of": ["velocity@BPFO"], "within": 0.1, "jobs": choices, "curves": curves, "audits": []}
         stored.plan["accuracy"] = goal
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored, x="excitation", y=["velocity@BPFO"]))
+        _, canvas = only(draw_figures(stored, x="excitation", y=["velocity@BPFO"]))
     [ax] = canvas.axes
     bars = [segment for part in ax.collections for segment in part.get_segments()]
     assert {round(float(np.ptp(bar[:, 0])) / 2.0, 9) for bar in bars} == ({0.7, 0.8} if has_errors else set())
@@ -242,7 +242,9 @@ def test_names_have_error_bars_models_and_measured_values(results, has_errors):
 @pytest.mark.parametrize(("low", "high", "most"), [(9.0, 12.0, 6), (1.0, 80.0, 8), (1e-3, 1e4, 12)])
 def test_log_axis_has_two_to_twelve_ticks(results, low, high, most):
     opened = results(STUDY.replace("load: [150 N, 300 N]", f"load: [{low} N, {high} N]"))
-    _, canvas = only(drawn(opened, x="load", y=["velocity.rms"], where={"model": "ring", "defect.length": "3 mm"}))
+    _, canvas = only(
+        draw_figures(opened, x="load", y=["velocity.rms"], where={"model": "ring", "defect.length": "3 mm"})
+    )
     [ax] = canvas.axes
     ax.set_yscale("log")
     ax.set_ylim(low, high)
@@ -254,11 +256,11 @@ def test_log_axis_has_two_to_twelve_ticks(results, low, high, most):
 def test_axis_from_zero_ends_above_largest_point(results):
     opened = results(STUDY.replace("[3 mm, 6 mm, 9 mm]", "[9 mm, 9.01 mm]"))
     _, canvas = only(
-        drawn(opened, x="defect.length", y=["velocity@BPFO"], where={"model": "ring", "load": "300 N"})
+        draw_figures(opened, x="defect.length", y=["velocity@BPFO"], where={"model": "ring", "load": "300 N"})
     )
     assert canvas.axes[0].get_ylim()[1] > 1.02 * canvas.axes[0].dataLim.y1
 
 
 def test_an_unknown_line_is_refused(results):
     with pytest.raises(PlotError, match="did you mean"):
-        drawn(results(), y=["velocity@BPF"])
+        draw_figures(results(), y=["velocity@BPF"])

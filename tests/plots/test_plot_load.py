@@ -10,8 +10,8 @@ import pytest
 from bearingsim.config.rules.completion import slice_ends
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError
-from bearingsim.plots.line_load import LoadAlong, instants
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.line_load import LineLoad, instants
+from bearingsim.plots.plot import draw_figures
 from tests.scenes.figure_results import only, results
 from tests.scenes.scan_files import bowl, write_grid
 
@@ -74,29 +74,29 @@ def middle():
 
 def test_load_map_shows_every_slice_during_passage(loaded):
     opened = loaded()
-    name, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:2]))
+    name, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:2]))
     assert name == f"load-{opened.jobs[0][:8]}-{opened.jobs[1][:8]}"
-    picture, profile, *_ = canvas.axes
+    map_axes, profile_axes, *_ = canvas.axes
     speed = OMEGA_C * R_O
-    low, high = picture.get_xlim()
+    low, high = map_axes.get_xlim()
     assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / speed, abs=0.03)
     assert high == pytest.approx(1e3 * middle() + 3.0 * 0.8 / speed, abs=0.03)
-    mesh = picture.collections[0]
+    mesh = map_axes.collections[0]
     assert mesh.get_array().shape[0] == len(mesh.get_coordinates()) - 1 >= 12
     assert {0.5, 3.5} <= set(np.round(mesh.get_coordinates()[:, 0, 1], 9))
     assert mesh.get_array().max() == pytest.approx(9.0)
-    assert profile.get_xlabel() == "Line load (N/mm)"
-    assert profile.get_ylabel() == "z (mm)"
-    assert profile.get_ylim() == picture.get_ylim() == (-6.0, 6.0)
-    assert picture.get_ylabel() == "Along the roller, z (mm)"
+    assert profile_axes.get_xlabel() == "Line load (N/mm)"
+    assert profile_axes.get_ylabel() == "z (mm)"
+    assert profile_axes.get_ylim() == map_axes.get_ylim() == (-6.0, 6.0)
+    assert map_axes.get_ylabel() == "Along the roller, z (mm)"
     bars = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes]
     assert bars.count("Line load of roller 2 on the outer race (N/mm)") == 2
-    assert picture.get_title(loc="left") == "load 150 N"
+    assert map_axes.get_title(loc="left") == "load 150 N"
 
 
 def test_lifted_slices_are_white(loaded):
     opened = loaded()
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     seen = canvas.axes[0].collections[0].get_array()
     rows = np.ma.getmaskarray(seen).any(axis=1)
     edges = canvas.axes[0].collections[0].get_coordinates()[:, 0, 1]
@@ -106,7 +106,7 @@ def test_lifted_slices_are_white(loaded):
 
 def test_profiles_are_before_over_and_after_the_defect(loaded):
     opened = loaded()
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     [entries] = [
         [text.get_text() for text in ax.get_legend().get_texts()] for ax in canvas.axes if ax.get_legend()
     ]
@@ -133,18 +133,18 @@ def test_tilt_and_skew_share_time_axis_of_load_map(loaded, monkeypatch):
             "[roller.2.outer_line_load]", "[roller.2.outer_line_load, roller.2.tilt, roller.2.skew]"
         )
     )
-    picture, _, below, beside, _ = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))[1].axes
-    assert below.get_xlim() == picture.get_xlim()
+    map_axes, _, below, beside, _ = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))[1].axes
+    assert below.get_xlim() == map_axes.get_xlim()
     assert below.get_ylabel() == "Tilt, skew (µrad)"
     assert below.lines[0].get_ydata()[0] == pytest.approx(3.0, rel=1e-2)
-    assert below.lines[0].get_xdata()[0] == pytest.approx(picture.get_xlim()[0], abs=0.02)
+    assert below.lines[0].get_xdata()[0] == pytest.approx(map_axes.get_xlim()[0], abs=0.02)
     assert [text.get_text() for text in beside.get_legend().get_texts()] == ["tilt", "skew"]
     assert below.get_ylim()[1] > 3.0
 
 
 def test_span_sets_drawn_time(loaded):
     opened = loaded()
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1], span=0.01))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1], span=0.01))
     low, high = canvas.axes[0].get_xlim()
     assert high - low == pytest.approx(10.0, abs=0.05)
     assert low < 1e3 * middle() < high
@@ -153,7 +153,7 @@ def test_span_sets_drawn_time(loaded):
 def test_profiles_without_defect_are_at_largest_and_least_load(loaded):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if not line.startswith("defect:"))
     opened = loaded(text=text)
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     names = [
         text.get_text().split(",")[0]
         for ax in canvas.axes
@@ -169,14 +169,14 @@ def test_scan_whose_file_is_deleted_is_read_from_results(loaded, tmp_path):
     scan = write_grid(tmp_path / "a.csv", 0.5 * bowl())
     opened = loaded(text=text + "defect: {shape: scan, file: a.csv, angle: 0 deg}\n")
     scan.unlink()
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     assert [line.get_ydata()[0] for line in canvas.axes[0].lines[:2]] == pytest.approx([-3.0, 3.0])
 
 
 def test_load_map_of_inner_race_defect_allows_for_rotation(loaded):
     text = STUDY.replace("angle: 20 deg", "angle: -150 deg, race: inner").replace("outer_line", "inner_line")
     opened = loaded(text=text)
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     start = math.radians(-150.0) + 60.0 * math.pi * 0.01 - START - 2.0 * math.pi / 13  # defect ahead of roller
     ahead = -start % (2.0 * math.pi)
     when, speed = ahead / (60.0 * math.pi - OMEGA_C), (60.0 * math.pi - OMEGA_C) * 0.0265
@@ -188,13 +188,13 @@ def test_defect_on_race_of_the_channel_is_preferred(loaded):
     inner = "{race: inner, shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, angle: -150 deg}"
     text = STUDY.replace("defect: {", f"defects: [{inner}, {{").replace("20 deg}", "20 deg}]")
     opened = loaded(text=text)
-    low, _ = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))[1].axes[0].get_xlim()
+    low, _ = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))[1].axes[0].get_xlim()
     assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / (OMEGA_C * R_O), abs=0.03)
 
 
 def test_caption_notes_roller_that_passes_no_defect(loaded):
     opened = loaded(text=STUDY.replace("angle: 20 deg", "angle: -90 deg"))
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     assert "passes a race defect within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
     assert canvas.axes[0].get_xlim()[1] == pytest.approx(30.0, abs=0.05)
 
@@ -203,12 +203,12 @@ def test_a_roller_without_a_number_is_the_first_one(loaded):
     text = STUDY.replace("roller.2.outer_line_load", "roller.outer_line_load")
     opened = loaded(text=text)
     for y in ([], ["roller.outer_line_load"], ["roller.1.outer_line_load"]):
-        assert len(only(drawn(opened, kind="load", jobs=opened.jobs[:1], y=y))[1].axes) == 3
+        assert len(only(draw_figures(opened, kind="load", jobs=opened.jobs[:1], y=y))[1].axes) == 3
 
 
 def test_caption_notes_few_samples_over_the_defect(loaded):
     opened = loaded(text=STUDY.replace("50 kHz", "20 kHz"))
-    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    _, canvas = only(draw_figures(opened, kind="load", jobs=opened.jobs[:1]))
     assert "only 5.4 samples over the defect" in canvas.get_supxlabel().replace("\u00a0", " ")
 
 
@@ -231,7 +231,7 @@ def test_unrecorded_channel_is_refused(results, monkeypatch, recorded, options, 
 
     monkeypatch.setattr("tests.scenes.figure_results.record", made)
     with pytest.raises(PlotError, match=message):
-        drawn(results(STUDY.replace("roller.2.outer_line_load", recorded)), kind="load", **options)
+        draw_figures(results(STUDY.replace("roller.2.outer_line_load", recorded)), kind="load", **options)
 
 
 def test_instant_over_defect_has_least_load_even_if_no_slice_lifts():
@@ -239,7 +239,7 @@ def test_instant_over_defect_has_least_load_even_if_no_slice_lifts():
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
     passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(0.0, 1.0)))
-    load_along = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    load_along = LineLoad("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
     assert instants(load_along) == {"before": 0, "over the defect": 4, "largest after": 6, "after": 8}
 
 
@@ -248,7 +248,7 @@ def test_instant_over_a_defect_without_the_middle_of_a_slice_is_found():
     load = np.full((2, 9), 4.0)
     load[:, 1:4] = 2.0
     passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(-0.2, 0.2)))
-    load_along = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    load_along = LineLoad("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
     assert instants(load_along)["over the defect"] == 2
 
 
@@ -258,12 +258,12 @@ def test_slice_that_is_partly_over_the_defect_counts_by_that_part():
     load[:, 2:4] = [[4.0], [2.0]]
     load[:, 4:6] = [[0.0], [4.0]]
     passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(-0.1, 1.0)))
-    load_along = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    load_along = LineLoad("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
     assert instants(load_along)["over the defect"] == 3
 
 
 def test_largest_load_is_integral_of_line_load():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
-    load_along = LoadAlong("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
+    load_along = LineLoad("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
     assert instants(load_along) == {"largest load": 2, "least load": 0}

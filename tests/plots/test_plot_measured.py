@@ -12,7 +12,7 @@ import bearingsim as bs
 from bearingsim.cli import tables
 from bearingsim.cli.app import app
 from bearingsim.plots import overlay
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.study import Figure
 from tests.study.test_measured_section import BPFO, STUDY
 
@@ -49,7 +49,7 @@ def marks(ax):
 
 
 def test_marks_are_at_their_values_in_the_colours_of_their_curves(results):
-    (_, canvas), *_ = drawn(results)
+    (_, canvas), *_ = draw_figures(results)
     ax, beside = canvas.axes
     places = [(line.get_xdata()[0], line.get_ydata()[0], line.get_markeredgecolor()) for line in marks(ax)]
     assert np.array([place[:2] for place in places]) == pytest.approx(np.array([(150, 12), (200, 9), (500, 30)]))
@@ -62,7 +62,7 @@ def test_marks_are_at_their_values_in_the_colours_of_their_curves(results):
 
 
 def test_a_figure_of_signals_shows_the_job_with_a_measured_one(results):
-    (_, canvas) = drawn(results)[1]
+    (_, canvas) = draw_figures(results)[1]
     names = [line.get_label() for line in canvas.axes[0].lines]
     factor = results.measured[1].factor
     assert f"sensor, times {factor:.3g}, run.npz" in names
@@ -87,7 +87,7 @@ def test_a_lost_file_is_a_warning(results, tmp_path):
     file.rename(tmp_path / "run.npz")
     try:
         with pytest.warns(UserWarning, match="measured signal skipped.*No such file"):
-            drawn(results, "spectrum")
+            draw_figures(results, "spectrum")
     finally:
         (tmp_path / "run.npz").rename(file)
 
@@ -98,7 +98,7 @@ def test_a_file_that_changed_since_the_run_is_a_warning(results):
     try:
         np.savez(file, a=10.0 * np.load(file)["a"], fs=25600.0)
         with pytest.warns(UserWarning, match="measured signal skipped.*has changed since `bearingsim run`"):
-            (_, canvas), *_ = drawn(results, "spectrum")
+            (_, canvas), *_ = draw_figures(results, "spectrum")
         assert not any("sensor" in str(line.get_label()) for ax in canvas.axes for line in ax.lines)
     finally:
         file.write_bytes(content)
@@ -106,9 +106,9 @@ def test_a_file_that_changed_since_the_run_is_a_warning(results):
 
 def test_a_word_in_other_case_is_at_its_category():
     rows = pd.DataFrame({"job": ["a", "b"], "bearing": ["nf308", "6205"]})
-    drawing = overlay.Drawing(Figure(x="bearing", y=("velocity@BPFO",)), rows, {"bearing": ""})
-    assert overlay.position_in(drawing, rows, {"parameters": {"bearing": "NF308"}}) == 0.0
-    assert overlay.position_in(drawing, rows, {"parameters": {"bearing": "6206"}}) is None
+    drawing = overlay.FigureData(Figure(x="bearing", y=("velocity@BPFO",)), rows, {"bearing": ""})
+    assert overlay.position_on_x(drawing, rows, {"parameters": {"bearing": "NF308"}}) == 0.0
+    assert overlay.position_on_x(drawing, rows, {"parameters": {"bearing": "6206"}}) is None
 
 
 def test_show_prints_measured_beside_simulated(results):
@@ -187,5 +187,5 @@ def test_sources_without_a_point_or_a_factor_say_so(results):
     output = CliRunner().invoke(app, ["show", str(folder / "out"), "--measured"]).output
     assert "no point is at the fixed values of the study: `bearingsim check` names them" in output
     assert output.count("`scale: true` without effect: no ratio to a simulated motion") == 3
-    (_, canvas), *_ = drawn(bs.open_results(folder / "out"))
+    (_, canvas), *_ = draw_figures(bs.open_results(folder / "out"))
     assert "b" not in {label.get_text() for label in canvas.legends[0].get_texts()}

@@ -8,8 +8,8 @@ import pytest
 
 from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
-from bearingsim.plots.passage import cut, defects_of, first_passage, roller_path
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.passage import compute_section, defects_of, first_passage, roller_path
+from bearingsim.plots.plot import draw_figures
 from bearingsim.plots.recorded import Job
 from bearingsim.simulation.simulate import simulate
 from bearingsim.store import Series, flat_parameters
@@ -99,7 +99,7 @@ def test_contact_is_where_path_is_below_geometric_path():
     job = Job(flat_parameters(test_case), result.info, Series(result.time, result.series, {}))
     [defect] = defects_of(test_case)
     path, passage = roller_path(job, test_case, defect), first_passage(job, test_case, 1, "outer")
-    over = cut(defect, 0.0)
+    over = compute_section(defect, 0.0)
     sinks = np.interp(path.s, over.s, over.h)
     force = np.interp(passage.time + path.s / passage.speed, result.time, result.series["roller.1.outer_force"])
     pressed, lifted = path.depth > sinks + 5e-8, path.depth < sinks - 5e-8
@@ -121,15 +121,15 @@ def test_recorded_path_is_drawn_over_sections(results, monkeypatch):
     monkeypatch.setattr("tests.scenes.figure_results.record", made)
     text = STUDY.replace("[static, ring]", "[rollers]") + f"record: [{', '.join(RECORD)}]\n"
     opened = results(text)
-    _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:2])[0]
+    _, canvas = draw_figures(opened, kind="pit", jobs=opened.jobs[:2])[0]
     path_lines = [line for ax in canvas.axes for line in ax.lines if line.get_label() == "recorded path"]
     depths = [np.asarray(line.get_ydata()) for line in path_lines]
     assert [depth.min() for depth in depths] == pytest.approx([1.75] * 3, rel=1e-5)  # clearance 5 um
     titles = [ax.get_title(loc="left") for ax in canvas.axes[1:4]]
     assert titles == [
         "(b) section A, heights ×5",
-        "(c) section A, closer, heights ×20",
-        "(d) section A, closer, heights ×100",
+        "(c) section A, enlarged, heights ×20",
+        "(d) section A, enlarged, heights ×100",
     ]
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "path of roller 2 at length 3 mm, load 150 N, model rollers" in caption

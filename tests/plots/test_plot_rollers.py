@@ -9,7 +9,7 @@ import pytest
 from bearingsim.config import dataset_names
 from bearingsim.plots import PlotError, labels, recorded
 from bearingsim.plots.marks import MARK_COLOURS
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from tests.scenes.figure_results import only, results, text_of
 
 __all__ = ["results"]
@@ -48,7 +48,7 @@ def tilted(results, monkeypatch):
 def test_same_channel_of_rollers_shares_a_panel(tilted):
     channels = ["roller.2.tilt", "roller.3.tilt", "roller.2.skew"]
     for kind in ("series", "roller"):
-        _, canvas = only(drawn(tilted, kind=kind, jobs=tilted.jobs[:1], y=channels))
+        _, canvas = only(draw_figures(tilted, kind=kind, jobs=tilted.jobs[:1], y=channels))
         assert len(canvas.axes) == 2
         tilt, skew = canvas.axes
         assert tilt.get_ylabel().replace("\n", " ") == "Tilt of each roller, its +z end outwards (mrad)"
@@ -64,7 +64,7 @@ def test_same_channel_of_rollers_shares_a_panel(tilted):
 
 def test_each_roller_is_drawn_at_its_own_angle(tilted):
     channels = ["roller.2.tilt", "roller.3.tilt"]
-    [ax] = only(drawn(tilted, kind="roller", jobs=tilted.jobs[:1], y=channels))[1].axes
+    [ax] = only(draw_figures(tilted, kind="roller", jobs=tilted.jobs[:1], y=channels))[1].axes
     first = [line.get_xdata()[0] for line in ax.lines[:2]]
     assert first == pytest.approx([360.0 / 13, 720.0 / 13])
 
@@ -72,14 +72,14 @@ def test_each_roller_is_drawn_at_its_own_angle(tilted):
 def test_defect_is_marked_within_any_range_of_angles(tilted):
     """The defect at 0 deg is at 360 deg of an axis from 180 to 540 deg."""
     for limits, position in (("180 deg..540 deg", 360.0), ("-180 deg..180 deg", 0.0)):
-        sheets = drawn(tilted, kind="roller", jobs=tilted.jobs[:1], y=["roller.2.tilt"], range=limits)
+        sheets = draw_figures(tilted, kind="roller", jobs=tilted.jobs[:1], y=["roller.2.tilt"], range=limits)
         [ax] = only(sheets)[1].axes
         marks = [line.get_xdata()[0] for line in ax.lines if line.get_color() == MARK_COLOURS["outer"]]
         assert marks == pytest.approx([position])
 
 
 def test_ring_tilt_has_two_components_at_any_sensor_angle(tilted):
-    [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1], y=["ring.lean"]))[1].axes
+    [ax] = only(draw_figures(tilted, kind="series", jobs=tilted.jobs[:1], y=["ring.lean"]))[1].axes
     assert ax.get_ylabel().replace("\n", " ") == "Tilt of the outer ring's axis (µrad)"
     assert {line.get_label(): line.get_ydata()[0] for line in ax.lines} == pytest.approx(
         {"x": 5.0, "y": 7.0}, rel=1e-6
@@ -87,18 +87,20 @@ def test_ring_tilt_has_two_components_at_any_sensor_angle(tilted):
 
 
 def test_slices_are_drawn_only_by_name(tilted):
-    axes = only(drawn(tilted, kind="roller", jobs=tilted.jobs[:1]))[1].axes
+    axes = only(draw_figures(tilted, kind="roller", jobs=tilted.jobs[:1]))[1].axes
     assert [ax.get_ylabel().split()[0] for ax in axes] == ["Tilt", "Skew"]
-    [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1]))[1].axes
+    [ax] = only(draw_figures(tilted, kind="series", jobs=tilted.jobs[:1]))[1].axes
     assert ax.get_ylabel().startswith("Tilt of roller 2")
-    [ax] = only(drawn(tilted, kind="series", jobs=tilted.jobs[:1], y=["roller.2.outer_line_load.3"]))[1].axes
+    [ax] = only(draw_figures(tilted, kind="series", jobs=tilted.jobs[:1], y=["roller.2.outer_line_load.3"]))[
+        1
+    ].axes
     assert ax.get_ylabel().replace("\n", " ") == "Line load of roller 2 on the outer race, slice 3 (N/mm)"
 
 
 @pytest.mark.parametrize("kind", ["series", "roller", "spectrum"])
 def test_line_load_of_all_slices_is_referred_to_kind_load(tilted, kind):
     with pytest.raises(PlotError, match="use `--kind load`"):
-        drawn(tilted, kind=kind, jobs=tilted.jobs[:1], y=["roller.2.outer_line_load"])
+        draw_figures(tilted, kind=kind, jobs=tilted.jobs[:1], y=["roller.2.outer_line_load"])
 
 
 @pytest.mark.parametrize(
@@ -113,7 +115,7 @@ def test_line_load_of_all_slices_is_referred_to_kind_load(tilted, kind):
     ],
 )
 def test_small_angles_are_in_radians_and_large_angles_in_degrees(name, value, label):
-    assert labels.readable("rad", name, value) == pytest.approx(label)
+    assert labels.choose_unit("rad", name, value) == pytest.approx(label)
 
 
 def test_label_of_several_rollers_says_each_roller():

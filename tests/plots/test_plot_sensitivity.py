@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.container import BarContainer, ErrorbarContainer
 
-from bearingsim.plots.sensitivity import figure
+from bearingsim.plots.sensitivity import draw_figure
 from bearingsim.sensitivity import analyse, collect_blocks
 from bearingsim.store import open_results
 from tests.scenes.design_results import PATHS, SLOPES, run_design
@@ -14,7 +14,7 @@ LINE = "velocity@BPFO"
 
 def sheet(results, *features):
     answers = [(blocks, analyse(blocks)) for blocks in (collect_blocks(results, name) for name in features)]
-    return figure(results, answers), answers
+    return draw_figure(results, answers), answers
 
 
 def test_bars_are_indices_in_descending_order(tmp_path):

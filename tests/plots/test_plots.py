@@ -10,14 +10,14 @@ import pytest
 
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots import PlotError, PlotWarning, axes, plot, select
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from tests.scenes.figure_results import FIGURES, STUDY, lines, only, results, text_of
 
 __all__ = ["results"]
 
 
 def test_columns_are_features_rows_panels_and_curves_values(results):
-    name, canvas = only(drawn(results()))
+    name, canvas = only(draw_figures(results()))
     assert name == "fig1-velocity-bpfo-vs-defect-length"
     assert len(canvas.axes) == 4
     assert [ax.get_title(loc="left") for ax in canvas.axes] == [
@@ -30,7 +30,7 @@ def test_columns_are_features_rows_panels_and_curves_values(results):
 
 
 def test_values_are_in_readable_units(results):
-    _, canvas = only(drawn(results()))
+    _, canvas = only(draw_figures(results()))
     low, high = lines(canvas.axes[0])
     assert list(low.get_xdata()) == pytest.approx([3.0, 6.0, 9.0])
     assert list(low.get_ydata()) == pytest.approx([7.0, 13.0, 19.0])  # um/s
@@ -48,12 +48,12 @@ def test_level_hidden_by_the_axis_is_named_in_the_legend(results):
     opened._table.loc[opened._table["job"].isin(healthy), "velocity@BPFO"] = 1e-12
     for log, text in (([], "healthy (about zero)"), (["y"], "healthy")):
         axes_options = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": log}
-        ((_, canvas),) = drawn(opened, None, (), y=["velocity@BPFO"], **axes_options)
+        ((_, canvas),) = draw_figures(opened, None, (), y=["velocity@BPFO"], **axes_options)
         assert text_of(canvas)[-1] == text
 
 
 def test_change_from_healthy_is_complex_difference(results):
-    _, canvas = only(drawn(results()))
+    _, canvas = only(draw_figures(results()))
     first = lines(canvas.axes[1])[0].get_ydata()[0]
     assert first == pytest.approx(abs(7.0 * np.exp(-0.5j) - 0.5))
 
@@ -66,7 +66,7 @@ def test_healthy_cases_are_no_points(results):
 
 def test_unassigned_swept_parameter_becomes_curves(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, by: load}]\n"
-    _, canvas = only(drawn(results(text)))
+    _, canvas = only(draw_figures(results(text)))
     assert len(lines(canvas.axes[0])) == 4
     assert text_of(canvas) == ["load 150 N", "load 300 N", "model static", "model ring", "healthy"]
 
@@ -76,13 +76,13 @@ def test_parameter_zipped_with_x_makes_no_curves(results):
         "  defect.length: [3 mm, 6 mm, 9 mm]\n",
         "  zip: {defect.length: [3 mm, 6 mm, 9 mm], defect.width: [0.3 mm, 0.6 mm, 0.9 mm]}\n",
     )
-    sheets = drawn(results(text), x="defect.length", by=["load", "model"])
+    sheets = draw_figures(results(text), x="defect.length", by=["load", "model"])
     assert len(lines(only(sheets)[1].axes[0])) == 4
 
 
 def test_where_selects_rows(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, where: {load: 0.3 kN, model: ring}}]\n"
-    _, canvas = only(drawn(results(text)))
+    _, canvas = only(draw_figures(results(text)))
     [line] = lines(canvas.axes[0])
     assert list(line.get_ydata()) == pytest.approx([8.0, 14.0, 20.0])
 
@@ -90,13 +90,13 @@ def test_where_selects_rows(results):
 @pytest.mark.parametrize("value", ["auto", "50 ms", "0.05 s"])
 def test_where_selects_among_words_and_numbers(results, value):
     stored = results(STUDY.replace("load: [150 N, 300 N]", "settle: [auto, 50 ms]"))
-    rows = select.matching(select.case_rows(stored), {"settle": value}, stored.plan["units"])
+    rows = select.matching_rows(select.case_rows(stored), {"settle": value}, stored.plan["units"])
     assert set(rows["settle"]) == {"auto" if value == "auto" else 0.05}
     assert len(rows) == 6
 
 
 def test_failed_and_missing_jobs_are_marked_at_their_x(results):
-    _, canvas = only(drawn(results(lost={0: "failed", 11: "missing"})))
+    _, canvas = only(draw_figures(results(lost={0: "failed", 11: "missing"})))
     failed = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
     missing = [line for line in canvas.axes[2].lines if line.get_marker() == "|"]
     assert [list(line.get_xdata()) for line in failed] == [[3.0]]
@@ -111,12 +111,12 @@ def test_failed_and_missing_jobs_are_marked_at_their_x(results):
 def test_figure_without_finished_job_gives_the_reason(results, kind, status, reason):
     opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy cases
     with pytest.raises(PlotError, match=f"no job is done, so there is nothing to draw{reason}"):
-        drawn(opened, kind=kind)
+        draw_figures(opened, kind=kind)
 
 
 def test_chaotic_results_are_ringed_and_explained_in_legend(results):
     stored = results()
-    assert "chaotic, uncertain" not in text_of(only(drawn(stored))[1])
+    assert "chaotic, uncertain" not in text_of(only(draw_figures(stored))[1])
     table = stored.table()
     table["chaotic"] = 0.0
     table["rms_scatter"] = 1.0
@@ -124,7 +124,7 @@ def test_chaotic_results_are_ringed_and_explained_in_legend(results):
         table[f"{name}-scatter"] = table[name]
     table.loc[(table["defect.length"] == 6e-3) & (table["load"] == 300.0), "chaotic"] = 1.0
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored))
+        _, canvas = only(draw_figures(stored))
     rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == axes.RING["ms"]]
     assert len(rings) == 4  # two features, two models
     assert {tuple(ring.get_xdata()) for ring in rings} == {(6.0,)}
@@ -137,7 +137,7 @@ def test_error_bars_and_model_marks_of_study_with_accuracy(results):
     table.loc[table["defect.length"] == 6e-3, "model"] = "rollers"
     stored.plan["accuracy"] = accuracy_of(stored, 0.04)
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored, panels=["load"], by=[]))
+        _, canvas = only(draw_figures(stored, panels=["load"], by=[]))
     ax = canvas.axes[0]
     (bars,) = [collection for collection in ax.collections if len(collection.get_segments()) > 1]
     lengths = [abs(b[1] - a[1]) for a, b in bars.get_segments()]
@@ -191,19 +191,19 @@ def test_error_bars_are_relative_to_the_curves_of_the_study(results, options, ba
     if "kind" in options:
         del options["y"]
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored, **options))
+        _, canvas = only(draw_figures(stored, **options))
     drawn_bars = [segment for part in canvas.axes[0].collections for segment in part.get_segments()]
     assert [(top[1] - low[1]) / 2.0 for low, top in drawn_bars] == pytest.approx(bars)
 
 
 def test_study_without_figures_has_one_per_swept_number(results):
-    sheets = drawn(results(STUDY))
+    sheets = draw_figures(results(STUDY))
     assert [name for name, _ in sheets] == ["fig1-velocity-bpfo-vs-defect-length", "fig2-velocity-bpfo-vs-load"]
 
 
 def test_too_many_curves_become_panels(results):
     text = STUDY.replace("[150 N, 300 N]", "{linspace: [100 N, 300 N, 6]}")
-    _, canvas = drawn(results(text))[0]
+    _, canvas = draw_figures(results(text))[0]
     assert len(canvas.axes) == 4  # two models, two features
     assert len(lines(canvas.axes[0])) == 6
 
@@ -211,17 +211,17 @@ def test_too_many_curves_become_panels(results):
 def test_parameter_zipped_with_x_makes_no_panels(results):
     zipped = "zip: {load: [1 N, 2 N, 3 N, 4 N, 5 N], defect.width: [1 mm, 2 mm, 3 mm, 4 mm, 5 mm]}"
     text = STUDY.replace("load: [150 N, 300 N]", zipped)
-    _, canvas = only(drawn(results(text), x="load"))
+    _, canvas = only(draw_figures(results(text), x="load"))
     assert len(canvas.axes) == 2
     assert len(lines(canvas.axes[0])) == 6
 
 
 def test_options_change_figure_of_study(results):
     opened = results()
-    _, canvas = only(drawn(opened, y=["velocity.rms"], panels=["load"], where={"model": "ring"}))
+    _, canvas = only(draw_figures(opened, y=["velocity.rms"], panels=["load"], where={"model": "ring"}))
     assert [ax.get_title(loc="left") for ax in canvas.axes] == ["(a) load 150 N", "(b) load 300 N"]
     assert [len(lines(ax)) for ax in canvas.axes] == [1, 1]
-    _, canvas = only(drawn(opened, by=["model"], y=["velocity.rms"]))
+    _, canvas = only(draw_figures(opened, by=["model"], y=["velocity.rms"]))
     assert text_of(canvas) == ["model static", "model ring", "load 150 N", "load 300 N", "healthy"]
 
 
@@ -229,18 +229,18 @@ def test_undrawable_figure_is_skipped_with_warning(results):
     text = STUDY + FIGURES + "  - {y: velocity@BPFO, x: load, where: {model: rollers}}\n"
     opened = results(text)
     with pytest.warns(PlotWarning, match="figure 2 skipped: no case has model rollers"):
-        assert len(drawn(opened)) == 1
+        assert len(draw_figures(opened)) == 1
     with pytest.raises(PlotError, match="no case has load 1 N"):
-        drawn(opened, where={"load": "1 N"})
+        draw_figures(opened, where={"load": "1 N"})
 
 
 def test_figure_over_fixed_x_is_replaced(results):
-    sheets = drawn(results(overrides={"defect.length": "6 mm"}))
+    sheets = draw_figures(results(overrides={"defect.length": "6 mm"}))
     assert [name for name, _ in sheets] == ["fig1-velocity-bpfo-vs-load"]
 
 
 def test_words_are_ticks_in_order_of_study(results):
-    _, canvas = only(drawn(results(STUDY), x="model"))
+    _, canvas = only(draw_figures(results(STUDY), x="model"))
     assert [label.get_text() for label in canvas.axes[0].get_xticklabels()] == ["static", "ring"]
 
 
@@ -254,22 +254,22 @@ def test_words_are_ticks_in_order_of_study(results):
 )
 def test_unknown_name_is_refused_with_suggestion(results, options, message):
     with pytest.raises(PlotError, match=re.escape(message)):
-        drawn(results(), **options)
+        draw_figures(results(), **options)
 
 
 def test_study_without_sweep_is_refused(results):
     with pytest.raises(PlotError, match="sweeps no parameter"):
-        drawn(results(STUDY, overrides={"defect.length": "3 mm", "load": "150 N", "model": "ring"}))
+        draw_figures(results(STUDY, overrides={"defect.length": "3 mm", "load": "150 N", "model": "ring"}))
 
 
 def test_log_option_sets_log_axes(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, log: [x, y]}]\n"
-    _, canvas = only(drawn(results(text)))
+    _, canvas = only(draw_figures(results(text)))
     assert (canvas.axes[0].get_xscale(), canvas.axes[0].get_yscale()) == ("log", "log")
 
 
 def test_panels_of_equal_magnitude_share_axis(results):
-    _, canvas = only(drawn(results(), panels=["load"], by=["model"], y=["velocity@BPFO"]))
+    _, canvas = only(draw_figures(results(), panels=["load"], by=["model"], y=["velocity@BPFO"]))
     low, high = canvas.axes
     assert low.get_ylim() == high.get_ylim()
     assert high.get_ylim()[1] > 20.0
@@ -293,7 +293,7 @@ def test_logarithmic_axis_without_room_for_a_point_is_refused(results, log):
     table = stored.table().assign(**{"velocity.rms": 0.0})
     message = {"x": "no place for load across 0 N", "y": "no value of `velocity.rms` is above zero"}[log]
     with mock.patch.object(type(stored), "table", return_value=table), pytest.raises(PlotError, match=message):
-        drawn(stored, x="load_across", y=["velocity.rms"], log=[log], where={"model": "ring"})
+        draw_figures(stored, x="load_across", y=["velocity.rms"], log=[log], where={"model": "ring"})
 
 
 def test_feature_without_a_value_above_zero_leaves_the_others_of_a_logarithmic_figure(results):
@@ -303,7 +303,7 @@ def test_feature_without_a_value_above_zero_leaves_the_others_of_a_logarithmic_f
     table.loc[table["model"] == "static", "velocity.rms"] = 0.0
     options: dict[str, Any] = {"x": "defect.length", "by": ["load"], "panels": ["model"], "log": ["y"]}
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored, y=["velocity@BPFO", "velocity.rms", "outer_force.max"], **options))
+        _, canvas = only(draw_figures(stored, y=["velocity@BPFO", "velocity.rms", "outer_force.max"], **options))
     canvas.draw_without_rendering()
     has_note = ["no value above zero" in [text.get_text() for text in ax.texts] for ax in canvas.axes]
     assert has_note == [False, True, True, False, False, True]
@@ -329,7 +329,7 @@ def test_panels_of_named_cases_share_an_axis_with_room_for_all(results, log):
     values[-1] = 1e-5 if log else -5e-6
     table = table.assign(**{"velocity@BPFO": values})
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored, x="excitation", panels=["load"], y=["velocity@BPFO"], log=log))
+        _, canvas = only(draw_figures(stored, x="excitation", panels=["load"], y=["velocity@BPFO"], log=log))
     canvas.draw_without_rendering()
     for ax in canvas.axes:
         low, high = ax.get_xlim()
@@ -339,7 +339,7 @@ def test_panels_of_named_cases_share_an_axis_with_room_for_all(results, log):
 
 
 def test_points_over_words_differ_by_the_fill_of_their_markers(results):
-    _, canvas = only(drawn(results(STUDY), x="model", y=["velocity@BPFO"], by=["load", "defect.length"]))
+    _, canvas = only(draw_figures(results(STUDY), x="model", y=["velocity@BPFO"], by=["load", "defect.length"]))
     curves = lines(canvas.axes[0])
     looks = {(line.get_color(), line.get_fillstyle(), line.get_markerfacecolor()) for line in curves}
     assert len(looks) == len(curves) == 6
@@ -353,7 +353,7 @@ def test_uncertain_ranges_of_words_are_bars(results, monkeypatch, excitations):
     """The line is 1 um/s per um of clearance, which varies from 2 to 8 um; no band joins the words."""
     monkeypatch.setattr("tests.scenes.figure_results.amplitude", lambda case: case.clearance)
     text = f"sweep: {{excitation: [{excitations}]}}\nuncertainty: {{clearance: [2 um, 8 um]}}\n"
-    _, canvas = only(drawn(results(STUDY[: STUDY.index("sweep:")] + text), y=["velocity@BPFO"]))
+    _, canvas = only(draw_figures(results(STUDY[: STUDY.index("sweep:")] + text), y=["velocity@BPFO"]))
     [ax] = canvas.axes
     [bars] = ax.collections
     ends = np.array(bars.get_segments())
@@ -369,7 +369,7 @@ def test_uncertain_ranges_of_words_are_bars(results, monkeypatch, excitations):
 def test_two_long_names_have_room_beside_a_long_axis_label(results):
     text = "sweep: {contact.damping: [{law: kraemer, beta: 2.5 us}, {law: film, oil: VG 68, temperature: 55 C}]}\n"
     stored = results(STUDY[: STUDY.index("sweep:")] + text)
-    _, canvas = only(drawn(stored, y=["velocity@BPFO", "velocity.rms", "velocity@BPFO-healthy"]))
+    _, canvas = only(draw_figures(stored, y=["velocity@BPFO", "velocity.rms", "velocity@BPFO-healthy"]))
     canvas.draw_without_rendering()
     first, second = (label.get_window_extent() for label in canvas.axes[0].get_yticklabels())
     assert second.y1 < first.y0
@@ -378,7 +378,7 @@ def test_two_long_names_have_room_beside_a_long_axis_label(results):
 def test_panels_after_the_26th_have_two_letters(results):
     lengths = ", ".join(f"{3.0 + 0.1 * n:.1f} mm" for n in range(28))
     stored = results(STUDY.replace("3 mm, 6 mm, 9 mm", lengths).replace("[static, ring]", "[ring]"))
-    _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"], panels=["defect.length"]))
+    _, canvas = only(draw_figures(stored, x="load", y=["velocity@BPFO"], panels=["defect.length"]))
     assert [ax.get_title(loc="left").split()[0] for ax in canvas.axes[24:]] == ["(y)", "(z)", "(aa)", "(ab)"]
 
 
@@ -386,10 +386,10 @@ def test_curves_of_long_seeds_are_told_apart(results):
     text = STUDY.replace("load: [150 N, 300 N]", "defect.seed: [20240101, 20240102, 20240103]")
     stored = results(text.replace("shape: circular, length: 3 mm", "shape: spall, length: 3 mm, seed: 1"))
     where = {"model": "ring"}
-    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], by=["defect.seed"], where=where))
+    _, canvas = only(draw_figures(stored, x="defect.length", y=["velocity@BPFO"], by=["defect.seed"], where=where))
     assert text_of(canvas) == [*(f"seed {20240101 + n}" for n in range(3)), "healthy"]
     assert len({line.get_color() for line in lines(canvas.axes[0])}) == 3
-    _, canvas = only(drawn(stored, x="defect.seed", y=["velocity@BPFO"], where=where))
+    _, canvas = only(draw_figures(stored, x="defect.seed", y=["velocity@BPFO"], where=where))
     canvas.draw_without_rendering()
     ticks = {text.get_text() for text in canvas.axes[0].get_xticklabels()}
     assert ticks <= {"20240101", "20240102", "20240103"}
@@ -402,7 +402,7 @@ def test_baselines_that_are_missing_at_one_point_are_one_line(results):
     healthy = [entry["job"] for entry in stored.plan["jobs"] if entry["twin"]]
     table.loc[table["job"].isin(healthy[:2]), "velocity@BPFO"] = math.nan
     with mock.patch.object(type(stored), "table", return_value=table):
-        _, canvas = only(drawn(stored, x="load", y=["velocity@BPFO"], where={"model": "ring"}))
+        _, canvas = only(draw_figures(stored, x="load", y=["velocity@BPFO"], where={"model": "ring"}))
     levels = [line for line in canvas.axes[0].lines if line.get_gid() == "healthy"]
     assert [line.get_color() for line in levels] == ["0.35"]
 
@@ -417,6 +417,8 @@ def test_a_measured_point_at_no_case_of_a_tied_sweep_has_no_mark(results):
         for width, value in ((0.4, 4.0), (0.8, 8.0))
     ]
     stored = results(text + f"measured: [{{label: rig, points: [{', '.join(points)}]}}]\n")
-    _, canvas = only(drawn(stored, x="defect.length", y=["velocity@BPFO"], by=["load"], where={"model": "ring"}))
+    _, canvas = only(
+        draw_figures(stored, x="defect.length", y=["velocity@BPFO"], by=["load"], where={"model": "ring"})
+    )
     marks = [line.get_ydata() for line in canvas.axes[0].lines if line.get_gid() == "measured"]
     assert [list(values) for values in marks] == [[pytest.approx(4.0)]]

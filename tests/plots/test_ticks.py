@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from bearingsim.plots.axes import share_scales
 from bearingsim.plots.style import drawing
-from bearingsim.plots.ticks import digits_of, linear_ticks, log_ticks
+from bearingsim.plots.ticks import digits_of, set_linear_ticks, set_log_ticks
 
 RANGES = [(50.0, 22000.0), (200.0, 1e5), (1e-5, 3e-4), (0.2, 50.0), (1.1, 2.3), (99990.0, 100020.0), (1e-9, 1e9)]
 WIDTHS = [0.8, 1.5, 3.0]  # inches
@@ -22,7 +22,7 @@ def test_tick_labels_do_not_overlap(low, high, scale):
             ax = canvas.add_axes((0.0, 0.0, 1.0, 1.0))
             ax.set(**{f"{name}scale": scale, f"{name}lim": (low, high)})
             axis = ax.xaxis if name == "x" else ax.yaxis
-            log_ticks(axis, low, high) if scale == "log" else linear_ticks(axis, [low, 1.01 * low, high])
+            set_log_ticks(axis, low, high) if scale == "log" else set_linear_ticks(axis, [low, 1.01 * low, high])
             canvas.draw_without_rendering()
             boxes = [
                 tick.label1.get_window_extent()
@@ -39,7 +39,7 @@ def test_few_values_each_have_a_tick():
         canvas = Figure(figsize=(3.0, 3.0))
         ax = canvas.subplots()
         ax.set_xlim(2.5, 12.5)
-        linear_ticks(ax.xaxis, [3.0, 6.0, 9.0, 12.0])
+        set_linear_ticks(ax.xaxis, [3.0, 6.0, 9.0, 12.0])
         canvas.draw_without_rendering()
         assert [tick.get_text() for tick in ax.get_xticklabels()] == ["3", "6", "9", "12"]
 

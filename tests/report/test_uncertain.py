@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.plots.labels import printed
+from bearingsim.plots.labels import format_quantity
 from bearingsim.report.headline import feature_results
 from bearingsim.report.page import make_page
 from bearingsim.report.render import render_html
@@ -180,7 +180,7 @@ def test_caption_counts_the_cases_of_unknown_range(uncertain):
     [("0.35 um (3 samples)", "0.35 µm (3 samples)"), ("0.5 to 10 us", "0.5 to 10 µs"), ("2", "2")],
 )
 def test_unit_of_a_range_is_printed_with_its_symbol(quantity, text):
-    assert printed(quantity) == text
+    assert format_quantity(quantity) == text
 
 
 @pytest.mark.parametrize(

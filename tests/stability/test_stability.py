@@ -126,7 +126,7 @@ def test_solution_that_is_not_finite_has_stalled(solver):
 def test_every_cell_of_the_map_is_drawn(tmp_path):
     rows = table()
     for axis in ("step", "tolerance"):
-        canvas = maps.figure(rows[rows[axis].notna()], axis, "rollers")
+        canvas = maps.draw_figure(rows[rows[axis].notna()], axis, "rollers")
         drawn = [patch for ax in canvas.axes for patch in ax.patches]
         assert len(drawn) == len(CLASSES)
         assert len({patch.get_facecolor() for patch in drawn}) == len(CLASSES)
@@ -139,7 +139,7 @@ def test_every_cell_of_the_map_is_drawn(tmp_path):
 def test_texts_of_a_map_are_legible_on_a_page():
     rows = pd.read_csv("docs/data/stability.csv")
     rows = rows[(rows["model"] == "ring") & rows["tolerance"].notna() & (rows["method"] == "rodas")]
-    canvas = maps.figure(rows, "tolerance", "ring")
+    canvas = maps.draw_figure(rows, "tolerance", "ring")
     canvas.draw_without_rendering()
     scale = min(1.0, 180.0 / (25.4 * canvas.get_size_inches()[0]))
     texts = [text for text in canvas.findobj(Text) if text.get_visible() and text.get_text()]

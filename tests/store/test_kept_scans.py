@@ -10,7 +10,7 @@ from bearingsim import store
 from bearingsim.config.scan.file import ScanError
 from bearingsim.config.scan.repair import read_scan
 from bearingsim.config.scan.roundness import read_roundness
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.runner import run
 from bearingsim.store.names import case_of
 from bearingsim.study import Study, load_study
@@ -62,7 +62,9 @@ def test_results_are_drawn_in_another_folder(home: Path, tmp_path: Path, jobs: i
     shutil.rmtree(home)
     monkeypatch.chdir(tmp_path / "there")
     results = store.open_results(tmp_path / "there")
-    deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in drawn(results, "pit", jobs=["all"])]
+    deepest = [
+        canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in draw_figures(results, "pit", jobs=["all"])
+    ]
     assert sorted(deepest) == pytest.approx([25.0, 50.0], rel=1e-3)
 
 

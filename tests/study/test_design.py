@@ -287,11 +287,11 @@ def test_invalid_entry_is_refused_at_its_position(
 
 
 def test_description_counts_the_remaining_points() -> None:
-    from bearingsim.plots.design import description
+    from bearingsim.plots.design import describe_design
 
     design = {"kind": "sobol", "n": 32, "seed": 0, "ids": ("a",) * 24}
-    assert description(design) == "sobol design of 24 of 32 points, seed 0"
-    assert description(design | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
+    assert describe_design(design) == "sobol design of 24 of 32 points, seed 0"
+    assert describe_design(design | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
 
 
 def test_single_value_with_a_block_design_is_accepted(write: Write) -> None:

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection
 
 from bearingsim import store
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.store.table import job_frame
 from bearingsim.study import case_id, json_schema, load_study
 from bearingsim.study.uncertainty import (
@@ -307,7 +307,7 @@ def test_nothing_is_computed_twice(finished_run: tuple[Path, str]) -> None:
 def test_figures_have_bands(finished_run: tuple[Path, str]) -> None:
     """Edges are the smallest and largest of the four results of each point."""
     results = store.open_results(finished_run[0] / "out")
-    [(_, canvas)] = drawn(results)
+    [(_, canvas)] = draw_figures(results)
     for ax, feature in zip(canvas.axes, ("velocity@BPFO", "velocity.rms"), strict=True):
         (band,) = [collection for collection in ax.collections if isinstance(collection, PolyCollection)]
         heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
@@ -324,7 +324,7 @@ def test_figures_have_error_bars_if_only_some_points_are_varied(
     results = store.open_results(finished_run[0] / "out")
     job = results.plan["variations"][0]["of"]
     results.plan["variations"][:] = [each for each in results.plan["variations"] if each["of"] == job]
-    [(_, canvas)] = drawn(results)
+    [(_, canvas)] = draw_figures(results)
     collections = canvas.axes[0].collections
     assert not any(isinstance(each, PolyCollection) for each in collections)
     (bars,) = [each for each in collections if isinstance(each, LineCollection)]

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 
 from bearingsim import store
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import draw_figures
 from bearingsim.runner.findings import assumption_notes
 from bearingsim.store.table import job_frame
 from bearingsim.study import case_id, load_study
@@ -138,7 +138,7 @@ def test_figure_has_a_band_from_least_to_largest(finished_run: tuple[Path, str])
     assert [(variation["what"], variation["value"]) for variation in plan["variations"]] == [
         ("support", n + 1.0) for n in range(4)
     ] * 2
-    [(_, canvas)] = drawn(results)
+    [(_, canvas)] = draw_figures(results)
     (band,) = [each for each in canvas.axes[0].collections if isinstance(each, PolyCollection)]
     heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
     features = job_frame(finished_run[0] / "out")["features/velocity.rms"]
