@@ -212,4 +212,4 @@ def test_squared_envelope_has_squared_unit(results, monkeypatch):
     ("unit", "square"), [("mm/s", "mm²/s²"), ("m/s²", "m²/s⁴"), ("N", "N²"), ("%", "%²"), ("", "")]
 )
 def test_squares_of_units(unit, square):
-    assert labels.squared(unit) == square
+    assert labels.square_unit(unit) == square

@@ -9,7 +9,7 @@ import pytest
 from bearingsim.plots import PlotError, lines, select
 from bearingsim.plots.axes import MODEL_MARK
 from bearingsim.plots.plot import draw_figures
-from bearingsim.plots.ticks import log_ticks
+from bearingsim.plots.ticks import set_log_ticks
 from bearingsim.report import columns
 from tests.scenes.figure_results import STUDY, only, record, results, text_of
 
@@ -248,7 +248,7 @@ def test_log_axis_has_two_to_twelve_ticks(results, low, high, most):
     [ax] = canvas.axes
     ax.set_yscale("log")
     ax.set_ylim(low, high)
-    log_ticks(ax.yaxis, low, high)
+    set_log_ticks(ax.yaxis, low, high)
     ticks = [tick for tick in ax.get_yticks() if low <= tick <= high]
     assert 2 <= len(ticks) <= most
 

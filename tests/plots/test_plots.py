@@ -125,7 +125,7 @@ def test_chaotic_results_are_ringed_and_explained_in_legend(results):
     table.loc[(table["defect.length"] == 6e-3) & (table["load"] == 300.0), "chaotic"] = 1.0
     with mock.patch.object(type(stored), "table", return_value=table):
         _, canvas = only(draw_figures(stored))
-    rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == axes.RING["ms"]]
+    rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == axes.CHAOTIC_RING["ms"]]
     assert len(rings) == 4  # two features, two models
     assert {tuple(ring.get_xdata()) for ring in rings} == {(6.0,)}
     assert text_of(canvas)[-1] == "chaotic, uncertain"
