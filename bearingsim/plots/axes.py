@@ -333,7 +333,7 @@ def share_scales(axes: Sequence[Sequence["Axes"]], max_ratio: float = MAX_SCALE_
 
 
 def _with_margins(stack: Sequence["Axes"], low: float, high: float) -> tuple[float, float]:
-    """Extend common limits so that no curve lies on an edge; keep a lower limit of zero or within the curves."""
+    """Extend common limits so that no curve lies on an edge; keep a lower limit of zero or above a value."""
     smallest = min(float(ax.dataLim.y0) for ax in stack)
     largest = max(float(ax.dataLim.y1) for ax in stack)
     margin = EDGE_MARGIN * (high - low)
