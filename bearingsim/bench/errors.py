@@ -50,7 +50,7 @@ def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
     """Combine the reference rows of one model in one scene into its solution; None if there are none.
 
     A quantity that no reference row has, such as the force of a model without forces, is unknown, and so is its
-    floor; a row that lacks one of the others is left out. The solution of a memoryless model is its run with a
+    floor; a row that lacks one of the others is omitted. The solution of a memoryless model is its run with a
     four times smaller step, and has the minimum floor.
     """
     references = [row for row in rows if row["role"] == REFERENCE and not row["failure"]]

@@ -61,7 +61,7 @@ def bearing_frequencies(
 
 
 def _check_speeds(speed: str, inner: float, outer_speed: str | None, outer: float) -> None:
-    """Refuse an inner ring speed that is not positive, unless the outer ring turns."""
+    """Raise UnitError for an inner speed that is not positive without an outer one, and for two speeds of zero."""
     from bearingsim.text.units import UnitError
 
     if inner <= 0.0 and outer_speed is None:

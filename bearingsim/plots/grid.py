@@ -341,8 +341,8 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool, height: float) 
         characters = int((canvas.get_size_inches()[1] - CAPTION_IN) / CHARACTER_IN)
         canvas.supylabel(textwrap.fill(label, characters), fontsize=9.0)
         return
-    room = height - (GAP_IN if len(column) > 1 else 0.0)
-    text = textwrap.fill(label, int(room / CHARACTER_IN), break_long_words=False)
+    length = height - (GAP_IN if len(column) > 1 else 0.0)
+    text = textwrap.fill(label, int(length / CHARACTER_IN), break_long_words=False)
     for ax in column:
         ax.set_ylabel(text, fontsize=8.0)
 

@@ -281,7 +281,7 @@ def _as_categories(
 
 
 def category(paths: Sequence[str], row: Mapping[Any, Any], units: Mapping[str, str]) -> str:
-    """Join the words of some paths to one category; words for `none` are left out."""
+    """Join the words of some paths to one category; words for `none` are omitted."""
     return ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != NONE)
 
 

@@ -21,7 +21,7 @@ DIGIT_WIDTH = 0.65  # em, of a digit in DejaVu Sans (0.636), with a margin
 LINE_HEIGHT = 1.2  # em, of a label
 GAP_POINTS = 4.0  # points, minimum distance of two labels
 MAX_DIGITS = 15  # significant digits of a double
-ROUNDING = 0.01  # largest deviation of a label from its tick, over the distance of two ticks
+ROUNDING = 0.01  # largest deviation of a label from its tick, relative to the distance of two ticks
 
 
 def digits_of(values: Sequence[float] | np.ndarray) -> int:

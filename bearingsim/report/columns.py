@@ -50,7 +50,7 @@ def error_columns(results: "Results", table: "pd.DataFrame") -> list[str]:
 
 
 def with_values(names: Iterable[str], table: "pd.DataFrame") -> list[str]:
-    """List the names of columns with a value."""
+    """List the names of the columns of ``table`` that have a value."""
     return [name for name in names if name in table and table[name].notna().any()]
 
 

@@ -33,7 +33,7 @@ class MeasuredPoint:
 
 @dataclass(frozen=True)
 class MeasuredSet:
-    """Points of one source, with the label of its marks; scale: whether one factor is fitted to the simulation.
+    """Points of one source, with the label of its marks; scale: True to fit one factor to the simulated features.
 
     remarks: on its signals, and on points outside the study.
     """

@@ -332,7 +332,7 @@ class Plan:
         return tuple(path for (path, node), (_, other) in pairs if path in listed and node is not other)
 
     def repetition_notes(self) -> Iterator[str]:
-        """Yield a remark for the combinations left out because their case is equal to that of another one."""
+        """Yield a remark on the combinations omitted because their case is equal to that of another one."""
         total = self.repeated.total()
         reasons = ((" with repeated values of", self.duplicates), (", equal to cases with another", self.repeated))
         for reason, counts in reasons:

@@ -309,7 +309,7 @@ REFUSALS: dict[str, Callable[[Case, bool], Refusal]] = {
     "ring_mass": _ring_mass_refusal,
     "edge": _edge_refusal,
 }
-"""Functions of a case, and of whether the study names its models, by uncertain parameter."""
+"""Functions of a case and a flag, True if the study names its models, by uncertain parameter."""
 
 
 def sample_cases(cases: Sequence[Case], jobs: int) -> list[Case]:

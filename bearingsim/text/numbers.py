@@ -13,7 +13,7 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def span(low: float, high: float, form: Callable[[float], str]) -> str:
-    """Format a range as `0.31 to 0.42`, or as one number if both ends read alike."""
+    """Format a range as `0.31 to 0.42`, or as one number if both ends are formatted equally."""
     return " to ".join(dict.fromkeys((form(low), form(high))))
 
 
