@@ -1,6 +1,6 @@
 """Assembly of the core's parameters from a case: the only link between configuration and physics.
 
-It imports numba (through the core), so import it only for computations.
+It imports numba through the core, so other modules import it only where they compute.
 """
 
 from functools import lru_cache
@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingsim.assemble import bending, contacts, defects, form, free, geometry, scales, space
 from bearingsim.assemble.anchor import bracket_anchor
-from bearingsim.assemble.reduced import bearing_of, healthy_case, static_case
+from bearingsim.assemble.reduced import bearing_case, healthy_case, static_case
 from bearingsim.assemble.rest import static_model
 from bearingsim.assemble.rest_in_space import equilibrium_in_space
 from bearingsim.catalogue import METHODS, MODELS, call, code
@@ -35,17 +35,17 @@ from bearingsim.errors import UserError
 
 __all__ = [
     "align_with_cusp",
-    "bearing_of",
+    "bearing_case",
     "empty_buffer",
     "find_equilibrium",
     "healthy_case",
     "is_adaptive",
-    "kind",
     "kind_of_method",
     "kind_of_model",
     "method",
     "method_kind",
     "model",
+    "model_kind",
     "outer_forces",
     "start",
     "static_model",
@@ -54,33 +54,33 @@ __all__ = [
 ]
 
 PARAMETER_BUILDERS: dict[str, Any] = {
-    "bearing": geometry.bearing,
-    "support": lambda case: support(case),
-    "outer": contacts.outer,
-    "inner": contacts.inner,
-    "rate_division": contacts.rate_division,
-    "defects": lambda case: defects_of_case(case),
-    "bending": lambda case: bending_of_case(case),
-    "form": form.form,
-    "motion": free.motion,
-    "friction": free.friction,
-    "cage": free.cage,
-    "drag": free.drag,
-    "shaft": free.shaft,
-    "bracket": free.bracket,
+    "bearing": geometry.build_bearing,
+    "support": lambda case: build_support(case),
+    "outer": contacts.build_outer_law,
+    "inner": contacts.build_inner_law,
+    "rate_division": contacts.build_rate_division,
+    "defects": lambda case: build_defects(case),
+    "bending": lambda case: build_ring_bending(case),
+    "form": form.build_form,
+    "motion": free.build_motion,
+    "friction": free.build_friction,
+    "cage": free.build_cage,
+    "drag": free.build_drag,
+    "shaft": free.build_shaft,
+    "bracket": free.build_bracket,
     "gravity": free.gravity,
-    "slices": space.slices,
+    "slices": space.build_slices,
     "L_w": contacts.roller_length,
-    "I_t": space.roller_inertia_across,
-    "mount_o": space.outer_mount,
-    "mount_i": space.inner_mount,
-    "flanges": space.flanges,
-    "cage_z": space.cage_in_space,
+    "I_t": space.transverse_roller_inertia,
+    "mount_o": space.build_outer_mount,
+    "mount_i": space.build_inner_mount,
+    "flanges": space.build_flanges,
+    "cage_z": space.build_cage_in_space,
 }
-"""Builder of each field of a model's parameters, a function of the case."""
+"""Builders of the fields of a model's parameters, by field; each is a function of the case."""
 
 
-def kind(case: Case) -> ModelKind:
+def model_kind(case: Case) -> ModelKind:
     """Return the classes and functions of the case's model."""
     return kind_of_model(case.model)
 
@@ -92,13 +92,16 @@ def kind_of_model(name: str) -> ModelKind:
 
 
 def kind_of_method(name: str) -> MethodKind:
-    """Return the classes and functions of an integration method by its name."""
+    """Return the classes and functions of an integration method."""
     loaded: MethodKind = code(f"{METHODS[name].module}:KIND", MethodKind)
     return loaded
 
 
 def method_kind(case: Case) -> MethodKind:
-    """Return the classes and functions of the case's method (not `auto`), or of its model's own method."""
+    """Return the classes and functions of the case's method, or of its model's integrator if it has no method.
+
+    `auto` must have been resolved.
+    """
     if case.method is not None:
         return kind_of_method(case.method)
     loaded: MethodKind = code(f"{MODELS[case.model].own_method}:KIND", MethodKind)
@@ -106,50 +109,56 @@ def method_kind(case: Case) -> MethodKind:
 
 
 def is_adaptive(case: Case) -> bool:
-    """Check if the case's method (not `auto`) controls its own step."""
+    """Check if the case's method adapts its step; `auto` must have been resolved."""
     return case.method is not None and METHODS[case.method].adaptive
 
 
 def model(case: Case) -> Any:
     """Assemble the core's model of the case.
 
-    The bracket is anchored at the mean equilibrium of the healthy bearing; anchored elsewhere it would carry a
-    part of the load. Raises ``NoEquilibrium`` if the healthy bearing has no equilibrium.
+    The bracket is anchored at the mean equilibrium position of the healthy bearing, because it would carry part
+    of the load if it were anchored elsewhere. Raises ``NoEquilibrium`` if the healthy bearing has no equilibrium.
     """
     entry = MODELS[case.model]
     if entry.build:
-        return call(entry.build, case, support(case))
-    return _build_model(bearing_of(case))
+        return call(entry.build, case, build_support(case))
+    return _build_model(bearing_case(case))
 
 
 @lru_cache(maxsize=64)
 def _build_model(case: Case) -> Any:
-    """Build the core's model, cached: its arrays are read-only by convention."""
-    parameters = kind(case).parameters
+    """Build the core's model. It is cached, so callers must not modify its arrays."""
+    parameters = model_kind(case).parameters
     model_parameters = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _builder_fields(parameters)})
     return static_model(model_parameters) if isinstance(model_parameters, Static) else model_parameters
 
 
 def _builder_fields(parameters: Any) -> list[str]:
-    """List the fields of a model's parameters that are built from a case."""
+    """List the fields of a model's parameters that are built from a case.
+
+    Raises UserError for a field without builder or default value.
+    """
     fields = [
         name for name in parameters._fields if name not in parameters._field_defaults or name in PARAMETER_BUILDERS
     ]
     unknown = [name for name in fields if name not in PARAMETER_BUILDERS]
     if unknown:
         raise UserError(
-            f"{parameters.__name__} needs `{unknown[0]}`, but there is no builder: {', '.join(PARAMETER_BUILDERS)}"
+            f"{parameters.__name__} needs `{unknown[0]}`, which no builder makes; fields with one:"
+            f" {', '.join(PARAMETER_BUILDERS)}"
         )
     return fields
 
 
-def defects_of_case(case: Case) -> Defects:
-    """Build the case's defects, with the slices of the model's rollers if the model has any."""
-    return defects.packed_defects(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
+def build_defects(case: Case) -> Defects:
+    """Pack the case's defects, with one group per slice if the model divides rollers into slices."""
+    return defects.pack_case_defects(
+        case, space.build_slices(case).table[:, ZETA] if MODELS[case.model].sliced else None
+    )
 
 
-def bending_of_case(case: Case) -> Any:
-    """Build the bending of the case's outer ring; if there is a carrier, the bracket acts on it."""
+def build_ring_bending(case: Case) -> Any:
+    """Build the bending of the case's outer ring, with the bracket if it acts on a carrier around the ring."""
     if case.rig.ring is None:
         return RigidRing()
     ring = bending.ring_parameters(case)
@@ -159,8 +168,8 @@ def bending_of_case(case: Case) -> Any:
     return bending.build_bending(ring)
 
 
-def support(case: Case) -> Support:
-    """Return load and bracket on the case's ring, zero if they act on a carrier."""
+def build_support(case: Case) -> Support:
+    """Build load and bracket on the case's ring, both zero if they act on a carrier around it."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     x_0, y_0 = ring_anchor(case)
@@ -168,25 +177,28 @@ def support(case: Case) -> Support:
 
 
 def ring_anchor(case: Case) -> tuple[float, float]:
-    """Compute the anchor (m, m) of a bracket on the ring; form moves it in space as in the plane."""
+    """Compute the anchor (m, m) of a bracket on the ring.
+
+    If rollers are loaded unevenly along their length, the anchor is that of the smooth bearing in space, plus the
+    shift by the form of the surfaces in the plane.
+    """
     if not space.unevenly_loaded(case):
         return bracket_anchor(case)
     smooth = static_case(case).model_copy(update={"surfaces": None})
     anchor = equilibrium_in_space(smooth)
     if case.surfaces is None:
         return anchor.x, anchor.y
-    moved, unmoved = bracket_anchor(static_case(case)), bracket_anchor(smooth)
-    return anchor.x + moved[0] - unmoved[0], anchor.y + moved[1] - unmoved[1]
+    planar, smooth_planar = bracket_anchor(static_case(case)), bracket_anchor(smooth)
+    return anchor.x + planar[0] - smooth_planar[0], anchor.y + planar[1] - smooth_planar[1]
 
 
 def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
-    """Shift the model's rollers so that they meet the cusp of the first defect a ``fraction`` of a step after the
-    start of a step.
+    """Rotate the model's rollers so that they meet a defect's cusp a ``fraction`` of a step after a step begins.
 
     The cusp is the kink of the roller path, where the damping force jumps; its position within a step determines
-    whether the error is of first or second order (docs/steps.md). The rollers are shifted forwards by less than a
-    step. Only the first of several defects is aligned, and only on the outer race at a steady speed; other cusps
-    lie anywhere in a step, and their error averages out.
+    whether the error is of first or second order (docs/steps.md). The rotation is forwards, by less than a step.
+    It aligns the first defect only, and only if that is on the outer race and the speed is steady. Other cusps lie
+    anywhere within a step, and their errors average out.
     """
     if "defects" not in model._fields or not is_steady(model):
         return model
@@ -201,51 +213,62 @@ def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
 
 
 def with_friction_lag(model: Any, lag: float) -> Any:
-    """Return the model with friction lagged by ``lag`` (s), so that friction does not limit the step."""
+    """Return the model with friction evaluated at the slip after ``lag`` (s), so that it does not limit the step.
+
+    See ``core/laws/friction/lag.py``. A model without slip is returned unchanged.
+    """
     return model._replace(lag=lag) if "lag" in model._fields else model
 
 
 def without_friction(model: Any) -> Any:
-    """Return the model without friction between rollers and races."""
+    """Return the model without friction between rollers and races; a model without slip is returned unchanged."""
     return model._replace(friction=Frictionless()) if "friction" in model._fields else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
-    """Return a buffer at t = 0 in static equilibrium, accelerations filled in, and the residual force (N).
+    """Fill a state buffer at t = 0 with the static equilibrium and its accelerations; return it and the residual
+    force (N).
 
-    With a free cage and a seed, the rollers start at random positions in their pockets.
+    With a free cage and a seed, the rollers start at random positions in their pockets. If the rollers of the
+    model carry no load, the buffer is zero.
     """
     y, residual = empty_buffer(model), 0.0
     if MODELS[case.model].loaded:
         residual = find_equilibrium(model, 0.0, y, from_scratch=True)
-        if MODELS[case.model].slips:  # in other models these cells may hold the harmonics of a flexible ring
+        if MODELS[case.model].slips:  # other models may store harmonics of a flexible ring in these cells
             y[lay.EPS : lay.EPS + model.bearing.Z] = free.initial_pocket_angles(case)
         start_at_rest(model, 0.0, y)
     return y, residual
 
 
 def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
-    """Find the static equilibrium at ``t`` (s), from the one in ``y`` or from scratch; return the residual force
-    (N).
+    """Solve for the static equilibrium at ``t`` (s) into the buffer ``y``; return the residual force (N).
+
+    The solution starts from the equilibrium in ``y`` unless ``from_scratch`` is true.
     """
     residual = solve_in_cpu_time(
         solve_initial_equilibrium if from_scratch else solve_equilibrium, static_model(model), t, y
     )
-    return solve_spatial_equilibrium(undamped(model), t, y) if isinstance(model, Spatial) else float(residual)
+    return (
+        solve_spatial_equilibrium(without_damping(model), t, y) if isinstance(model, Spatial) else float(residual)
+    )
 
 
-def undamped(model: Any) -> Any:
-    """Return the model with undamped contacts: same equilibrium, compiled once for all damping laws."""
+def without_damping(model: Any) -> Any:
+    """Return the model with undamped contacts.
+
+    Its equilibrium is the same, but is compiled only once for all damping laws.
+    """
     return model._replace(outer=Undamped(model.outer.stiffness), inner=Undamped(model.inner.stiffness))
 
 
 def empty_buffer(model: Any) -> np.ndarray:
     """Allocate a zeroed state buffer for the model."""
-    return lay.buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
+    return lay.buffer(model.bearing.Z, model.bearing.m_r, slice_count(model))
 
 
-def slices_of(model: Any) -> int:
-    """Return the number of slices of a roller; 0 for a model without slices."""
+def slice_count(model: Any) -> int:
+    """Count the slices of a roller; 0 for a model without slices."""
     return len(model.slices.table) if "slices" in model._fields else 0
 
 
@@ -255,9 +278,10 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
 
 
 def method(case: Case, h: float, step_ratio: float = 1.0) -> Any:
-    """Build the core's method of the case for step ``h`` (s), ``step_ratio`` times the normal step.
+    """Build the core's method of the case for step ``h`` (s), which is ``step_ratio`` times the normal step.
 
-    At half the step an adaptive method uses a tenth of its default tolerance; a tolerance set by the case is kept.
+    The default tolerance of an adaptive method is multiplied by step_ratio^log2(10), which is a tenth at half the
+    step. A tolerance that the case specifies is not changed.
     """
     parameters: Any = method_kind(case).parameters
     default_tolerance = METHODS[case.method].tolerance if case.method is not None else None

@@ -1,7 +1,7 @@
-"""Anchor of the bracket: the mean static position of the healthy ring without it.
+"""Anchor of the bracket: the mean static position that the ring of the healthy bearing has without a bracket.
 
-So the bracket carries no part of the load on average. The form of the surfaces moves the mean position: order 1 of
-a race shifts it, and thinner rollers act as a clearance.
+With this anchor the bracket carries no load on average. The form of the surfaces changes the mean position,
+because order 1 of a race is an eccentricity and a smaller mean diameter of the rollers is a clearance.
 """
 
 from functools import lru_cache
@@ -16,15 +16,17 @@ from bearingsim.core.models.mean_equilibrium import mean_position
 def bracket_anchor(case: Case) -> tuple[float, float]:
     """Compute the anchor (m, m) of the case's bracket, on the ring or on the carrier around it.
 
-    The mean is over a ball pass; with form of the surfaces, over all angles of cage, shaft and rollers.
+    The mean is over a ball pass or, if the surfaces have form deviations, over all angles of cage, shaft and
+    rollers. Raises ``NoEquilibrium`` if the healthy bearing has no equilibrium.
     """
     if case.surfaces is not None:
-        return _formed_anchor(static_case(case))
+        return _anchor_with_form(static_case(case))
     equilibrium = rest.healthy_equilibrium(case)
     return equilibrium.x, equilibrium.y
 
 
 @lru_cache(maxsize=rest.CACHED_EQUILIBRIA)
-def _formed_anchor(case: Case) -> tuple[float, float]:
-    model = rest.healthy_static_model(case, form.form(case))
+def _anchor_with_form(case: Case) -> tuple[float, float]:
+    """Compute the anchor (m, m) of a case whose surfaces have form deviations."""
+    model = rest.build_healthy_static(case, form.build_form(case))
     return mean_position(model, lay.buffer(model.bearing.Z, model.bearing.m_r))

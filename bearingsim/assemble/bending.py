@@ -1,18 +1,19 @@
 """Harmonics of a flexible outer ring, a curved Timoshenko beam of rectangular section.
 
-A point of the section at distance z outwards of its middle (radius R) moves by w radially and by v + z phi
-circumferentially. With cos(n theta) in w, sin(n theta) in v and phi the elastic energy of harmonic n is
+A point of the cross-section at distance z outwards of its centroid (radius R) moves by w radially and by v + z phi
+circumferentially. With w proportional to cos(n theta), and v and phi to sin(n theta), the elastic energy of
+harmonic n is
 
     pi/2 E b (J_0 e^2 + 2 J_1 e c + J_2 c^2) + pi/2 kappa G b J_0 g^2,
     e = w + n v,  c = n phi,  g = R phi - v - n w,  J_i = integral of z^i/(R + z) over the height
 
-(twice this for n = 0, where v = phi = 0). A generalised force on w alone gives the amplitude per force
+(twice this for n = 0, where v = phi = 0). A generalised force on w alone causes the amplitude per unit of force
 
     1/k_n = (R^2/(E b J_2) + n^2/(kappa G b J_0)) / (pi (n^2 - 1)^2),   k_0 = 2 pi E b J_0,
 
-and the lowest frequency of the free ring gives the modal mass for k_n. The integrals of the section are those of
-Winkler's theory of curved beams (Timoshenko, Strength of Materials II, ch. 2); kappa = 5/6 follows from the
-elastic energy of a parabolic shear stress.
+and the lowest natural frequency omega_n of the free ring gives the modal mass k_n/omega_n^2. The integrals J_i are
+those of Winkler's theory of curved beams (Timoshenko, Strength of Materials II, ch. 2); kappa = 5/6 follows from
+the elastic energy of a parabolic shear stress.
 """
 
 from functools import lru_cache
@@ -30,17 +31,16 @@ from bearingsim.core.parts import bending as core
 
 SHEAR_COEFFICIENT = 5.0 / 6.0
 MAX_FREQUENCY = 2.0 * pi * 100e3
-"""rad/s, highest frequency of a harmonic. Harmonics above it get more mass, with unchanged stiffness, to keep the
-step long."""
-
-
-SPRINGS, SPRINGS_WITH_A_GAP = 64, 320
-"""Minimum number of springs of a housing, without and with a gap; at least four per harmonic. Doubling it changes
-spectral line and RMS at rest by less than 0.5 %. With a gap the edges of the contact need a finer resolution."""
+"""rad/s; limit of the natural frequency of a harmonic. Higher ones are lowered to it by added modal mass at
+unchanged stiffness, because they would shorten the step."""
+MIN_SPRINGS, MIN_SPRINGS_WITH_GAP = 64, 320
+"""Minimum number of springs of a housing without and with a gap; there are also at least four per harmonic.
+Doubling it changes the amplitude at the defect frequency and the RMS by less than 0.5 %. With a gap, the ends of
+the contact between ring and housing need a finer resolution."""
 
 
 class Section(NamedTuple):
-    """Section and material of a ring: height, width, middle radius R (m), E (Pa), nu, density (kg/m^3)."""
+    """Cross-section and material of a ring: height, width, mean radius R (m), E (Pa), nu, density (kg/m^3)."""
 
     height: float
     width: float
@@ -56,7 +56,7 @@ class Section(NamedTuple):
 
 
 class Harmonic(NamedTuple):
-    """Harmonic: number, stiffness of its amplitude (N/m), frequency of the free ring (rad/s)."""
+    """Harmonic: its order, stiffness of its amplitude (N/m), natural frequency of the free ring (rad/s)."""
 
     n: int
     k: float
@@ -64,7 +64,7 @@ class Harmonic(NamedTuple):
 
 
 def harmonic(section: Section, n: int) -> Harmonic:
-    """Compute harmonic ``n`` (0, 2, 3, ...) of the free ring.
+    """Compute the harmonic of order ``n`` (0, 2, 3, ...) of the free ring.
 
     Equation (R4) of docs/ring.md: Winkler's integrals of a curved Timoshenko beam.
     """
@@ -80,20 +80,20 @@ def harmonic(section: Section, n: int) -> Harmonic:
 
 
 def moduli(section: Section) -> tuple[float, float]:
-    """Compute E b and kappa G b, N/m."""
+    """Compute the elastic and shear moduli times the width, E b and kappa G b (N/m)."""
     G = section.E / (2.0 * (1.0 + section.nu))
     return section.E * section.width, SHEAR_COEFFICIENT * G * section.width
 
 
 def integrals(section: Section) -> tuple[float, float, float]:
-    """Compute J_0 (1), J_1 (m), J_2 (m^2)."""
+    """Compute the integrals of the cross-section J_0 (dimensionless), J_1 (m) and J_2 (m^2)."""
     h, R = section.height, section.R
     J_0 = log((R + h / 2.0) / (R - h / 2.0))
     return J_0, h - R * J_0, -R * (h - R * J_0)
 
 
 def beam_matrices(section: Section, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Compute the stiffness and mass matrices (3, 3) of w, v, R phi, over pi."""
+    """Compute the stiffness and mass matrices (3, 3) of w, v and R phi, both divided by pi (N/m, kg)."""
     h, R, (k, k_shear), (J_0, J_1, J_2) = section.height, section.R, moduli(section), integrals(section)
     e, c, g = np.array([1.0, n, 0.0]), np.array([0.0, 0.0, n / R]), np.array([-n, -1.0, 1.0])
     K = k * (J_0 * np.outer(e, e) + J_1 * (np.outer(e, c) + np.outer(c, e)) + J_2 * np.outer(c, c))
@@ -106,7 +106,7 @@ def beam_matrices(section: Section, n: int) -> tuple[np.ndarray, np.ndarray]:
 class RingParameters(NamedTuple):
     """Parameters that determine the bending of a ring: loads in N, mass in kg.
 
-    bracket: stiffness (N/m), damping (N s/m) and anchor (m, m) of the bracket on a carrier.
+    bracket: stiffness (N/m), damping (N s/m) and anchor (m, m) of a bracket that acts on a carrier.
     """
 
     bearing: Bearing
@@ -135,7 +135,7 @@ def has_carrier(rig: Rig) -> bool:
 
 
 def ring_section(ring: RingParameters) -> Section:
-    """Return section and material of a ring."""
+    """Return the cross-section and material of a ring."""
     material, height, width = ring.bearing.material, ring.ring.section.height, ring.ring.section.width
     assert height is not None
     assert width is not None
@@ -144,9 +144,10 @@ def ring_section(ring: RingParameters) -> Section:
 
 
 class Harmonics(NamedTuple):
-    """All harmonics, padded (H,): number, stiffness (N/m), frequency (rad/s), 1/mass of cosines and sines (1/kg).
+    """Harmonics of a ring, padded to (H,) with zeros.
 
-    mode_count: number of harmonics without padding.
+    n: order; k: stiffness of an amplitude (N/m); omega: natural frequency (rad/s); per_mass_c, per_mass_s: inverse
+    modal mass of the cosine and the sine (1/kg); mode_count: number of harmonics without padding.
     """
 
     n: np.ndarray
@@ -158,11 +159,11 @@ class Harmonics(NamedTuple):
 
 
 def harmonics(ring: RingParameters) -> Harmonics:
-    """Compute the harmonics of a ring, padded to include a carrier."""
+    """Compute the harmonics of a ring, with padding that leaves room for a carrier."""
     section = ring_section(ring)
     modes = [harmonic(section, n) for n in (*range(2, int(ring.ring.harmonics) + 1), 0)]
     H = -(-(len(modes) + ring.load_path.carried) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
-    n, k, omega = (padded([getattr(mode, name) for mode in modes], H) for name in ("n", "k", "omega"))
+    n, k, omega = (pad_with_zeros([getattr(mode, name) for mode in modes], H) for name in ("n", "k", "omega"))
     omega = np.minimum(omega * np.sqrt(section.mass / ring.ring_mass), MAX_FREQUENCY)
     per_mass = np.divide(omega**2, k, out=np.zeros(H), where=k > 0.0)
     return Harmonics(n, k, omega, per_mass, np.where(n > 0.0, per_mass, 0.0), len(modes))
@@ -170,21 +171,19 @@ def harmonics(ring: RingParameters) -> Harmonics:
 
 @lru_cache(maxsize=256)
 def build_bending(ring: RingParameters) -> core.Bending:
-    """Build the bending of a ring, cached."""
+    """Build the bending of a ring. It is cached, so callers must not modify its arrays."""
     modes = harmonics(ring)
     angles = 2.0 * pi * np.arange(ring.bearing.rollers) / ring.bearing.rollers
-    at_rollers = np.stack([table(np.cos, modes.n, angles), table(np.sin, modes.n, angles)])
+    at_rollers = np.stack([evaluate_at_rollers(function, modes.n, angles) for function in (np.cos, np.sin)])
     at_rollers[:, modes.mode_count :] = 0.0
-    rows = (
-        add_carrier(harmonic_rows(ring, modes), ring, modes.mode_count)
-        if ring.load_path.carried
-        else harmonic_rows(ring, modes)
-    )
+    harmonic_table = build_harmonic_table(ring, modes)
+    if ring.load_path.carried:
+        add_carrier(harmonic_table, ring, modes.mode_count)
     springs = build_springs(ring, modes) if ring.load_path.carried else core.NoSprings()
-    max_stiffness, max_damping = largest_rates(ring.ring_mass, rows, springs)
+    max_stiffness, max_damping = largest_eigenvalues(ring.ring_mass, harmonic_table, springs)
     on_ring, alpha = ring.sensor.on_ring, ring.sensor.angle or 0.0
     return core.Bending(
-        harmonic_table=rows,
+        harmonic_table=harmonic_table,
         shapes=np.ascontiguousarray(at_rollers[:, : modes.mode_count]),
         transposed_shapes=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : ring.bearing.rollers]),
         breathing_index=modes.mode_count - 1,
@@ -199,8 +198,8 @@ def build_bending(ring: RingParameters) -> core.Bending:
 
 
 def mobility(ring: RingParameters, modes: Harmonics, angles: np.ndarray) -> float:
-    """Compute the largest eigenvalue (1/kg) of the matrix from forces at all rollers to the accelerations of the
-    race there.
+    """Compute the largest eigenvalue (1/kg) of the matrix that maps the forces at all rollers to the accelerations
+    of the race there.
 
     The rollers are evenly spaced, so the matrix is circulant and its eigenvalues are the Fourier transform of a
     row.
@@ -209,8 +208,8 @@ def mobility(ring: RingParameters, modes: Harmonics, angles: np.ndarray) -> floa
     return float(np.fft.fft(row).real.max())
 
 
-def harmonic_rows(ring: RingParameters, modes: Harmonics) -> np.ndarray:
-    """Return ``core.Bending.harmonic_table`` for the ring without a carrier."""
+def build_harmonic_table(ring: RingParameters, modes: Harmonics) -> np.ndarray:
+    """Build ``harmonic_table`` of ``core.Bending``, without a carrier."""
     alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(modes.n)))
     rows[core.N], rows[core.K], rows[core.K_M] = modes.n, modes.k, modes.omega**2
     rows[core.C_M] = 2.0 * ring.ring.damping * modes.omega
@@ -224,20 +223,22 @@ def harmonic_rows(ring: RingParameters, modes: Harmonics) -> np.ndarray:
     return rows
 
 
-def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> np.ndarray:
-    """Add the carrier's position as harmonic ``i``, with load and bracket acting on it."""
+def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> None:
+    """Store the carrier's position in column ``i`` of a harmonic table, with load and bracket acting on it."""
     mass, alpha, (k_b, c_b, x_0, y_0) = ring.load_path.mass or 0.0, ring.sensor.angle or 0.0, ring.bracket
     rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
     rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
     rows[core.LOAD_C, i], rows[core.LOAD_S, i] = k_b * x_0 - ring.load, k_b * y_0 - ring.load_across
     if not ring.sensor.on_ring:
         rows[core.SENSOR_C, i], rows[core.SENSOR_S, i] = cos(alpha), sin(alpha)
-    return rows
 
 
 def build_springs(ring: RingParameters, modes: Harmonics) -> core.Springs:
-    """Build the springs around the ring, with damping ratio ``ring.damping`` for the rigid ring on its springs, in
-    the direction in which they are stiffest."""
+    """Build the springs around the ring.
+
+    Their damping gives the rigid ring on its springs the damping ratio ``ring.damping`` in the direction in which
+    the springs are stiffest.
+    """
     angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     assert lay.MAX_SPRINGS >= P
@@ -251,23 +252,28 @@ def build_springs(ring: RingParameters, modes: Harmonics) -> core.Springs:
     at_springs = np.zeros((2, modes.mode_count + 1, P))
     at_springs[:, :, : len(angles)] = by_spring[:, :, : modes.mode_count + 1].transpose(0, 2, 1)
     values = np.cos(angles), np.sin(angles), k, c, fit
-    return core.Springs(np.array([padded(value, P) for value in values]), at_springs, by_spring, modes.mode_count)
+    return core.Springs(
+        np.array([pad_with_zeros(value, P) for value in values]), at_springs, by_spring, modes.mode_count
+    )
 
 
 def spring_properties(ring: RingParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return angles (rad), stiffnesses (N/m) and fits (m) of the springs."""
+    """Return the angle (rad), stiffness (N/m) and fit (m) of each spring, (P,) each."""
     load = ring.load_path
     if load.by == "points":
         points = load.at or ()
         angles, k = (np.array([getattr(point, name) for point in points]) for name in ("angle", "stiffness"))
         return angles, k, np.zeros(len(angles))
-    P = max(SPRINGS if (load.fit or 0.0) >= 0.0 else SPRINGS_WITH_A_GAP, 4 * int(ring.ring.harmonics))
+    P = max(MIN_SPRINGS if (load.fit or 0.0) >= 0.0 else MIN_SPRINGS_WITH_GAP, 4 * int(ring.ring.harmonics))
     k_spring = (load.stiffness or 0.0) * pi * ring.bearing.outside_diameter / P
     return 2.0 * pi * np.arange(P) / P, np.full(P, k_spring), np.full(P, load.fit or 0.0)
 
 
-def largest_rates(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, float]:
-    """Compute the largest stiffness (1/s^2) and damping (1/s) over mass of a ring with all springs in contact."""
+def largest_eigenvalues(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, float]:
+    """Compute the largest eigenvalues of stiffness over mass (1/s^2) and of damping over mass (1/s) of a ring.
+
+    All springs are in contact. rows: harmonic table of the ring.
+    """
     per_mass = np.r_[1.0 / ring_mass, 1.0 / ring_mass, rows[core.PER_MASS_C], rows[core.PER_MASS_S]]
     K = np.diag(np.r_[0.0, 0.0, rows[core.K_M], rows[core.K_M]])
     C = np.diag(np.r_[0.0, 0.0, rows[core.C_M], rows[core.C_M]])
@@ -282,7 +288,10 @@ def largest_rates(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[flo
 
 
 def undamped_bending(bending: Any) -> Any:
-    """Return the bending of a ring with undamped springs, for static equilibrium."""
+    """Return the bending of a ring with undamped springs, for static equilibrium.
+
+    A bending without springs is returned unchanged.
+    """
     if not (isinstance(bending, core.Bending) and isinstance(bending.springs, core.Springs)):
         return bending
     spring_table = bending.springs.spring_table.copy()
@@ -290,13 +299,15 @@ def undamped_bending(bending: Any) -> Any:
     return bending._replace(springs=bending.springs._replace(spring_table=spring_table))
 
 
-def padded(values: Any, length: int) -> np.ndarray:
-    """Pad values with zeros to the shape (length,)."""
+def pad_with_zeros(values: Any, length: int) -> np.ndarray:
+    """Append zeros to values up to the shape (length,)."""
     return np.concatenate([np.array(values, dtype=float), np.zeros(length - len(values))])
 
 
-def table(function: Any, n: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """Evaluate ``function`` at n times the rollers' angles (H, lanes); zero in lanes without a roller."""
+def evaluate_at_rollers(function: Any, n: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Evaluate ``function`` at ``n`` (H,) times the rollers' ``angles`` (rad), (H, lanes); zero in lanes without a
+    roller.
+    """
     lanes = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     values = np.zeros((len(n), lanes))
     values[:, : len(angles)] = function(np.outer(n, angles))
@@ -304,7 +315,7 @@ def table(function: Any, n: np.ndarray, angles: np.ndarray) -> np.ndarray:
 
 
 def load_amplitudes(load: RingLoad, F: float, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Compute the generalised forces (N) of a load ``F`` (N), inwards, on cosines and sines (H,)."""
+    """Compute the generalised forces (N) of an inward load ``F`` (N) on cosines and sines, (H,) each."""
     angles = np.array(load.angles or (0.0,))
     force = F / np.cos(angles).sum()
     return -force * np.cos(np.outer(n, angles)).sum(axis=1), -force * np.sin(np.outer(n, angles)).sum(axis=1)

@@ -1,4 +1,4 @@
-"""Contact law at each race: a damping law that contains a stiffness law."""
+"""Contact law of each race: a damping law that contains a stiffness law."""
 
 from math import isclose
 from typing import Any
@@ -20,23 +20,23 @@ from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, ThreeHal
 from bearingsim.core.models.ring import DampedRates, HalfRates
 
 
-def outer(case: Case) -> Any:
+def build_outer_law(case: Case) -> Any:
     """Build the contact law of the outer race."""
-    return contact_law(case, on_outer=True)
+    return build_contact_law(case, on_outer=True)
 
 
-def inner(case: Case) -> Any:
+def build_inner_law(case: Case) -> Any:
     """Build the contact law of the inner race."""
-    return contact_law(case, on_outer=False)
+    return build_contact_law(case, on_outer=False)
 
 
-def rate_division(case: Case) -> HalfRates | DampedRates:
-    """Build the division of a massless roller's closing rate between its two contacts."""
-    return HalfRates() if _are_equal(outer(case), inner(case)) else DampedRates()
+def build_rate_division(case: Case) -> HalfRates | DampedRates:
+    """Build the division of a massless roller's closing rate between its contacts: halves for equal laws."""
+    return HalfRates() if _are_equal(build_outer_law(case), build_inner_law(case)) else DampedRates()
 
 
 def _are_equal(law: Any, other: Any) -> bool:
-    """Check if two laws have the same types and parameters."""
+    """Check if two laws have the same types and parameters, which ``==`` of tuples does not compare by type."""
     if type(law) is not type(other):
         return False
     if isinstance(law, tuple):
@@ -45,84 +45,87 @@ def _are_equal(law: Any, other: Any) -> bool:
 
 
 def count_powers(case: Case) -> int:
-    """Count the powers in the contact law that call ``pow`` of the C library, which is not vectorised."""
-    return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
+    """Count the terms of the contact law that call ``pow`` of the C library, which is not vectorised."""
+    return sum(isinstance(part, PowerLaw | multibody.Power) for part in build_outer_law(case))
 
 
-def contact_law(case: Case, on_outer: bool) -> Any:
-    """Build the contact law of one race by the damping law's ``build(case, section, stiffness, on_outer)`` in the
+def build_contact_law(case: Case, on_outer: bool) -> Any:
+    """Build the contact law of one race by ``build(case, section, stiffness, on_outer)`` of its damping law in the
     catalogue.
     """
     section: Any = case.contact.damping
-    return call(LAWS["damping"][section.law].build, case, section, stiffness(case, on_outer), on_outer)
+    return call(LAWS["damping"][section.law].build, case, section, build_stiffness_law(case, on_outer), on_outer)
 
 
-def hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> HuntCrossley:
+def build_hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> HuntCrossley:
     """Build the damping law proportional to the elastic force."""
     return HuntCrossley(stiffness, section.chi)
 
 
-def kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> Kraemer:
+def build_kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> Kraemer:
     """Build the damping law proportional to the tangent stiffness."""
     return Kraemer(stiffness, section.damping_time)
 
 
-def general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:
-    """Build the damping law of multibody codes; the coefficient is in N, mm and s."""
+def build_general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:
+    """Build the damping law c |v|^m2 delta^m3 of multibody programs; the coefficient c is in N, mm and s."""
     m2, m3 = section.velocity_exponent, section.indentation_exponent
     return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
 
 
-def film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
-    """Build the damping law of an oil film plus hysteresis."""
+def build_film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
+    """Build the damping law of an oil film and hysteresis."""
     point = point_contact(case, on_outer) if case.bearing.element == "ball" else None
-    return oil.film(case, elastic, stiffness(case, not on_outer), point, on_outer)
+    return oil.build_film_law(case, elastic, build_stiffness_law(case, not on_outer), point, on_outer)
 
 
-def stiffness(case: Case, on_outer: bool) -> Any:
-    """Build the stiffness law of one race by the law's ``build(case, section, on_outer)`` in the catalogue."""
+def build_stiffness_law(case: Case, on_outer: bool) -> Any:
+    """Build the stiffness law of one race by its ``build(case, section, on_outer)`` in the catalogue."""
     law = LAWS["stiffness"][case.contact.elastic_law]
     return call(law.build, case, case.contact.stiffness, on_outer)
 
 
-def constant(case: Case, section: Any, on_outer: bool) -> Any:
-    """Build the law k delta^m; the coefficient is in N and mm."""
-    return power(section.coefficient * 1e3**section.exponent, section.exponent)
+def build_constant(case: Case, section: Any, on_outer: bool) -> Any:
+    """Build the stiffness law k delta^m; the coefficient k is in N and mm."""
+    return build_power_law(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
 SPECIAL_EXPONENTS = ((1.0, Linear), (power_laws.LINE_CONTACT_EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
-"""Exponents with a separate implementation that does not call ``pow``."""
+"""Exponents, and the implementation of each that does not call ``pow``."""
 
 
-def power(k: float, m: float) -> Any:
-    """Build the law k delta^m, k in N/m^m, by the fastest implementation of this exponent."""
+def build_power_law(k: float, m: float) -> Any:
+    """Build the stiffness law k delta^m, k in N/m^m, by the fastest implementation of its exponent.
+
+    Raises ValueError for an exponent below 1.
+    """
     for exponent, law in SPECIAL_EXPONENTS:
         if isclose(m, exponent, rel_tol=1e-12):
             return law(k)
     if m < 1.0:
-        raise ValueError(f"exponent {m}: below 1 a contact is infinitely stiff at touch-down")
+        raise ValueError(f"exponent {m} is below 1: the contact would be infinitely stiff at touch-down")
     return PowerLaw(k, m)
 
 
-def palmgren(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
+def build_palmgren(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
     """Build Palmgren's line contact."""
     return power_laws.palmgren(roller_length(case))
 
 
-def iso16281(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
+def build_iso16281(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
     """Build the line contact of ISO/TS 16281."""
     return power_laws.iso16281(roller_length(case))
 
 
-def johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
-    """Build Johnson's line contact of a roller inside the outer or outside the inner race."""
+def build_johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
+    """Build Johnson's line contact of a roller in the outer race or on the inner race."""
     b, R_w = case.bearing, case.bearing.roller_diameter / 2.0
     dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
     return line_contact.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
 
 
-def point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
-    """Build the Hertzian point contact of a ball."""
+def build_point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
+    """Build the stiffness law of a ball's Hertzian point contact."""
     return ThreeHalves(point_contact(case, on_outer).k)
 
 
@@ -132,7 +135,7 @@ def roller_length(case: Case) -> float:
 
 
 def point_contact(case: Case, on_outer: bool) -> PointContact:
-    """Build the contact of a ball with the groove of one race."""
+    """Compute the Hertzian contact of a ball and the groove of one race."""
     b = case.bearing
     groove_radius = b.outer_groove_radius if on_outer else b.inner_groove_radius
     R = -outer_radius(case) if on_outer else inner_radius(case)

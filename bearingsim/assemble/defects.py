@@ -1,4 +1,4 @@
-"""Defects of a case paired with the contacts that cross them, and the excitation by each."""
+"""Defects of a case: their depth maps, the pairs of defect and contact that cross, and the excitation by them."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import config
-from bearingsim.assemble.contacts import contact_law, point_contact
+from bearingsim.assemble.contacts import build_contact_law, point_contact
 from bearingsim.assemble.form import contact_half_width
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
@@ -67,42 +67,44 @@ EXCITATIONS: dict[str, Any] = {
     "impulse-train": excitations.Envelope(),
     "random-impulses": excitations.Envelope(),
 }
+"""Excitations without parameters, by name. Impulses follow from the envelope of the roller."""
 
 Positions = Sequence[float] | np.ndarray
-"""Positions of the middles of slices along a roller, m."""
+"""Positions of the centres of slices along a roller, m."""
 
 
 class DefectCluster(NamedTuple):
-    """Defects of one element that act on a roller as one.
+    """Defects of one element that act on a roller at the same time, merged into one.
 
-    leader: the first of them; defect: map of all of them, with s measured from ``angle`` (rad), or None for a
-    single defect with a closed form.
+    reference: one of them, from which the positions of the others are measured; angle: position of the merged
+    defect (rad); depth_map: of all of them, with s = 0 at ``angle``, or None for a single defect with a closed
+    form.
     """
 
-    leader: config.Defect
+    reference: config.Defect
     angle: float
-    defect: Any
+    depth_map: Any
 
 
-def packed_defects(case: Case, middles: Positions | None = None) -> Defects:
+def pack_case_defects(case: Case, centres: Positions | None = None) -> Defects:
     """Pack the case's defects for the core, one pair for each contact that crosses them.
 
-    middles: positions (m) of the middles of a roller's slices, which give one group of weight 1 per slice, in
-    their order. Raises Refused for a defect without effect, for one wider than the spacing of the rollers, and for
-    dents that share a contact.
+    centres: positions (m) of the centres of a roller's slices, for one group of weight 1 per slice in this order;
+    None for a model without slices. Raises Refused for a defect without effect, for one wider than the spacing of
+    the rollers, for an excitation that cannot act on slices, and for dents that share a contact.
     """
-    model_excitation, pairs = excitation(case), roller_defect_pairs(case, middles)
+    excitation, pairs = build_excitation(case), pair_defects(case, centres)
     if any(pair.paths for pair in pairs):
         return pack_traced_defects(pairs)
-    return pack_defects(pairs, model_excitation, 1 if middles is None else len(middles))
+    return pack_defects(pairs, excitation, 1 if centres is None else len(centres))
 
 
-def roller_defect_pairs(case: Case, middles: Positions | None = None) -> list[RollerDefectPair]:
-    """Pair every defect with each contact that crosses it; all have a closed form, or all are traced.
+def pair_defects(case: Case, centres: Positions | None = None) -> list[RollerDefectPair]:
+    """Pair every defect with each contact that crosses it.
 
-    Raises Refused for defects that would take shares of the pressure of one contact at the same time.
+    All pairs have a closed form, or all are traced. Raises Refused as ``pack_case_defects`` does.
     """
-    pairs = [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, middles)]
+    pairs = [pair for cluster in cluster_defects(case) for pair in pair_cluster(case, cluster, centres)]
     if case.excitation == "pressure-share":
         for pair, other in combinations(pairs, 2):
             _refuse_common_contact(pair, other)
@@ -110,9 +112,9 @@ def roller_defect_pairs(case: Case, middles: Positions | None = None) -> list[Ro
 
 
 def _refuse_common_contact(a: RollerDefectPair, b: RollerDefectPair) -> None:
-    """Raise Refused for two dents of one surface so close that a contact covers parts of both.
+    """Raise Refused for two dents of one surface so close that a contact may cover parts of both.
 
-    The contact would lose the sum of both shares, but only one pair acts on a contact.
+    The contact would lose the pressure shares of both, but in the model only one pair acts on a contact.
     """
     distance = abs(remainder(b.angle - a.angle, 2.0 * pi)) * a.radius
     if (a.side, a.carrier) == (b.side, b.carrier) and distance < a.half_width + b.half_width - MIN_SPACING:
@@ -123,23 +125,22 @@ def _refuse_common_contact(a: RollerDefectPair, b: RollerDefectPair) -> None:
         )
 
 
-def excitation(case: Case, side: int = OUTER) -> Any:
-    """Build the excitation of the case's rollers by a defect; ``side``: the race for whose contact its groups are
-    built."""
+def build_excitation(case: Case, side: int = OUTER) -> Any:
+    """Build the excitation of the case's rollers by a defect; side: race whose contact crosses the defect."""
     if case.excitation == "pressure-share":
         return excitations.PressureShare(contact_half_width(case, side == OUTER))
     if case.excitation == "elastic-edge":
-        return elastic_edge(case)
+        return build_elastic_edge(case)
     return EXCITATIONS[case.excitation]
 
 
-def elastic_edge(case: Case) -> EdgeContact:
-    """Build the contact with elastic edges under the largest load of the healthy bearing."""
+def build_elastic_edge(case: Case) -> EdgeContact:
+    """Build the excitation by elastic edges, for contacts under the largest load of the healthy bearing."""
     b, edge = case.bearing, case.defects[0].edge if case.defects else None
     E_star = b.material.young_modulus / (2.0 * (1.0 - b.material.poisson_ratio**2))
     rho = float((edge and edge.radius) or EDGE_RADIUS)
     L_w, load = contact_length(case, OUTER), largest_load(case)
-    exponent = load_exponent(contact_law(case, on_outer=True), load)
+    exponent = load_exponent(build_contact_law(case, on_outer=True), load)
     return edge_contact(load, L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho, exponent)
 
 
@@ -161,159 +162,165 @@ def contact_length(case: Case, side: int) -> float:
 # Depth maps
 
 
-def depth_map(d: config.Defect) -> Any:
-    """Build a defect's depth map around its own middle."""
+def build_depth_map(d: config.Defect) -> Any:
+    """Build a defect's depth map, with the origin at the defect's centre."""
     shape = SHAPES[d.shape]
     arguments = (d,) if shape.of_section else (d.length, d.width, d.depth)
-    defect = call(shape.build, *arguments)
-    return defect if d.edge is None else EasedDefect(defect, d.edge.radius or 0.0, d.edge.ramp or 0.0, d.depth)
+    sharp = call(shape.build, *arguments)
+    return sharp if d.edge is None else EasedDefect(sharp, d.edge.radius or 0.0, d.edge.ramp or 0.0, d.depth)
 
 
 def varies_along_roller(d: config.Defect) -> bool:
-    """Check if the profile of a defect along rolling varies along the roller, so that nodes must sample it."""
-    return any(kind != EVEN for *_, kind in cuts(depth_map(d)))
+    """Check if the section of a defect varies along the roller, so that integration points must sample it."""
+    return any(variation != EVEN for *_, variation in cuts(build_depth_map(d)))
 
 
-def spall(d: config.Defect) -> Any:
-    """Build a spall, mirrored on an inner race, where rollers come from +s and spalls grow towards -s."""
-    defect = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
-    return MirroredDefect(defect) if d.race == "inner" else defect
+def build_spall(d: config.Defect) -> Any:
+    """Build the depth map of a spall.
+
+    It is mirrored on an inner race, because the rollers pass it towards -s, the direction in which it grows.
+    """
+    spall = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
+    return MirroredDefect(spall) if d.race == "inner" else spall
 
 
-def scan(d: config.Defect) -> ScannedDefect:
-    """Build a measured depth map."""
-    return scanned(str(d.file), str(d.digest))
+def build_scan(d: config.Defect) -> ScannedDefect:
+    """Build the measured depth map of a scan."""
+    return read_depth_map(str(d.file), str(d.digest))
 
 
 @lru_cache(maxsize=CACHED_SCANS)
-def scanned(file: str, digest: str) -> ScannedDefect:
-    """Read the depth map in a file. Raises ValueError if the file has changed since the study was read."""
-    surface = read_scan(TRANSFERRED_FILES.get(digest, file))
-    if surface.digest != digest:
+def read_depth_map(file: str, digest: str) -> ScannedDefect:
+    """Read the depth map in a file.
+
+    Raises ScanError for an invalid file, ValueError if the file has changed since the study was read.
+    """
+    scan = read_scan(TRANSFERRED_FILES.get(digest, file))
+    if scan.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")
-    return ScannedDefect(digest, surface.s, surface.z, surface.depth)
+    return ScannedDefect(digest, scan.s, scan.z, scan.depth)
 
 
-def defect_clusters(case: Case) -> list[DefectCluster]:
-    """Merge the case's defects that act on a roller at the same time; use closed forms only if all have one."""
-    clusters = _overlapping_defects(case)
-    simple = all(len(cluster) == 1 and _has_closed_form(case, cluster[0]) for cluster in clusters)
-    if simple:
-        return [DefectCluster(d, d.angle, None) for (d,) in clusters]
-    return [_merge(case, cluster) for cluster in clusters]
+def cluster_defects(case: Case) -> list[DefectCluster]:
+    """Merge the case's defects that act on a roller at the same time.
+
+    Closed forms are used only if no defects are merged and all have one.
+    """
+    groups = _overlapping_defects(case)
+    if all(len(group) == 1 and _has_closed_form(case, group[0]) for group in groups):
+        return [DefectCluster(d, d.angle, None) for (d,) in groups]
+    return [_merge(case, group) for group in groups]
 
 
 def _has_closed_form(case: Case, d: config.Defect) -> bool:
+    """Check if the roller path over a defect has a closed form; `elastic-edge` accounts for edges itself."""
     return d.shape in SIMPLE_SHAPES and (d.edge is None or case.excitation == "elastic-edge")
 
 
 def _overlapping_defects(case: Case) -> list[list[config.Defect]]:
-    """Group defects that overlap along rolling, including burrs and the lift-off of rollers at them."""
-    clusters: list[list[config.Defect]] = []
+    """Group defects whose ranges of effect along rolling overlap."""
+    groups: list[list[config.Defect]] = []
     for d in case.defects:
-        overlapping = [cluster for cluster in clusters if any(_overlap(case, d, other) for other in cluster)]
-        clusters = [cluster for cluster in clusters if cluster not in overlapping]
-        clusters.append([*(other for cluster in overlapping for other in cluster), d])
-    return clusters
+        overlapping = [group for group in groups if any(_overlap(case, d, other) for other in group)]
+        groups = [group for group in groups if group not in overlapping]
+        groups.append([*(other for group in overlapping for other in group), d])
+    return groups
 
 
 def _overlap(case: Case, a: config.Defect, b: config.Defect) -> bool:
+    """Check if two defects of one element can act on a roller at the same time."""
     if a.element != b.element or case.excitation not in config.PATH_EXCITATIONS:
         return False
     distance = remainder(b.angle - a.angle, 2.0 * pi) * carrier_radius(case, a)
-    low_a, high_a, low_b, high_b = *_response_range(case, a), *_response_range(case, b)
-    # touching defects overlap, too: a ridge without width between them carries no roller
+    low_a, high_a, low_b, high_b = *_range_of_effect(case, a), *_range_of_effect(case, b)
+    # touching defects overlap, too, because a ridge without width between them cannot support a roller
     return max(low_a - (distance + high_b), distance + low_b - high_a) <= MIN_SPACING
 
 
-def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
-    """Return the largest range (m) along rolling, from a defect's middle, in which it acts on a roller."""
-    defect = depth_map(d)
-    low, high, _, _ = extent(defect)
-    lift_off_length = sqrt(2.0 * reduced_radius(case, OUTER) * burr_height(defect))
+def _range_of_effect(case: Case, d: config.Defect) -> tuple[float, float]:
+    """Return the range along rolling (m, m), from a defect's centre, in which it acts on a roller.
+
+    It includes the distance over which burrs lift the roller off. This is longest on the outer race, for which it
+    is computed.
+    """
+    depth_map = build_depth_map(d)
+    low, high, _, _ = extent(depth_map)
+    lift_off_length = sqrt(2.0 * reduced_radius(case, OUTER) * burr_height(depth_map))
     return low - lift_off_length, high + lift_off_length
 
 
 def carrier_radius(case: Case, d: config.Defect) -> float:
-    """Return the radius (m) of the surface with a defect."""
+    """Return the radius (m) of the race or roller that has a defect."""
     radii = {"outer": outer_radius, "inner": inner_radius}
     return radii[d.race](case) if d.race in radii else case.bearing.roller_diameter / 2.0
 
 
-def _merge(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
-    """Merge defects into one map, with s measured from the middle of their total extent."""
-    leader, radius = cluster[0], carrier_radius(case, cluster[0])
-    positions = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
-    maps = [ShiftedDefect(depth_map(d), s, d.offset) for d, s in zip(cluster, positions, strict=True)]
-    if len(maps) == 1:
-        return DefectCluster(leader, leader.angle, maps[0])
-    low, high, _, _ = extent(MergedDefects(tuple(maps)))
-    middle = (low + high) / 2.0
+def _merge(case: Case, group: Sequence[config.Defect]) -> DefectCluster:
+    """Merge defects into one depth map, with s = 0 at the centre of their total extent."""
+    reference, radius = group[0], carrier_radius(case, group[0])
+    positions = [remainder(d.angle - reference.angle, 2.0 * pi) * radius for d in group]
+    depth_maps = [ShiftedDefect(build_depth_map(d), s, d.offset) for d, s in zip(group, positions, strict=True)]
+    if len(depth_maps) == 1:
+        return DefectCluster(reference, reference.angle, depth_maps[0])
+    low, high, _, _ = extent(MergedDefects(tuple(depth_maps)))
+    centre = (low + high) / 2.0
     return DefectCluster(
-        leader,
-        leader.angle + middle / radius,
-        MergedDefects(tuple(placed._replace(s=placed.s - middle) for placed in maps)),
+        reference,
+        reference.angle + centre / radius,
+        MergedDefects(tuple(shifted._replace(s=shifted.s - centre) for shifted in depth_maps)),
     )
 
 
-# Pairs of rollers and defects
+# Pairs of defect and contact
 
 
-def pairs_of_cluster(case: Case, cluster: DefectCluster, middles: Positions | None) -> list[RollerDefectPair]:
-    """Pair merged defects with each contact that crosses them."""
-    d = cluster.leader
+def pair_cluster(case: Case, cluster: DefectCluster, centres: Positions | None) -> list[RollerDefectPair]:
+    """Pair merged defects with each contact that crosses them. centres: as in ``pack_case_defects``."""
+    d = cluster.reference
     carrier, sides = {
         "outer": (ON_OUTER, (OUTER,)),
         "inner": (ON_INNER, (INNER,)),
         "roller": ((d.roller or 1) - 1, (OUTER, INNER)),
     }[d.race]
-    return [_pair(case, cluster, carrier, side, middles) for side in sides]
+    return [_build_pair(case, cluster, carrier, side, centres) for side in sides]
 
 
-def _pair(
-    case: Case, cluster: DefectCluster, carrier: int, side: int, middles: Positions | None
+def _build_pair(
+    case: Case, cluster: DefectCluster, carrier: int, side: int, centres: Positions | None
 ) -> RollerDefectPair:
-    radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
-    if cluster.defect is None:
-        rows = closed_form_groups(case, cluster.leader, side, middles)
-        jumps = closed_form_jumps(excitation(case, side), tuple(map(tuple, rows)), R)
-        return _checked_pair(
-            case, cluster.leader, RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, jumps=jumps)
-        )
-    rows, paths = traced_groups(case, cluster.defect, side, middles)
-    cusp, span, jumps = (
-        sharpest_cusp(rows, paths),
-        defect_span(cluster.defect, R),
-        jump_positions(None, rows, paths, R),
-    )
-    return _checked_pair(
-        case,
-        cluster.leader,
-        RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, paths, cusp, span, jumps),
-    )
+    d, angle, R = cluster.reference, cluster.angle, reduced_radius(case, side)
+    radius = carrier_radius(case, d)
+    if cluster.depth_map is None:
+        groups = build_closed_form_groups(case, d, side, centres)
+        jumps = closed_form_jumps(build_excitation(case, side), tuple(map(tuple, groups)), R)
+        pair = RollerDefectPair(side, carrier, angle, radius, R, groups, jumps=jumps)
+    else:
+        groups, paths = build_traced_groups(case, cluster.depth_map, side, centres)
+        cusp, span = sharpest_cusp(groups, paths), defect_span(cluster.depth_map, R)
+        jumps = jump_positions(None, groups, paths, R)
+        pair = RollerDefectPair(side, carrier, angle, radius, R, groups, paths, cusp, span, jumps)
+    _check_pair(case, d, pair)
+    return pair
 
 
-@lru_cache(maxsize=64, typed=True)  # excitations without parameters are all equal
+@lru_cache(maxsize=64, typed=True)  # typed, because excitations without parameters are equal as tuples
 def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R: float) -> list[float]:
-    """Return ``jump_positions`` of a closed form, cached because it depends neither on position nor load."""
+    """Return ``jump_positions`` (m) of a closed form, cached because many defects of a study share them."""
     return jump_positions(excitation, groups, (), R)
 
 
-def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> RollerDefectPair:
-    """Return the pair. Raises Refused if the defect has no effect, or acts on two contacts at the same time."""
+def _check_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> None:
+    """Raise Refused if the defect of a pair has no effect, or acts on two contacts at the same time."""
     if pair.half_width == 0.0:
         reason = f"the {d.shape} defect has no effect because it lies outside the contact, or has no depth"
         half_length = f"{500.0 * contact_length(case, pair.side):.4g} mm"
         raise Refused(
-            reason, f"the contact ends {half_length} from the middle; use a smaller `offset` or a larger defect"
+            reason, f"the contact ends {half_length} from its centre; use a smaller `offset` or a larger defect"
         )
     spacing = 2.0 * pi * pair.radius / (1 if d.race == "roller" else case.bearing.rollers)
     if 2.0 * pair.half_width > spacing:
-        wide = (
-            f"act over {2e3 * pair.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
-        )
-        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg {wide}", _narrowing_advice(d))
-    return pair
+        widths = f"{2e3 * pair.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
+        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg act over {widths}", _narrowing_advice(d))
 
 
 def _narrowing_advice(d: config.Defect) -> str:
@@ -322,24 +329,27 @@ def _narrowing_advice(d: config.Defect) -> str:
     return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"
 
 
-def closed_form_groups(case: Case, d: config.Defect, side: int, middles: Positions | None) -> list:
-    """Build the groups of a defect with a closed form, along the contact or at given slices."""
+def build_closed_form_groups(case: Case, d: config.Defect, side: int, centres: Positions | None) -> list:
+    """Build the groups of a defect with a closed form, along the contact or at the centres of slices.
+
+    Raises Refused for an excitation that cannot act on slices.
+    """
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
-    defect = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
-    rows = (
-        groups_of(defect, L_w, R, nodes, d.offset)
-        if middles is None
-        else groups_of_slices(defect, R, middles, d.offset)
+    depth_map = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
+    path_groups = (
+        groups_of(depth_map, L_w, R, nodes, d.offset)
+        if centres is None
+        else groups_of_slices(depth_map, R, centres, d.offset)
     )
-    groups = excitations.response_groups(excitation(case, side), defect, rows, R)
-    if middles is not None and len(groups) != len(middles):
+    groups = excitations.response_groups(build_excitation(case, side), depth_map, path_groups, R)
+    if centres is not None and len(groups) != len(centres):
         raise Refused(f"`{case.excitation}` cannot act on sliced rollers", "use `excitation: envelope`")
     return groups
 
 
-def traced_groups(case: Case, defect: Any, side: int, middles: Positions | None) -> tuple[list, list]:
-    """Build groups and paths of a traced defect along the contact, or at given slices."""
+def build_traced_groups(case: Case, depth_map: Any, side: int, centres: Positions | None) -> tuple[list, list]:
+    """Build the groups and paths of a traced defect, along the contact or at the centres of slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
-    if middles is not None:
-        return slice_paths(defect, R, middles)
-    return group_paths(defect, R, cut_along_roller(defect, L_w, case.contact.length_nodes))
+    if centres is not None:
+        return slice_paths(depth_map, R, centres)
+    return group_paths(depth_map, R, cut_along_roller(depth_map, L_w, case.contact.length_nodes))

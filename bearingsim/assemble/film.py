@@ -1,7 +1,8 @@
-"""Damping law `film`: oil film between rolling element and race, plus hysteresis, as a table.
+"""Damping law `film`: oil film between rolling element and race, and hysteresis, as a table.
 
-``core/laws/oil_film.py`` gives the damping of a film under a load; this module tabulates it over the approach with
-the elastic law in use. Rollers roll without slip at the speed of the case, which has no ramp.
+``core/laws/oil_film.py`` computes the damping of a film from the load. This module tabulates it over the approach,
+with the load of the case's elastic law. The film is that of pure rolling at the speed of the case, so a case with
+a ramp is rejected (``config/rules/conflicts.py``).
 """
 
 from functools import lru_cache
@@ -25,21 +26,22 @@ from bearingsim.core.laws.oil_film import (
 )
 from bearingsim.core.laws.stiffness.interface import curve
 
-MAX_APPROACH = 1e-4  # m, largest approach of the table, larger than in any bearing; damping is constant above it
-DIFFERENCE = 1e-5  # finite-difference step, relative to the approach
-LINE, STRIP = 0.5, 1.0 / 3.0  # exponents of the load in the half widths of rollers and of balls
+MAX_APPROACH = 1e-4  # m; above it, which no bearing reaches, the tabulated damping is constant
+DIFFERENCE_STEP = 1e-5  # finite-difference step, relative to the approach
+LINE_WIDTH_EXPONENT, POINT_WIDTH_EXPONENT = 0.5, 1.0 / 3.0  # of the load in the half width of a Hertzian contact
 
 
 class LubricatedContact(NamedTuple):
-    """Parameters of the damping of one contact.
+    """Parameters of the damping of a rolling element's contact with one race.
 
-    stiffness, other: elastic laws of this race and of the other; point: contact of a ball, None for a roller;
-    line: contact of a roller (for a ball its length and radius are not used); mass: mass of the element (kg);
-    at_natural_frequency: whether the film is evaluated at the element's natural frequency, not at frequency 0.
+    stiffness, other_stiffness: elastic laws of this race and of the other; point: contact of a ball, None for a
+    roller; line: contact of a roller (length and radius are not used for a ball); mass: of the element (kg);
+    loss_factor: of the hysteresis; at_natural_frequency: True if the film's damping is evaluated at the natural
+    frequency of the element, False if at frequency 0.
     """
 
     stiffness: Any
-    other: Any
+    other_stiffness: Any
     point: PointContact | None
     line: LubricatedLine
     mass: float
@@ -47,8 +49,14 @@ class LubricatedContact(NamedTuple):
     at_natural_frequency: bool
 
 
-def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_outer: bool) -> Tabulated:
-    """Build the contact law of one race; point: contact of a ball, None for a roller."""
+def build_film_law(
+    case: Case, stiffness: Any, other_stiffness: Any, point: PointContact | None, on_outer: bool
+) -> Tabulated:
+    """Build the contact law of one race.
+
+    stiffness, other_stiffness: elastic laws of this race and of the other; point: contact of a ball, None for a
+    roller.
+    """
     b, section = case.bearing, cast(Film, case.contact.damping)
     reduced, race = (outer_reduced_radius, outer_radius) if on_outer else (inner_reduced_radius, inner_radius)
     line = LubricatedLine(
@@ -61,20 +69,23 @@ def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_
     )
     at_natural_frequency = section.at == "own"
     contact = LubricatedContact(
-        stiffness, other, point, line, b.element_mass, section.loss_factor, at_natural_frequency
+        stiffness, other_stiffness, point, line, b.element_mass, section.loss_factor, at_natural_frequency
     )
-    return Tabulated(stiffness, table(contact, repr(contact)))
+    return Tabulated(stiffness, tabulate_damping(contact, repr(contact)))
 
 
 @lru_cache(maxsize=64)
-def table(contact: LubricatedContact, laws: str) -> np.ndarray:
-    """Tabulate c (N s/m) over the approach (m), cached; ``laws`` distinguishes laws that are equal as tuples."""
+def tabulate_damping(contact: LubricatedContact, laws: str) -> np.ndarray:
+    """Tabulate the damping (N s/m) of a contact over its approach (m), cached.
+
+    ``laws`` is part of the cache's key, because elastic laws of different types may be equal as tuples.
+    """
 
     def with_derivative(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         delta = np.minimum(y, MAX_APPROACH)
-        lower, upper = (damping(contact, delta * (1.0 + sign * DIFFERENCE)) for sign in (-1.0, 1.0))
-        constant = y > MAX_APPROACH
-        return damping(contact, delta), np.where(constant, 0.0, (upper - lower) / (2.0 * DIFFERENCE * delta))
+        lower, upper = (damping(contact, delta * (1.0 + sign * DIFFERENCE_STEP)) for sign in (-1.0, 1.0))
+        slope = (upper - lower) / (2.0 * DIFFERENCE_STEP * delta)
+        return damping(contact, delta), np.where(y > MAX_APPROACH, 0.0, slope)
 
     rows = tabulate(with_derivative)
     rows.flags.writeable = False
@@ -82,27 +93,28 @@ def table(contact: LubricatedContact, laws: str) -> np.ndarray:
 
 
 def damping(contact: LubricatedContact, delta: np.ndarray) -> np.ndarray:
-    """Compute c (N s/m) of film and hysteresis at approaches ``delta`` (m)."""
+    """Compute the damping (N s/m) of film and hysteresis at the approaches ``delta`` (m)."""
     Q, k = curve(contact.stiffness, delta)
     omega = natural_frequency(contact, Q, k)
-    line, exponent = lubricated_line(contact, Q)
+    line, exponent = equivalent_line(contact, Q)
     c = film_damping(Q, k, line, omega if contact.at_natural_frequency else 0.0, exponent)
     return c + hysteresis(k, omega, contact.loss_factor)
 
 
 def natural_frequency(contact: LubricatedContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Compute the natural frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
-    loads, stiffnesses = curve(contact.other, np.logspace(-12.0, -3.0, 400))
-    k_other = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
-    return np.sqrt((k + k_other) / contact.mass)
+    """Compute the natural frequency (rad/s) of the element on the contact stiffnesses of its two races.
 
-
-def lubricated_line(contact: LubricatedContact, Q: np.ndarray) -> tuple[LubricatedLine, float]:
-    """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of the load in the formula
-    of its half width.
+    Q: load (N) of both contacts; k: stiffness (N/m) of this race's contact under it.
     """
+    loads, stiffnesses = curve(contact.other_stiffness, np.logspace(-12.0, -3.0, 400))
+    k_other_race = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
+    return np.sqrt((k + k_other_race) / contact.mass)
+
+
+def equivalent_line(contact: LubricatedContact, Q: np.ndarray) -> tuple[LubricatedLine, float]:
+    """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of Q in its half width."""
     if contact.point is None:
-        return contact.line, LINE
+        return contact.line, LINE_WIDTH_EXPONENT
     a, b = contact.point.semi_axes(Q)
     L, R = ball_as_strip(a, b, 1.5 * Q / (pi * a * b), contact.line.E_star)
-    return contact.line._replace(L=L, R=R), STRIP
+    return contact.line._replace(L=L, R=R), POINT_WIDTH_EXPONENT

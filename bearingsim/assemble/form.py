@@ -1,4 +1,7 @@
-"""Form of a case's surfaces: Fourier coefficients of the recess, averaged over the contact, as cubic pieces."""
+"""Form of a case's surfaces: Fourier coefficients of the heights, averaged over the contact, as cubic pieces.
+
+Heights are positive where there is material; the core needs recesses, which are their negatives.
+"""
 
 from functools import lru_cache
 from math import ceil, pi
@@ -18,26 +21,31 @@ from bearingsim.core.laws import hertz
 from bearingsim.core.layout import VECTOR_WIDTH
 from bearingsim.core.parts.form import OUT_OF_REACH, Form, Race, Smooth, UnequalRollers, WavyRollers
 
-PIECES_PER_WAVE = 24
-"""Cubic pieces of the shortest wave: the largest errors of value and slope are 1.2e-5 and 1.4e-4 of its own."""
+PIECES_PER_UNDULATION = 24
+"""Cubic pieces per shortest undulation: the largest errors of its height and slope are 1.2e-5 and 1.4e-4 of their
+amplitudes."""
 OUTER_STREAM, INNER_STREAM, ROLLER_STREAM, DIAMETER_STREAM = range(4)
+"""Numbers of the independent streams of random numbers, one for each surface and one for the diameters."""
 
 
-def form(case: Case) -> Smooth | Form:
+def build_form(case: Case) -> Smooth | Form:
     """Build the form of the case's surfaces."""
     if case.surfaces is None:
         return Smooth()
     half_widths = tuple(contact_half_width(case, on_outer) for on_outer in (True, False))
     radii = outer_radius(case), inner_radius(case), case.bearing.roller_diameter / 2.0
-    point = case.bearing.element == "ball"
-    return _form(case.surfaces, case.bearing.rollers, radii, half_widths, point)
+    is_point_contact = case.bearing.element == "ball"
+    return _build_form(case.surfaces, case.bearing.rollers, radii, half_widths, is_point_contact)
 
 
 @lru_cache(maxsize=64)
-def _form(
-    surfaces: Surfaces, Z: int, radii: tuple[float, ...], half_widths: tuple[float, ...], point: bool
+def _build_form(
+    surfaces: Surfaces, Z: int, radii: tuple[float, ...], half_widths: tuple[float, ...], is_point_contact: bool
 ) -> Form:
-    """Build ``form``, cached: its arrays are read-only by convention."""
+    """Build the form of surfaces. It is cached, so callers must not modify its arrays.
+
+    radii: of outer race, inner race and rollers (m); half_widths: of the contacts with outer and inner race (m).
+    """
     R_o, R_i, R_w = radii
     races: list[Any] = []
     for surface, stream, R, b in (
@@ -47,22 +55,22 @@ def _form(
         if surface is None:
             races.append(Smooth())
             continue
-        heights = race_coefficients(surface, surfaces.seed, stream)
-        races.append(race_pieces(heights * contact_average(len(heights), b / R, point), Z))
+        amplitudes = race_coefficients(surface, surfaces.seed, stream)
+        races.append(build_race(amplitudes * contact_average(len(amplitudes), b / R, is_point_contact), Z))
     rollers: Any = Smooth()
     if surfaces.rollers is not None:
-        heights = roller_coefficients(surfaces.rollers, surfaces.seed, Z)
-        # one table serves both contacts; the wider one averages more, and both have nearly the same width
+        amplitudes = roller_coefficients(surfaces.rollers, surfaces.seed, Z)
+        # both contacts of a roller use the same table, averaged over the mean of their nearly equal widths
         b = sum(half_widths) / 2.0
-        rollers = roller_pieces(heights * contact_average(heights.shape[1], b / R_w, point))
+        rollers = build_rollers(amplitudes * contact_average(amplitudes.shape[1], b / R_w, is_point_contact))
     outer, inner = races
     return Form(outer, inner, rollers)
 
 
 def contact_half_width(case: Case, on_outer: bool) -> float:
-    """Compute the half width (m) along rolling of a contact under the largest load of the smooth bearing.
+    """Compute the half width (m) along rolling of a contact under the largest load of the healthy, smooth bearing.
 
-    It is that of the most loaded slice of rollers with profile or misalignment.
+    For rollers that are loaded unevenly along their length, it is that of the most loaded slice.
     """
     if case.bearing.element == "ball":
         return contacts.point_contact(case, on_outer).semi_axes(rest.largest_load(case, on_outer))[1]
@@ -76,140 +84,151 @@ def contact_half_width(case: Case, on_outer: bool) -> float:
     return float(hertz.half_width(line_load, 1.0, R, material.young_modulus, material.poisson_ratio))
 
 
-def contact_average(count: int, ratio: float, point: bool) -> np.ndarray:
-    """Return the part of each order's height that acts on the approach, (count,), from order 0.
+def contact_average(count: int, ratio: float, is_point_contact: bool) -> np.ndarray:
+    """Compute the fraction of each order's height that acts on the approach, (count,), from order 0.
 
-    ratio: half width of the contact over the radius of the surface. A wave k changes the force at constant
-    approach by its mean with the weights dp/dQ of the Hertzian pressure p: 1/sqrt(b^2 - x^2) in a line contact,
-    constant along rolling in a point contact, which is J_0(k b) and sin(k b)/(k b). Equation (F3) of docs/form.md.
+    ratio: half width of the contact over the radius of the surface. An undulation of wavenumber k acts by its mean
+    over the contact, weighted by dp/dQ of the Hertzian pressure p: 1/sqrt(b^2 - x^2) in a line contact, and
+    constant along rolling in a point contact. The means are J_0(k b) and sin(k b)/(k b), equation (F3) of
+    docs/form.md.
     """
     from scipy.special import j0
 
     kb = np.arange(count) * ratio
-    return np.sinc(kb / pi) if point else j0(kb)
+    return np.sinc(kb / pi) if is_point_contact else j0(kb)
 
 
-def random(seed: int, stream: int) -> np.random.Generator:
-    """Return the generator of one surface, independent of the other surfaces."""
+def random_generator(seed: int, stream: int) -> np.random.Generator:
+    """Return a generator of random numbers that is independent of those with other streams."""
     return np.random.default_rng([seed, stream])
 
 
-def phases(spectrum: Spectrum, seed: int, stream: int) -> np.random.Generator:
-    """Return the generator of the phases of a spectrum, by its own seed or that of all surfaces."""
-    return random(seed if spectrum.seed is None else spectrum.seed, stream)
+def phase_generator(spectrum: Spectrum, seed: int, stream: int) -> np.random.Generator:
+    """Return the generator of a spectrum's phases; ``seed``: default for a spectrum without its own."""
+    return random_generator(seed if spectrum.seed is None else spectrum.seed, stream)
 
 
 def harmonic_coefficients(harmonics: Any, count: int) -> np.ndarray:
-    """Return the complex amplitudes C (count,), m, of heights Re sum C_n exp(i n angle)."""
-    heights = np.zeros(count, complex)
+    """Return the complex amplitudes C_n (count,), m, of the heights Re sum C_n exp(i n angle)."""
+    amplitudes = np.zeros(count, complex)
     for harmonic in harmonics:
-        heights[harmonic.order] += harmonic.amplitude * np.exp(-1j * harmonic.phase)
-    return heights
+        amplitudes[harmonic.order] += harmonic.amplitude * np.exp(-1j * harmonic.phase)
+    return amplitudes
 
 
 def spectrum_coefficients(spectrum: Any, generator: np.random.Generator, count: int) -> np.ndarray:
-    """Return the complex amplitudes of a random spectrum, (count,), m."""
-    heights = np.zeros(count, complex)
+    """Return the complex amplitudes of a spectrum with random phases, (count,), m."""
+    amplitudes = np.zeros(count, complex)
     low, high = spectrum.orders
     orders = np.arange(low, high + 1)
     # phases are drawn from order 1 on, so that the phase of an order does not depend on the lowest order
     phases = generator.uniform(0.0, 2.0 * pi, high)[low - 1 :]
-    heights[orders] = spectrum.amplitude * orders ** -float(spectrum.exponent) * np.exp(1j * phases)
-    return heights
+    amplitudes[orders] = spectrum.amplitude * orders ** -float(spectrum.exponent) * np.exp(1j * phases)
+    return amplitudes
 
 
 def race_coefficients(surface: RaceSurface, seed: int, stream: int) -> np.ndarray:
-    """Return the complex amplitudes of a race's heights, (orders + 1,), m."""
+    """Return the complex amplitudes of a race's heights, (highest order + 1,), m."""
     count = surface.highest_order + 1
-    heights = harmonic_coefficients(surface.harmonics, count)
+    amplitudes = harmonic_coefficients(surface.harmonics, count)
     if surface.spectrum is not None:
-        heights += spectrum_coefficients(surface.spectrum, phases(surface.spectrum, seed, stream), count)
+        amplitudes += spectrum_coefficients(
+            surface.spectrum, phase_generator(surface.spectrum, seed, stream), count
+        )
     if surface.roundness is not None:
-        heights = heights + roundness_coefficients(surface.roundness, stream == OUTER_STREAM, count)
-    return heights
+        amplitudes = amplitudes + roundness_coefficients(surface.roundness, stream == OUTER_STREAM, count)
+    return amplitudes
 
 
 def roundness_coefficients(roundness: Roundness, on_outer: bool, count: int) -> np.ndarray:
     """Return the complex amplitudes of a measured profile, (count,), m.
 
-    Raises ValueError if the file has changed since the case was built.
+    Raises ScanError for an invalid file, ValueError if the file has changed since the study was read.
     """
     digest = str(roundness.digest)
     profile = read_roundness(TRANSFERRED_FILES.get(digest, roundness.file))
     if profile.digest != digest:
         raise ValueError(f"{roundness.file} has changed since the study was read")
     measured = form_harmonics(profile, roundness.orders, on_outer)
-    heights = np.zeros(count, complex)
-    heights[: len(measured)] = measured * np.exp(-1j * roundness.angle * np.arange(len(measured)))
-    return heights
+    amplitudes = np.zeros(count, complex)
+    amplitudes[: len(measured)] = measured * np.exp(-1j * roundness.angle * np.arange(len(measured)))
+    return amplitudes
 
 
 def roller_coefficients(surface: RollerSurface, seed: int, Z: int) -> np.ndarray:
-    """Return the complex amplitudes of the rollers' heights, (Z, orders + 1), m; order 0: half of the diameter."""
+    """Return the complex amplitudes of the rollers' heights, (Z, highest order + 1), m.
+
+    Order 0 is half of the deviation of the diameter.
+    """
     count, spectrum = surface.highest_order + 1, surface.spectrum
-    generator = None if spectrum is None else phases(spectrum, seed, ROLLER_STREAM)
-    heights = np.zeros((Z, count), complex)
+    generator = None if spectrum is None else phase_generator(spectrum, seed, ROLLER_STREAM)
+    amplitudes = np.zeros((Z, count), complex)
     for j in range(Z):
         roller_harmonics = [harmonic for harmonic in surface.harmonics if harmonic.roller in (None, j + 1)]
-        heights[j] = harmonic_coefficients(roller_harmonics, count)
+        amplitudes[j] = harmonic_coefficients(roller_harmonics, count)
         if generator is not None:
-            heights[j] += spectrum_coefficients(spectrum, generator, count)
-    heights[:, 0] += 0.5 * diameter_deviations(surface, seed, Z)
-    return heights
+            amplitudes[j] += spectrum_coefficients(spectrum, generator, count)
+    amplitudes[:, 0] += 0.5 * diameter_deviations(surface, seed, Z)
+    return amplitudes
 
 
 def diameter_deviations(surface: RollerSurface, seed: int, Z: int) -> np.ndarray:
-    """Return the deviation of each roller's diameter (Z,), m; a scatter has a mean of zero."""
+    """Return the deviation of each roller's diameter, (Z,), m; the mean of random deviations is zero."""
     if surface.diameter is None:
         return np.zeros(Z)
     if surface.diameter.deviations is not None:
         return np.array(surface.diameter.deviations)
-    values = random(seed, DIAMETER_STREAM).uniform(-0.5, 0.5, Z)
+    values = random_generator(seed, DIAMETER_STREAM).uniform(-0.5, 0.5, Z)
     values *= float(surface.diameter.scatter or 0.0) / np.ptp(values)
     return values - values.mean()
 
 
-def pieces(heights: np.ndarray, count: int) -> np.ndarray:
-    """Return the cubic pieces (count, 4, ...), m, of surfaces with the amplitudes ``heights`` (..., orders)."""
-    orders = np.arange(heights.shape[-1])
+def cubic_pieces(amplitudes: np.ndarray, count: int) -> np.ndarray:
+    """Compute the cubic pieces of the recesses, (count, 4, ...), m, by Hermite interpolation.
+
+    amplitudes: complex amplitudes (..., orders) of the heights, m.
+    """
+    orders = np.arange(amplitudes.shape[-1])
     values, slopes = (
-        _samples(factor * heights, count) for factor in (-np.ones(len(orders)), -1j * orders * (2.0 * pi / count))
+        _samples(factor * amplitudes, count)
+        for factor in (-np.ones(len(orders)), -1j * orders * (2.0 * pi / count))
     )
     next_values, next_slopes = np.roll(values, -1, axis=-1), np.roll(slopes, -1, axis=-1)
     change = next_values - values
-    rows = values, slopes, 3.0 * change - 2.0 * slopes - next_slopes, slopes + next_slopes - 2.0 * change
-    return np.ascontiguousarray(np.moveaxis(np.stack(rows), (0, -1), (1, 0)))
+    coefficients = values, slopes, 3.0 * change - 2.0 * slopes - next_slopes, slopes + next_slopes - 2.0 * change
+    return np.ascontiguousarray(np.moveaxis(np.stack(coefficients), (0, -1), (1, 0)))
 
 
 def _samples(amplitudes: np.ndarray, count: int) -> np.ndarray:
-    """Return Re sum C_n exp(i n angle) at ``count`` angles, (..., count)."""
+    """Evaluate Re sum C_n exp(i n angle) at ``count`` even angles, (..., count)."""
     spectrum = np.zeros((*amplitudes.shape[:-1], count // 2 + 1), complex)
     spectrum[..., : amplitudes.shape[-1]] = 0.5 * count * amplitudes
     spectrum[..., 0] = count * amplitudes[..., 0]
     return np.fft.irfft(spectrum, count)
 
 
-def race_pieces(heights: np.ndarray, Z: int) -> Race:
-    """Arrange the pieces of a race in sectors (``core/parts/form.py``)."""
-    per_sector = max(1, ceil(PIECES_PER_WAVE * (len(heights) - 1) / Z))
-    by_sector = pieces(heights, per_sector * Z).reshape(Z, per_sector, 4)
+def build_race(amplitudes: np.ndarray, Z: int) -> Race:
+    """Build the form of a race, with its cubic pieces in ``Z`` sectors (``core/parts/form.py``)."""
+    per_sector = max(1, ceil(PIECES_PER_UNDULATION * (len(amplitudes) - 1) / Z))
+    by_sector = cubic_pieces(amplitudes, per_sector * Z).reshape(Z, per_sector, 4)
     columns = (np.arange(1 + Z + _lanes(Z)) - 1) % Z
     table = np.ascontiguousarray(by_sector[columns].transpose(1, 2, 0))
     return Race(table, table.ravel(), np.where(np.arange(_lanes(Z)) < Z, 0.0, OUT_OF_REACH))
 
 
-def roller_pieces(heights: np.ndarray) -> UnequalRollers | WavyRollers:
-    """Arrange the pieces of the rollers, one lane for each (``core/parts/form.py``)."""
-    Z, orders = len(heights), heights.shape[1] - 1
-    if orders == 0:
+def build_rollers(amplitudes: np.ndarray) -> UnequalRollers | WavyRollers:
+    """Build the form of the rollers, with one lane for each (``core/parts/form.py``)."""
+    Z, highest_order = len(amplitudes), amplitudes.shape[1] - 1
+    if highest_order == 0:
         recess = np.zeros(_lanes(Z))
-        recess[:Z] = -heights[:, 0].real
+        recess[:Z] = -amplitudes[:, 0].real
         return UnequalRollers(recess)
-    count = PIECES_PER_WAVE * orders  # even
+    count = PIECES_PER_UNDULATION * highest_order  # even, as ``WavyRollers`` requires
     table = np.zeros((count, 4, _lanes(Z)))
-    table[:, :, :Z] = pieces(heights, count)
+    table[:, :, :Z] = cubic_pieces(amplitudes, count)
     return WavyRollers(table, table.ravel())
 
 
 def _lanes(Z: int) -> int:
+    """Round the number of rollers up to whole vectors."""
     return -(-Z // VECTOR_WIDTH) * VECTOR_WIDTH

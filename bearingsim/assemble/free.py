@@ -1,4 +1,7 @@
-"""Parameters of ``planar``: inner ring, friction, cage, drag, shaft; assumed values for unspecified dimensions."""
+"""Parameters of ``planar`` that simpler models do not have: inner ring, friction, cage, drag and shaft.
+
+Dimensions that the case does not specify have assumed values.
+"""
 
 from math import pi
 from typing import Any
@@ -17,49 +20,52 @@ from bearingsim.core.parts import cage as cages
 from bearingsim.core.parts import shaft as shafts
 
 STANDARD_GRAVITY = 9.80665  # m/s^2
-CAGE_THICKNESS = 0.35  # radial thickness over the roller's diameter (assumed)
-CAGE_WIDTH = 0.7  # width over that of the bearing (assumed)
-CAGE_SOLIDITY = 0.5  # share of solid material in the cage's ring, the rest being pockets (assumed)
-LAND_DISTANCE = 0.35  # distance from pitch circle to guiding land over the roller's diameter (assumed)
+CAGE_THICKNESS = 0.35  # radial thickness of the cage, relative to the roller's diameter (assumed)
+CAGE_WIDTH = 0.7  # width of the cage, relative to that of the bearing (assumed)
+CAGE_SOLIDITY = 0.5  # fraction of the cage's ring that is material; the rest is pockets (assumed)
+LAND_DISTANCE = (
+    0.35  # distance of the guiding land from the pitch circle, relative to the roller's diameter (assumed)
+)
 
 
-def motion(case: Case) -> Any:
-    """Build the motion of the inner ring; a ramp to the initial speed is steady."""
+def build_motion(case: Case) -> Any:
+    """Build the motion of the inner ring: steady, or a ramp to another speed."""
     if case.ramp is None or case.ramp.to == case.speed:
         return Steady()
     return Ramp(float(case.ramp.to / case.speed), float(case.ramp.time))
 
 
-def friction(case: Case) -> Any:
-    """Build the friction law of the contacts between rollers and races, as registered in the catalogue."""
+def build_friction(case: Case) -> Any:
+    """Build the friction law of rollers on races by its ``build(section)`` in the catalogue."""
     section: Any = case.friction
     return call(LAWS["friction"][section.law].build, section) if section else Frictionless()
 
 
-def static_dynamic(section: Any) -> StaticDynamic:
+def build_static_dynamic(section: Any) -> StaticDynamic:
     """Build the static-dynamic friction curve."""
     return StaticDynamic(section.static, section.dynamic, section.static_speed, section.dynamic_speed)
 
 
-def traction(section: Any) -> Traction:
+def build_traction(section: Any) -> Traction:
     """Build the traction curve."""
     return Traction(section.a, section.b, section.c, section.d)
 
 
-def frictionless(section: Any) -> Frictionless:
+def build_frictionless(section: Any) -> Frictionless:
     """Build the law without friction."""
     return Frictionless()
 
 
 def cage_mass(case: Case) -> float:
-    """Return the mass (kg) of the cage: that of the case, or else of a perforated ring of the bearing's material
-    at the pitch circle.
+    """Return the mass (kg) of the cage.
+
+    Unless the case specifies it, it is that of a perforated ring of the bearing's material on the pitch circle.
     """
     b, mass = case.bearing, case.cage.mass if case.cage else None
     if mass is not None:
         return mass
-    section = CAGE_THICKNESS * b.roller_diameter * CAGE_WIDTH * b.width
-    return b.material.density * CAGE_SOLIDITY * section * pi * b.pitch_diameter
+    cross_section = CAGE_THICKNESS * b.roller_diameter * CAGE_WIDTH * b.width
+    return b.material.density * CAGE_SOLIDITY * cross_section * pi * b.pitch_diameter
 
 
 def land_radius(case: Case, on_outer: bool) -> float:
@@ -68,25 +74,25 @@ def land_radius(case: Case, on_outer: bool) -> float:
     return b.pitch_diameter / 2.0 + (LAND_DISTANCE if on_outer else -LAND_DISTANCE) * b.roller_diameter
 
 
-def cage(case: Case) -> Any:
-    """Build the cage, with its pockets and its guide."""
+def build_cage(case: Case) -> Any:
+    """Build the cage with its pockets and its guidance."""
     c = case.cage or config.Cage()
     if c.motion == "kinematic":
         return cages.KinematicCage()
     m, law = cage_mass(case), HuntCrossley(Linear(c.pocket_stiffness), c.pocket_damping)
-    friction = static_dynamic(c.friction)
+    friction = build_static_dynamic(c.friction)
     return cages.FreeCage(
         m=float(m),
         inertia=float(m * (case.bearing.pitch_diameter / 2.0) ** 2),
         play=c.pocket_clearance / 2.0,
         pocket=law,
         friction=friction,
-        guide=guide(case, c, law, friction),
+        guide=build_guide(case, c, law, friction),
     )
 
 
-def guide(case: Case, c: config.Cage, law: Any, friction: Any) -> Any:
-    """Build the guide of the cage."""
+def build_guide(case: Case, c: config.Cage, law: Any, friction: Any) -> Any:
+    """Build the guidance of the cage, with the contact law and friction of its contacts."""
     if c.guide == "centred":
         return cages.Centred()
     if c.guide == "rollers":
@@ -97,7 +103,7 @@ def guide(case: Case, c: config.Cage, law: Any, friction: Any) -> Any:
     )
 
 
-def drag(case: Case) -> Any:
+def build_drag(case: Case) -> Any:
     """Build the oil drag on rollers and cage."""
     d, b = case.drag, case.bearing
     if d is None:
@@ -112,15 +118,15 @@ def drag(case: Case) -> Any:
     )
 
 
-def shaft(case: Case) -> Any:
-    """Build the support of the inner ring."""
+def build_shaft(case: Case) -> Any:
+    """Build the radial support of the inner ring by the shaft."""
     s, u = case.shaft, case.unbalance
     if s is None:
         return shafts.RigidShaft()
     return shafts.ElasticShaft(s.mass, s.stiffness, s.damping, u.mass_radius if u else 0.0, u.angle if u else 0.0)
 
 
-def bracket(case: Case) -> Any:
+def build_bracket(case: Case) -> Any:
     """Build the torsional support of the outer ring."""
     rig = case.rig
     if rig.torsion_stiffness is None:
@@ -129,14 +135,17 @@ def bracket(case: Case) -> Any:
 
 
 def gravity(case: Case) -> float:
-    """Return the gravitational acceleration (m/s^2), towards the most loaded position; 0 without gravity."""
+    """Return the gravitational acceleration (m/s^2), which acts along the load line; 0 if the case excludes it."""
     return STANDARD_GRAVITY if case.gravity else 0.0
 
 
 def initial_pocket_angles(case: Case) -> Any:
-    """Draw initial angles (Z,) of the rollers, in rad from the pocket centres; 0 without a seed or a free cage."""
-    retainer = cage(case)
-    if case.seed == 0 or not isinstance(retainer, cages.FreeCage):
+    """Draw the initial angles (Z,) of the rollers from their pockets' centres (rad).
+
+    They are zero if the seed is 0 or the cage is kinematic.
+    """
+    cage = build_cage(case)
+    if case.seed == 0 or not isinstance(cage, cages.FreeCage):
         return 0.0
-    max_angle = retainer.play / (case.bearing.pitch_diameter / 2.0)
+    max_angle = cage.play / (case.bearing.pitch_diameter / 2.0)
     return np.random.default_rng(case.seed).uniform(-max_angle, max_angle, case.bearing.rollers)

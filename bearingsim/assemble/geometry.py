@@ -1,4 +1,4 @@
-"""Masses, radii and kinematic speeds of a case's bearing."""
+"""Geometry, masses, moments of inertia and kinematic speeds of a case's bearing."""
 
 from math import pi
 
@@ -9,7 +9,7 @@ from bearingsim.core.parameters import Bearing
 
 
 def outer_radius(case: Case) -> float:
-    """Compute the radius (m) of the outer race, whose diameter includes half of the (diametral) clearance.
+    """Compute the radius (m) of the outer race: half of the diametral clearance is added to its nominal diameter.
 
     Equation (M1) of docs/model.md.
     """
@@ -17,7 +17,7 @@ def outer_radius(case: Case) -> float:
 
 
 def inner_radius(case: Case) -> float:
-    """Compute the radius (m) of the inner race, whose diameter is reduced by half of the (diametral) clearance.
+    """Compute the radius (m) of the inner race: half of the diametral clearance reduces its nominal diameter.
 
     Equation (M1) of docs/model.md.
     """
@@ -25,7 +25,10 @@ def inner_radius(case: Case) -> float:
 
 
 def ring_mass(case: Case) -> float:
-    """Return the mass (kg) of the outer ring: that of the rig, or else of a tube from race to outside diameter."""
+    """Return the mass (kg) of the outer ring.
+
+    Unless the rig specifies it, it is that of a hollow cylinder from race to outside diameter.
+    """
     if case.rig.ring_mass is not None:
         return case.rig.ring_mass
     b = case.bearing
@@ -33,18 +36,18 @@ def ring_mass(case: Case) -> float:
 
 
 def roller_inertia(case: Case) -> float:
-    """Compute the moment of inertia (kg m^2) of a rolling element about its axis: a solid cylinder or sphere."""
+    """Compute the moment of inertia (kg m^2) of a rolling element, a solid cylinder or sphere, about its axis."""
     factor = 1.0 / 2.0 if case.bearing.element == "roller" else 2.0 / 5.0
     return factor * case.bearing.element_mass * (case.bearing.roller_diameter / 2.0) ** 2
 
 
 def ring_inertia(case: Case) -> float:
-    """Compute the moment of inertia (kg m^2) of the outer ring, taken as a tube, about its axis."""
+    """Compute the moment of inertia (kg m^2) of the outer ring, a hollow cylinder, about its axis."""
     return ring_mass(case) * ((case.bearing.outside_diameter / 2.0) ** 2 + outer_radius(case) ** 2) / 2.0
 
 
-def bearing(case: Case) -> Bearing:
-    """Collect geometry, masses and speeds of the case's bearing; m_r or I_r is 0 if the model does not use it."""
+def build_bearing(case: Case) -> Bearing:
+    """Build the parameters of the case's bearing; m_r and I_r are 0 if the model does not use them."""
     b = case.bearing
     return Bearing(
         Z=b.rollers,

@@ -1,4 +1,4 @@
-"""Parameters of ``impulse``: the oscillators of the ring, and times and strengths of the impulses."""
+"""Parameters of ``impulse``: the ring as two oscillators, and the times and strengths of the impulses."""
 
 from math import atan2
 from typing import Any
@@ -17,21 +17,22 @@ from bearingsim.core.parameters import Support
 from bearingsim.core.sampling import RESAMPLE_REACH
 
 EXTRA_PASSES = 4  # ball passes of the train beyond record and filters, for the last steps of a run
+MIN_SETTLING_TIME = 0.05  # s, minimum settling time, used while `settle: auto` has not been resolved
 
 
-UNRESOLVED_S = 0.05  # s, used for `settle: auto` in a case without a resolved value: the minimum settling time
+def build_model(case: Case, support: Support) -> Impulse:
+    """Build the ring as two oscillators, with the mean stiffness and damping of the healthy bearing at rest.
 
-
-def model(case: Case, support: Support) -> Impulse:
-    """Build the ring as two oscillators with the mean static stiffness and damping of the healthy bearing."""
-    equilibrium, b = healthy_equilibrium(case), geometry.bearing(case)
+    support: load and bracket, whose stiffness and damping act in parallel with those of the rollers.
+    """
+    equilibrium, b = healthy_equilibrium(case), geometry.build_bearing(case)
     c_x, c_y = healthy_damping(case)
-    filters = RESAMPLE_REACH / case.sampling
-    settle = case.settle if isinstance(case.settle, float) else UNRESOLVED_S
-    end = settle + case.duration + filters + EXTRA_PASSES / case.bearing.ball_pass_frequency(case.speed)
-    pairs = defects.roller_defect_pairs(case)
+    filter_time = RESAMPLE_REACH / case.sampling
+    settle = case.settle if isinstance(case.settle, float) else MIN_SETTLING_TIME
+    end = settle + case.duration + filter_time + EXTRA_PASSES / case.bearing.ball_pass_frequency(case.speed)
+    pairs = defects.pair_defects(case)
     zone = load_zone(case, equilibrium.K_x + support.k_b, equilibrium.K_y + support.k_b)
-    impulses = _train(case, zone, pairs, end)
+    impulses = _build_train(case, zone, pairs, end)
     return Impulse(
         bearing=b,
         m=b.m_o,
@@ -45,8 +46,9 @@ def model(case: Case, support: Support) -> Impulse:
     )
 
 
-def _train(case: Case, zone: LoadZone, pairs: list[RollerDefectPair], end: float) -> Any:
-    b = geometry.bearing(case)
+def _build_train(case: Case, zone: LoadZone, pairs: list[RollerDefectPair], end: float) -> Any:
+    """Build the train of impulses from t = 0 to ``end`` (s)."""
+    b = geometry.build_bearing(case)
     if case.excitation == "random-impulses":
         return random_train(b, zone, pairs, 0.0, end, np.random.default_rng(case.seed))
     return train(b, zone, pairs, 0.0, end)
@@ -55,15 +57,15 @@ def _train(case: Case, zone: LoadZone, pairs: list[RollerDefectPair], end: float
 def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
     """Compute the static load zone of the healthy bearing.
 
-    K_x, K_y: stiffness of the ring with its bracket (N/m).
+    K_x, K_y: stiffness (N/m) of the ring on rollers and bracket.
     """
     equilibrium = healthy_equilibrium(case)
-    shift = equilibrium.approach + case.clearance / 2.0
+    displacement = equilibrium.approach + case.clearance / 2.0  # of the ring from the concentric position
     return LoadZone(
         q_0=equilibrium.load,
         delta_0=equilibrium.approach,
-        epsilon=0.5 * (1.0 - case.clearance / (2.0 * shift)),
-        n=_exponent(contacts.outer(case).stiffness),
+        epsilon=0.5 * (1.0 - case.clearance / (2.0 * displacement)),
+        n=_exponent(contacts.build_outer_law(case).stiffness),
         axis=atan2(case.load_across, case.load),
         K_x=K_x,
         K_y=K_y,
@@ -71,5 +73,5 @@ def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
 
 
 def _exponent(law: Any) -> float:
-    """Return the exponent of a law; that of a line contact if the law is not a power of the approach."""
+    """Return the exponent of a stiffness law; that of a line contact if the law is not a power of the approach."""
     return float(as_power(law)[1] or LINE_CONTACT_EXPONENT)

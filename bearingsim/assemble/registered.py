@@ -1,4 +1,4 @@
-"""Checks that model, method, laws and features of a case, possibly from extensions, are complete."""
+"""Checks that the model, method and laws of a case, and all features, have the functions that they need."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -26,38 +26,47 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.errors import UserError
 
-DAMPING = (normal_force, stiffness_bound, damping_bound), (derivatives,)
-STIFFNESS = (elastic, tangent), (curvature,)
-FRICTION = (mu, mu_derivative_bound), (mu_derivative,)
-"""Functions of a kind of law that every method needs, and derivatives that implicit methods need."""
-MODEL = (
+DAMPING_FUNCTIONS = (normal_force, stiffness_bound, damping_bound), (derivatives,)
+STIFFNESS_FUNCTIONS = (elastic, tangent), (curvature,)
+FRICTION_FUNCTIONS = (mu, mu_derivative_bound), (mu_derivative,)
+"""Functions of laws that every method needs, and derivatives that implicit methods need."""
+MODEL_FUNCTIONS = (
     (state_width, begin, update_extremes, monitored, stiffness_per_mass, damping_per_mass, count_crossings),
     (linearise, degrees_of_freedom),
 )
-METHOD = (step, stability_ratio), ()
+METHOD_FUNCTIONS = (step, stability_ratio), ()
+"""Functions of models and methods that are always needed, and those that only implicit methods need."""
 
 
 def missing_functions(case: Case, implicit: bool) -> Iterator[str]:
-    """List messages on functions missing in model, method and laws of a case; ``implicit``: also derivatives."""
-    model: Any = assemble.kind(case).parameters
+    """Yield a message for each function that model, method or a law of a case lacks.
+
+    implicit: True if the functions that only implicit methods need are required, too.
+    """
+    model: Any = assemble.model_kind(case).parameters
     contact, damping = case.contact, case.contact.damping
-    yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
+    yield from _missing(f"model `{case.model}`", model, MODEL_FUNCTIONS, implicit)
     if "defects" not in model._fields and model not in count_crossings.types:
         yield f"the model `{case.model}` has neither `defects` nor a `count_crossings` of its own"
     if not MODELS[case.model].own_method and not accelerations.supports(model):
         yield f"the model `{case.model}` has no `accelerations`"
     if case.method not in (None, AUTO):
         method = assemble.kind_of_method(str(case.method)).parameters
-        yield from _missing(f"method `{case.method}`", method, METHOD, implicit)
-    law = contacts.outer(case)
-    yield from _missing(f"stiffness law `{contact.elastic_law}`", type(law.stiffness), STIFFNESS, implicit)
-    yield from _missing(f"damping law `{getattr(damping, 'law', '')}`", type(law), DAMPING, implicit)
+        yield from _missing(f"method `{case.method}`", method, METHOD_FUNCTIONS, implicit)
+    law = contacts.build_outer_law(case)
+    yield from _missing(
+        f"stiffness law `{contact.elastic_law}`", type(law.stiffness), STIFFNESS_FUNCTIONS, implicit
+    )
+    yield from _missing(f"damping law `{getattr(damping, 'law', '')}`", type(law), DAMPING_FUNCTIONS, implicit)
     if case.friction is not None:
         name = getattr(case.friction, "law", "")
-        yield from _missing(f"friction law `{name}`", type(free.friction(case)), FRICTION, implicit)
+        yield from _missing(
+            f"friction law `{name}`", type(free.build_friction(case)), FRICTION_FUNCTIONS, implicit
+        )
 
 
 def _missing(owner: str, kind: type, functions: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
+    """Yield a message for each function that is not registered for the type ``kind``."""
     required, implicit_functions = functions
     for function in (*required, *(implicit_functions if implicit else ())):
         if not function.supports(kind):
@@ -65,7 +74,10 @@ def _missing(owner: str, kind: type, functions: tuple[tuple[Any, ...], ...], imp
 
 
 def check_features() -> None:
-    """Raise UserError if a feature of an extension does not load, or was registered too late to be declared."""
+    """Raise UserError if the function of a feature cannot be loaded, or if a feature was registered too late.
+
+    Features are declared when the configuration is imported; those registered later are missing there.
+    """
     for feature in FEATURES.values():
         if not callable(code(feature.compute)):
             raise UserError(f"feature `{feature.name}`: `{feature.compute}` is not a function")

@@ -1,10 +1,10 @@
-"""Static equilibrium of the healthy bearing: largest roller load, mean damping."""
+"""Static models, and the static equilibrium of the healthy bearing: largest roller load, mean damping."""
 
 from functools import lru_cache
 from typing import Any
 
 from bearingsim.assemble import bending, contacts, geometry
-from bearingsim.assemble.reduced import waveless_case
+from bearingsim.assemble.reduced import smooth_case
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.excitations import Envelope
@@ -18,15 +18,15 @@ from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.bending import RigidRing
 from bearingsim.core.parts.form import Smooth
 
-RIGID_RING, SMOOTH = RigidRing(), Smooth()
+RIGID_RING, SMOOTH = RigidRing(), Smooth()  # defaults of arguments
 CACHED_EQUILIBRIA = 1 << 14
-"""Number of cached cases, large because a run needs all jobs of a study several times."""
+"""Number of cached equilibria, large because a run needs those of all jobs of a study several times."""
 
 
 def static_model(model: Any) -> Static:
-    """Reduce a model to the static model of its equilibrium.
+    """Reduce a model to the static model of its equilibrium, with undamped contacts and springs.
 
-    The static model neglects the tilt of sliced rollers: slices become groups with the weights of the slices.
+    The static model neglects the tilt of sliced rollers, so each slice becomes a group with the slice's weight.
     """
     defects = model.defects
     if isinstance(model, Spatial):
@@ -35,10 +35,10 @@ def static_model(model: Any) -> Static:
         defects = defects._replace(groups=groups)
     ring_bending = bending.undamped_bending(model.bending) if "bending" in model._fields else RigidRing()
     form = model.form if "form" in model._fields else SMOOTH
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, ring_bending, form)
+    return build_static(model.bearing, model.support, model.outer, model.inner, defects, ring_bending, form)
 
 
-def static_bearing(
+def build_static(
     bearing: Bearing,
     support: Support,
     outer: Any,
@@ -47,30 +47,35 @@ def static_bearing(
     ring_bending: Any = RIGID_RING,
     form: Any = SMOOTH,
 ) -> Static:
-    """Build the static model, with undamped contact laws; ring_bending: bending of the outer ring; form: of the
-    surfaces."""
+    """Build a static model, with the stiffness laws of ``outer`` and ``inner`` but without their damping.
+
+    ring_bending: bending of the outer ring; form: form of the surfaces.
+    """
     laws = Undamped(outer.stiffness), Undamped(inner.stiffness)
     return Static(bearing, support, *laws, defects, ring_bending, form)
 
 
 def largest_load(case: Case, on_outer: bool = True) -> float:
-    """Compute the largest static force (N) of a race on a roller of the healthy, smooth bearing without bracket,
-    over a ball pass."""
+    """Compute the largest static force (N) of a race on the most loaded roller over a ball pass.
+
+    The bearing is healthy, smooth and without bracket. Raises ``NoEquilibrium`` if it has no equilibrium.
+    """
     equilibrium = healthy_equilibrium(case)
     return equilibrium.load if on_outer else equilibrium.inner_load
 
 
 def healthy_equilibrium(case: Case) -> MeanEquilibrium:
-    """Compute the static equilibrium of the healthy, smooth bearing without bracket, over a ball pass.
+    """Compute the static equilibrium of the healthy, smooth bearing without bracket, averaged over a ball pass.
 
-    Its rollers have their mean diameter, which acts as a clearance. Waviness is neglected, because these loads
-    characterise the bearing, not one crest under one roller.
+    Its rollers have their mean diameter, whose deviation acts as a clearance. Waviness is neglected, because the
+    equilibrium characterises the bearing, not the crest of an undulation under one roller. Raises
+    ``NoEquilibrium`` if there is no equilibrium.
     """
-    case = waveless_case(case)
+    case = smooth_case(case)
     outer, inner = _undamped_laws(case)
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
     laws = outer, inner, repr((outer, inner))
-    return _equilibrium(geometry.bearing(case), *laws, case.load, case.load_across, ring)
+    return _equilibrium(geometry.build_bearing(case), *laws, case.load, case.load_across, ring)
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
@@ -83,24 +88,27 @@ def _equilibrium(
     F_across: float,
     ring: bending.RingParameters | None,
 ) -> MeanEquilibrium:
-    """Compute ``healthy_equilibrium``, cached; ``law_names`` distinguishes types of laws that compare equal."""
-    model = _without_bracket(bearing, outer, inner, F, F_across, ring, SMOOTH)
+    """Compute ``healthy_equilibrium``, cached.
+
+    ``law_names`` is part of the cache's key, because laws of different types may be equal as tuples.
+    """
+    model = _build_without_bracket(bearing, outer, inner, F, F_across, ring, SMOOTH)
     return mean_equilibrium(model, lay.buffer(bearing.Z, bearing.m_r))
 
 
-def healthy_static_model(case: Case, form: Any) -> Static:
-    """Build the static model of the healthy bearing without bracket; form: form of its surfaces."""
+def build_healthy_static(case: Case, form: Any) -> Static:
+    """Build the static model of the healthy bearing without bracket. form: form of its surfaces."""
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
     laws = _undamped_laws(case)
-    return _without_bracket(geometry.bearing(case), *laws, case.load, case.load_across, ring, form)
+    return _build_without_bracket(geometry.build_bearing(case), *laws, case.load, case.load_across, ring, form)
 
 
 def _undamped_laws(case: Case) -> tuple[Undamped, Undamped]:
     """Return the undamped laws of the contacts with outer and inner race."""
-    return Undamped(contacts.stiffness(case, True)), Undamped(contacts.stiffness(case, False))
+    return Undamped(contacts.build_stiffness_law(case, True)), Undamped(contacts.build_stiffness_law(case, False))
 
 
-def _without_bracket(
+def _build_without_bracket(
     bearing: Bearing,
     outer: Any,
     inner: Any,
@@ -109,15 +117,19 @@ def _without_bracket(
     ring: bending.RingParameters | None,
     form: Any,
 ) -> Static:
+    """Build the static model of a healthy bearing without bracket, under the loads ``F`` and ``F_across`` (N)."""
     on_carrier = ring is not None and ring.load_path.carried
     support = Support(*((0.0, 0.0) if on_carrier else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     ring_bending = RigidRing() if ring is None else bending.undamped_bending(bending.build_bending(ring))
-    return static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending, form)
+    return build_static(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending, form)
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:
-    """Compute the mean static damping (N s/m) of the ring by the rollers of the healthy bearing, along x and y."""
-    bearing, support = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
-    outer, inner = contacts.outer(case), contacts.inner(case)
-    model = static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()))
+    """Compute the damping (N s/m) of the ring along x and y by the rollers of the healthy bearing at rest.
+
+    It is averaged over a ball pass. Raises ``NoEquilibrium`` if there is no equilibrium.
+    """
+    bearing, support = geometry.build_bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
+    outer, inner = contacts.build_outer_law(case), contacts.build_inner_law(case)
+    model = build_static(bearing, support, outer, inner, pack_defects([], Envelope()))
     return mean_ring_damping(model, outer, inner, lay.buffer(bearing.Z, bearing.m_r))

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 from bearingsim.assemble import contacts, free, geometry, space
-from bearingsim.assemble.reduced import static_case, waveless_case
+from bearingsim.assemble.reduced import smooth_case, static_case
 from bearingsim.assemble.rest import largest_load, static_model
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
@@ -17,40 +17,41 @@ from bearingsim.core.parameters import Support
 
 
 def largest_line_load(case: Case, on_outer: bool) -> float:
-    """Compute the largest static line load (N/m) at a race of the healthy, smooth bearing without bracket.
+    """Compute the largest static line load (N/m) of a race on a roller over a ball pass.
 
-    The largest is over a ball pass; of a slice with profile or misalignment, and of the mean over the roller's
-    length without.
+    The bearing is healthy, smooth and without bracket. With a roller profile or misalignment, it is the line load
+    of the most loaded slice, else the load of the most loaded roller over its length. Raises ``NoEquilibrium`` if
+    there is no equilibrium.
     """
     if not space.unevenly_loaded(case):
         return largest_load(case, on_outer) / contacts.roller_length(case)
-    equilibrium = equilibrium_in_space(static_case(waveless_case(case)))
+    equilibrium = equilibrium_in_space(static_case(smooth_case(case)))
     return equilibrium.outer_line_load if on_outer else equilibrium.inner_line_load
 
 
 @lru_cache(maxsize=256)
 def equilibrium_in_space(case: Case) -> MeanSpatialEquilibrium:
-    """Compute the static equilibrium of a healthy, smooth case over a ball pass."""
+    """Compute the static equilibrium of a healthy, smooth case without bracket, over a ball pass."""
     model = Spatial(
-        bearing=geometry.bearing(case),
+        bearing=geometry.build_bearing(case),
         support=Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0),
-        outer=Undamped(contacts.stiffness(case, True)),
-        inner=Undamped(contacts.stiffness(case, False)),
+        outer=Undamped(contacts.build_stiffness_law(case, True)),
+        inner=Undamped(contacts.build_stiffness_law(case, False)),
         defects=pack_defects([], Envelope()),
-        motion=free.motion(case),
-        friction=free.friction(case),
-        cage=free.cage(case),
-        drag=free.drag(case),
-        shaft=free.shaft(case),
-        bracket=free.bracket(case),
+        motion=free.build_motion(case),
+        friction=free.build_friction(case),
+        cage=free.build_cage(case),
+        drag=free.build_drag(case),
+        shaft=free.build_shaft(case),
+        bracket=free.build_bracket(case),
         gravity=free.gravity(case),
-        slices=space.slices(case),
+        slices=space.build_slices(case),
         L_w=contacts.roller_length(case),
-        I_t=space.roller_inertia_across(case),
-        mount_o=space.outer_mount(case),
-        mount_i=space.inner_mount(case),
-        flanges=space.flanges(case),
-        cage_z=space.cage_in_space(case),
+        I_t=space.transverse_roller_inertia(case),
+        mount_o=space.build_outer_mount(case),
+        mount_i=space.build_inner_mount(case),
+        flanges=space.build_flanges(case),
+        cage_z=space.build_cage_in_space(case),
     )
     y = lay.buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
     solve_in_cpu_time(solve_initial_equilibrium, static_model(model), 0.0, y)

@@ -25,8 +25,11 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.parts.form import Race, Smooth, UnequalRollers
 
-MIN_STEPS_PER_CROSSING = 8  # with fewer steps a method may skip a defect
-DAMPER_TOLERANCE = 1e-3  # largest change of a damping force by an error in velocity, relative to the load
+MIN_STEPS_PER_CROSSING = 8  # with fewer steps per crossing, a method may miss a defect
+DAMPER_TOLERANCE = (
+    1e-3  # limit of the error of the damping force due to that of the velocity, relative to the load
+)
+MAX_SEARCH_APPROACH = 1e9  # m, upper bound of the search for an approach
 
 
 def full_speed_case(case: Case) -> Case:
@@ -45,19 +48,19 @@ def crossing_time(model: Any) -> float:
     return float(min(times, default=inf))
 
 
-def wave_time(case: Case) -> float:
-    """Compute the shortest time (s) in which a contact passes a wave of the surfaces; inf for smooth ones."""
-    b = geometry.bearing(case)
+def undulation_time(case: Case) -> float:
+    """Compute the shortest time (s) in which a contact passes an undulation; inf for smooth surfaces."""
+    b = geometry.build_bearing(case)
     speeds = {"outer": b.omega_c, "inner": b.omega_i - b.omega_c, "roller": b.omega_b}
     orders = {} if case.surfaces is None else case.surfaces.highest_orders
     return min((2.0 * pi / (order * speeds[element]) for element, order in orders.items()), default=inf)
 
 
 def closing_speed(model: Any) -> float:
-    """Estimate the closing speed (m/s) of a roller at the far edge of the steepest defect, or over the form.
+    """Bound the closing speed (m/s) of a roller at the end of the steepest defect, plus that due to the form.
 
-    The slope of the roller path is at most x/R, with x the distance from the rim at which the roller touches the
-    wall or the floor, at most half the width; the contact moves along it at the passing speed.
+    It is the passing speed times the slope x/R of the roller path, with x the distance from the rim at which the
+    roller touches the wall or the floor, but at most half of the width.
     """
     defects = model.defects
     speeds = [
@@ -71,10 +74,10 @@ def closing_speed(model: Any) -> float:
 
 
 def form_bounds(model: Any) -> tuple[float, float]:
-    """Bound the height (m) of the form at a contact, and the speed (m/s) at which it changes; 0 if smooth."""
+    """Bound the height (m) of the form at a contact, and its rate (m/s); both 0 for smooth surfaces."""
     form, b = getattr(model, "form", None), model.bearing
     surfaces = () if form is None or isinstance(form, Smooth) else form
-    height, speed = 0.0, 0.0
+    height, rate = 0.0, 0.0
     for surface, omega in zip(surfaces, (b.omega_c, b.omega_i - b.omega_c, b.omega_b), strict=False):
         if isinstance(surface, Smooth):
             continue
@@ -83,8 +86,8 @@ def form_bounds(model: Any) -> tuple[float, float]:
             continue
         count = len(surface.pieces) * (b.Z if isinstance(surface, Race) else 1)
         height += float(np.abs(surface.pieces[:, 0]).max())
-        speed += float(np.abs(surface.pieces[:, 1]).max()) * count / (2.0 * pi) * omega
-    return height, speed
+        rate += float(np.abs(surface.pieces[:, 1]).max()) * count / (2.0 * pi) * omega
+    return height, rate
 
 
 INITIAL_APPROACH = 1e-5  # m, of the order of approaches in bearings
@@ -93,7 +96,7 @@ APPROACH_TOLERANCE = 1e-14  # relative change of the last iteration: a few times
 
 
 def approach(law: Any, load: float) -> float:
-    """Compute the static approach (m) of a contact under ``load`` (N).
+    """Compute the static approach (m) of a contact under ``load`` (N); 0 for a load that is not positive.
 
     Uses Newton's method for ln Q as a function of ln delta, a straight line for a power law.
     """
@@ -110,17 +113,18 @@ def approach(law: Any, load: float) -> float:
 
 
 def load_exponent(law: Any, load: float) -> float:
-    """Compute d ln Q/d ln delta of a static contact under ``load`` (N): m of a power law k delta^m."""
+    """Compute d(ln Q)/d(ln delta) of a static contact under ``load`` > 0 (N): m of a power law k delta^m."""
     delta = approach(law, load)
     return float(delta * tangent(law.stiffness, delta) / elastic(law.stiffness, delta))
 
 
 def damping_ratio(case: Case, load: float) -> float:
-    """Compute the damping ratio of a roller between its races under ``load`` (N) at the outer one.
+    """Compute the damping ratio of a roller between its races under the load ``load`` (N) of the outer race.
 
-    Friction at races, pockets and flanges, which affects the step limit, is not included.
+    It includes the damping of the contacts with the races, but neither friction nor the contacts with cage and
+    flanges, which affect the step limit, too.
     """
-    b, laws = geometry.bearing(case), (contacts.outer(case), contacts.inner(case))
+    b, laws = geometry.build_bearing(case), (contacts.build_outer_law(case), contacts.build_inner_law(case))
     inner_load = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
     approaches = [approach(law, force) for law, force in zip(laws, (load, inner_load), strict=True)]
     C, K = (
@@ -131,20 +135,19 @@ def damping_ratio(case: Case, load: float) -> float:
 
 
 def damping_time(case: Case, load: float) -> float:
-    """Compute c/k (s), dQ/dv over dQ/d(delta), of a static contact under ``load`` (N); larger of both races."""
-    laws = contacts.outer(case), contacts.inner(case)
+    """Compute c/k (s), dQ/dv over dQ/d(delta), of static contacts under ``load`` (N): the larger of both races."""
+    laws = contacts.build_outer_law(case), contacts.build_inner_law(case)
     return float(max(damping_over_stiffness(law, approach(law, load)) for law in laws))
 
 
 def damping_over_stiffness(law: Any, delta: float) -> float:
     """Compute c/k (s) of a static contact at the approach ``delta`` (m)."""
-    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # every law has these bounds
+    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # every law, unlike the derivatives
     return float(C / K) if K > 0.0 else 0.0
 
 
 def largest_roller_drop(model: Any) -> float:
-    """Compute the largest drop (m) of a roller in a defect, where it rests on the rims or on the floor, and into
-    the form of the surfaces."""
+    """Bound the drop (m) of a roller onto the rims or the floor of a defect, plus that due to form."""
     defects = model.defects
     drops = [
         float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], rim_drop))
@@ -158,24 +161,26 @@ def largest_roller_drop(model: Any) -> float:
 
 
 def tolerances(case: Case, model: Any, full_speed_model: Any, h: float, tolerance: float) -> tuple[float, ...]:
-    """Compute the parameters of an adaptive method (``Tolerances``) with output every ``h`` (s).
+    """Compute the parameters of an adaptive method (``Tolerances``) with recorded instants every ``h`` (s).
 
-    The tolerance of positions is ``tolerance`` times the static approach. That of velocities is ``tolerance``
-    times the closing speed at a defect's edge, limited so that the damping force changes little relative to the
-    load (the dominant error with a dashpot of 1e6 N s/m). full_speed_model: the model at the highest speed of a
-    ramp, which limits the steps.
+    The tolerance of positions is ``tolerance`` times the static approach under the largest load. That of
+    velocities is ``tolerance`` times the closing speed, but limited by ``DAMPER_TOLERANCE``, because the damping
+    force is the dominant error with a damper of 1e6 N s/m. full_speed_model: model at the highest speed of a ramp,
+    which limits the steps.
     """
     F = rest.largest_load(case)
-    laws = (contacts.outer(case), contacts.inner(case))
+    laws = (contacts.build_outer_law(case), contacts.build_inner_law(case))
     delta = max(approach(law, F) for law in laws)
     c = max(damping_bound(law, approach(law, F), 0.0) for law in laws)
     speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
     atol_v = min(tolerance * speed, DAMPER_TOLERANCE * F / c if c > 0.0 else inf)
-    fastest = min(crossing_time(full_speed_model), ball_pass(full_speed_model), wave_time(full_speed_case(case)))
-    longest = fastest / MIN_STEPS_PER_CROSSING
-    return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
+    shortest_time = min(
+        crossing_time(full_speed_model), ball_pass_time(full_speed_model), undulation_time(full_speed_case(case))
+    )
+    longest_step = shortest_time / MIN_STEPS_PER_CROSSING
+    return Tolerances(h, tolerance, tolerance * delta, atol_v, longest_step)
 
 
-def ball_pass(model: Any) -> float:
-    """Compute the time (s) between passes of successive rollers over a point of the outer race."""
+def ball_pass_time(model: Any) -> float:
+    """Compute the time (s) between passes of adjacent rollers over a point of the outer race, without slip."""
     return 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)

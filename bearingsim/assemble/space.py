@@ -1,4 +1,4 @@
-"""Parameters of ``spatial`` that ``planar`` does not have: slices with the roller profile, flanges, mounts."""
+"""Parameters of ``spatial`` that ``planar`` does not have: slices, profile, mounts, flanges, cage in space."""
 
 from math import cos, sin
 from typing import Any
@@ -17,16 +17,16 @@ from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 
-FLANGE_HEIGHT = 0.2  # height over the roller's diameter (assumed)
+FLANGE_HEIGHT = 0.2  # default height of a flange, relative to the roller's diameter (assumed)
 
 
-def slices(case: Case) -> cut.Slices:
-    """Divide the roller into slices, with its profile."""
-    return cut.slices(slice_ends(case), lambda z: drop(case, z))
+def build_slices(case: Case) -> cut.Slices:
+    """Divide a roller into slices, each with the drop of the roller's profile."""
+    return cut.slices(slice_ends(case), lambda z: profile_drop(case, z))
 
 
-def drop(case: Case, z: float) -> float:
-    """Compute the reduction (m) of the roller's radius at ``z`` (m) from its middle."""
+def profile_drop(case: Case, z: float) -> float:
+    """Compute the reduction (m) of the roller's radius by its profile at ``z`` (m) from its centre."""
     b = case.bearing
     L_w, profile = roller_length(case), b.roller_profile
     match profile.shape:
@@ -38,42 +38,47 @@ def drop(case: Case, z: float) -> float:
 
 
 def unevenly_loaded(case: Case) -> bool:
-    """Check if the rollers of the healthy bearing have an uneven load along their length."""
+    """Check if the rollers of the healthy bearing are loaded unevenly along their length.
+
+    They are in a model with sliced rollers if the case has a misalignment or a roller profile.
+    """
     return MODELS[case.model].sliced and (
         case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
     )
 
 
-def roller_inertia_across(case: Case) -> float:
-    """Compute the moment of inertia (kg m^2) of a roller about a diameter, as of a cylinder."""
+def transverse_roller_inertia(case: Case) -> float:
+    """Compute the transverse moment of inertia (kg m^2) of a roller, a cylinder, about a diameter."""
     b = case.bearing
     return b.element_mass * (3.0 * (b.roller_diameter / 2.0) ** 2 + roller_length(case) ** 2) / 12.0
 
 
-def inertia_across(case: Case, m: float, about_axis: float) -> float:
-    """Compute the moment of inertia (kg m^2) about a diameter of a ring of mass ``m`` (kg) and the bearing's
-    width.
+def transverse_inertia(case: Case, m: float, about_axis: float) -> float:
+    """Compute the transverse moment of inertia (kg m^2) of a ring about a diameter.
 
-    about_axis: its moment of inertia about the axis (kg m^2).
+    m: mass of the ring (kg), which has the bearing's width; about_axis: moment of inertia about its axis (kg m^2).
     """
     return about_axis / 2.0 + m * case.bearing.width**2 / 12.0
 
 
-def outer_mount(case: Case) -> Any:
+def build_outer_mount(case: Case) -> Any:
     """Build the axial and tilting support of the outer ring by the bracket."""
-    return mount(case, case.rig, "outer", geometry.ring_mass(case), geometry.ring_inertia(case))
+    return build_mount(case, case.rig, "outer", geometry.ring_mass(case), geometry.ring_inertia(case))
 
 
-def inner_mount(case: Case) -> Any:
-    """Build the axial and tilting support of the inner ring by the shaft, with the shaft's mass."""
+def build_inner_mount(case: Case) -> Any:
+    """Build the axial and tilting support of the inner ring by the shaft, with the mass of both."""
     m = case.shaft.mass if case.shaft else 0.0
     about_axis = m * ((case.bearing.bore / 2.0) ** 2 + geometry.inner_radius(case) ** 2) / 2.0
-    return mount(case, case.shaft, "inner", m, about_axis)
+    return build_mount(case, case.shaft, "inner", m, about_axis)
 
 
-def mount(case: Case, support: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float) -> Any:
-    """Build the support of a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), with the case's
-    misalignment.
+def build_mount(
+    case: Case, support: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float
+) -> Any:
+    """Build the axial and tilting support of a ring, rigid unless both stiffnesses are given, with misalignment.
+
+    ring: `outer` or `inner`; m: mass (kg); about_axis: moment of inertia about the ring's axis (kg m^2).
     """
     misalignment = case.misalignment
     tilt = sin(getattr(misalignment, ring)) if misalignment else 0.0
@@ -84,7 +89,7 @@ def mount(case: Case, support: config.Rig | config.Shaft | None, ring: str, m: f
     return ElasticMount(
         m=float(m),
         I_a=float(about_axis),
-        I_t=float(inertia_across(case, m, about_axis)),
+        I_t=float(transverse_inertia(case, m, about_axis)),
         k_z=support.axial_stiffness,
         c_z=support.axial_damping or 0.0,
         k_tilt=support.tilting_stiffness,
@@ -94,14 +99,14 @@ def mount(case: Case, support: config.Rig | config.Shaft | None, ring: str, m: f
     )
 
 
-def flanges(case: Case) -> Any:
-    """Build the flanges of both rings; a single flange of a ring is on the side of +z.
+def build_flanges(case: Case) -> Any:
+    """Build the flanges of both rings; a single flange of a ring is on its +z side.
 
-    With a kinematic cage there are none: the axial position of a roller is prescribed, so a flange of a tilted
-    ring could not push it aside and would wedge it instead.
+    There are none with a kinematic cage, because it prescribes the axial position of a roller. A flange of a
+    tilted ring could not displace the roller and would clamp it.
     """
     f, b = case.bearing.flanges, case.bearing
-    if f is None or f.inner + f.outer == 0 or isinstance(free.cage(case), KinematicCage):
+    if f is None or f.inner + f.outer == 0 or isinstance(free.build_cage(case), KinematicCage):
         return shoulders.NoFlanges()
     return shoulders.Flanges(
         inner_minus=1.0 if f.inner > 1 else 0.0,
@@ -111,15 +116,15 @@ def flanges(case: Case) -> Any:
         play=f.clearance / 2.0,
         height=f.height or FLANGE_HEIGHT * b.roller_diameter,
         law=HuntCrossley(Linear(f.stiffness), f.damping),
-        friction=free.friction(case),
+        friction=free.build_friction(case),
     )
 
 
-def cage_in_space(case: Case) -> Any:
-    """Build the axial motion and tilt of the cage, with contacts of the rollers at the ends of their pockets."""
-    retainer, c = free.cage(case), case.cage or config.Cage()
-    if isinstance(retainer, KinematicCage):
+def build_cage_in_space(case: Case) -> Any:
+    """Build the axial motion and tilt of the cage, with contacts of the rollers and the ends of their pockets."""
+    cage, c = free.build_cage(case), case.cage or config.Cage()
+    if isinstance(cage, KinematicCage):
         return CageInPlane()
-    m, width = retainer.m, free.CAGE_WIDTH * case.bearing.width
-    about_diameter = retainer.inertia / 2.0 + m * width**2 / 12.0
-    return CageInSpace(float(about_diameter), c.axial_clearance / 2.0, retainer.pocket)
+    width = free.CAGE_WIDTH * case.bearing.width
+    about_diameter = cage.inertia / 2.0 + cage.m * width**2 / 12.0
+    return CageInSpace(float(about_diameter), c.axial_clearance / 2.0, cage.pocket)

@@ -121,7 +121,7 @@ SOLVERS: dict[str, Solver] = {name: scipy_solver(name) for name in SCIPY}
 
 def can_solve(case: Case) -> bool:
     """Check if other solvers can integrate the equations of a case, which they cannot for a flexible ring."""
-    return case.rig.ring is None and assemble.kind(case).parameters in degrees_of_freedom.types
+    return case.rig.ring is None and assemble.model_kind(case).parameters in degrees_of_freedom.types
 
 
 def solve(case: Case, solver: Solver, tolerance: float) -> tuple[dict[str, float], float, float]:

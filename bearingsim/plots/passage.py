@@ -88,9 +88,14 @@ def defects_of(case: "Case") -> Iterator[Defect]:
     from bearingsim.assemble import defects
     from bearingsim.core.defects.depth import ShiftedDefect, extent
 
-    for cluster in defects.defect_clusters(case):
-        race, R = cluster.leader.race, defects.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
-        defect = cluster.defect or ShiftedDefect(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
+    for cluster in defects.cluster_defects(case):
+        race, R = (
+            cluster.reference.race,
+            defects.reduced_radius(case, 1 if cluster.reference.race == "inner" else 0),
+        )
+        defect = cluster.depth_map or ShiftedDefect(
+            defects.build_depth_map(cluster.reference), 0.0, cluster.reference.offset
+        )
         low, high, left, right = extent(defect)
         yield Defect(race, R, cluster.angle, defect, (low, high), (left, right))
 

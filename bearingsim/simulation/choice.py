@@ -229,7 +229,7 @@ def automatic_step(case: Case, limits: Limits) -> float:
 
     For an adaptive method, which controls its own error, this is the interval between recorded instants.
     """
-    model, method, wave_step = assemble.kind(case), assemble.method_kind(case), limits.wave / STEPS_PER_WAVE
+    model, method, wave_step = assemble.model_kind(case), assemble.method_kind(case), limits.wave / STEPS_PER_WAVE
     if assemble.is_adaptive(case):
         vibration_step = (
             1.0 / limits.contact_frequency / RECORDED_PER_PERIOD if limits.damping_ratio < 1.0 else inf

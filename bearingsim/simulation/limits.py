@@ -24,7 +24,7 @@ from bearingsim.assemble.scales import (
     damping_time,
     full_speed_case,
     largest_roller_drop,
-    wave_time,
+    undulation_time,
 )
 from bearingsim.catalogue import METHODS, MODELS, simplest_model
 from bearingsim.config import Case
@@ -94,7 +94,7 @@ class SpringRates(NamedTuple):
 def step_limits(case: Case) -> Limits:
     """Return the step limits of a case with a named method. Raises ``Refused`` if there is no equilibrium."""
     try:
-        limits, rates = _common_limits(assemble.bearing_of(full_speed_case(case)))
+        limits, rates = _common_limits(assemble.bearing_case(full_speed_case(case)))
     except NoEquilibrium as error:
         raise Refused(str(error), "use a load that the rollers can carry") from error
     at_rest = step_limit(case.method, rates.K_rest, rates.C_rest)
@@ -122,7 +122,7 @@ def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
         impact_force=rest_load,
         at_impact=inf,
         crossing=inf,
-        wave=wave_time(case),
+        wave=undulation_time(case),
         approach_bound=inf,
         energy_bound=inf,
     )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.reduced import waveless_case
+from bearingsim.assemble.reduced import smooth_case
 from bearingsim.assemble.rest import CACHED_EQUILIBRIA
 from bearingsim.assemble.scales import approach, full_speed_case
 from bearingsim.catalogue import MODELS
@@ -124,7 +124,7 @@ def modes(case: Case) -> tuple[complex, ...]:
     if MODELS[case.model].memoryless:
         return ()
     try:
-        return _modes(rest_case(assemble.bearing_of(waveless_case(full_speed_case(case)))))
+        return _modes(rest_case(assemble.bearing_case(smooth_case(full_speed_case(case)))))
     except NoEquilibrium as error:
         raise Refused(str(error), "use a load that the rollers can carry") from error
 

@@ -24,7 +24,7 @@ def warm(cases: Iterable[Case], on_compile: Callable[[int, int, float], None] | 
     """
     kinds: dict[tuple, Case] = {}
     for case in cases:
-        laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
+        laws = assemble.contacts.build_outer_law(case), assemble.contacts.build_inner_law(case)
         kinds.setdefault(
             (_settings_key(choice.resolve(case)), nested_types(laws), channels.stores_raw_values(case)), case
         )

@@ -61,7 +61,7 @@ def scene_case(scene: Scene) -> Case:
 def crossing_case(model: str, defect: str, contact: dict[str, Any], delay: float = 0.0) -> Case:
     """Build the case of a loaded roller crossing three defects, ``delay`` s later than at ``CROSSING_TIMES``."""
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": model, "contact": contact}
-    omega_c = assemble.geometry.bearing(Case.model_validate(base)).omega_c
+    omega_c = assemble.geometry.build_bearing(Case.model_validate(base)).omega_c
     shape = dict(DEFECTS[defect])
     excitation = shape.pop("excitation", "envelope")
     middle = CROSSING_TIMES[len(CROSSING_TIMES) // 2]

@@ -60,7 +60,7 @@ class Evaluations:
     def __call__(self) -> float:
         """Return the CPU time (s) of an evaluation, per slice if the model has slices."""
         cpu_s = cpu_time(repeat_evaluations, self.model, 0.0, self.y, self.count) / self.count
-        return cpu_s / (assemble.slices_of(self.model) or 1)
+        return cpu_s / (assemble.slice_count(self.model) or 1)
 
 
 class Steps:

@@ -110,7 +110,7 @@ class SteppedBearing:
         return (
             self.model.bearing.Z
             * (1 if isinstance(self.model, Ring) else 2)
-            * (assemble.slices_of(self.model) or 1)
+            * (assemble.slice_count(self.model) or 1)
         )
 
 
@@ -119,7 +119,7 @@ def section(report: Section) -> None:
     bearings = {name: SteppedBearing(name) for name in MAX_RATIOS}
     by_rollers = {Z: SteppedBearing("rollers", rollers=Z, clearance="-1 um", defects=[]) for Z in ROLLERS}
     slice_bearings = [SteppedBearing("spatial", contact={"slices": n, "damping": DAMPING}) for n in SLICES]
-    by_slices = {assemble.slices_of(bearing.model): bearing for bearing in slice_bearings}
+    by_slices = {assemble.slice_count(bearing.model): bearing for bearing in slice_bearings}
     tasks: dict[str, Task] = {}
     for name, bearing in bearings.items():
         tasks |= {f"step/{name}": bearing.steps, f"forces/{name}": bearing.forces}

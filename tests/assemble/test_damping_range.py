@@ -33,7 +33,7 @@ def stiffness_and_damping(
     bearing_case: Case, on_outer: bool, shares: np.ndarray = SHARES
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return stiffness (N/m) and damping (N s/m) of one contact at shares of its static load."""
-    law, Q = contacts.contact_law(bearing_case, on_outer), static_load_of_element(bearing_case, on_outer)
+    law, Q = contacts.build_contact_law(bearing_case, on_outer), static_load_of_element(bearing_case, on_outer)
     slopes = np.array([derivatives(law, approach(law, share * Q), 0.0) for share in shares])
     return slopes[:, 0], slopes[:, 1]
 

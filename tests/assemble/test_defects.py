@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from bearingsim import assemble
-from bearingsim.assemble.defects import packed_defects, roller_defect_pairs
+from bearingsim.assemble.defects import pack_case_defects, pair_defects
 from bearingsim.assemble.rest import largest_load
 from bearingsim.core.defects.closed_forms import groups_of, roller_drop
 from bearingsim.core.defects.depth import Circular, Rectangular, Triangular
@@ -46,7 +46,7 @@ def mean_drop(defects, s, d=0):
 @pytest.mark.parametrize("shape", ["rectangular", "triangular", "circular"])
 def test_offset_does_not_matter_within_the_roller(shape):
     centred, offset = (
-        packed_defects(case(defect=SHORT | {"shape": shape, "offset": offset_text}))
+        pack_case_defects(case(defect=SHORT | {"shape": shape, "offset": offset_text}))
         for offset_text in ("0 mm", "-4.5 mm")
     )
     s = np.linspace(-5e-4, 5e-4, 41)
@@ -59,7 +59,7 @@ def test_offset_does_not_matter_within_the_roller(shape):
 @pytest.mark.parametrize("offset", ["5.5 mm", "-5.5 mm"])
 def test_part_beyond_the_roller_end_does_not_act(offset):
     """A defect of 3 mm with its middle 0.5 mm from the roller's end has 2 mm on the roller."""
-    packed = packed_defects(case(defect=SHORT | {"offset": offset}))
+    packed = pack_case_defects(case(defect=SHORT | {"offset": offset}))
     row = np.array([1.0, 4e-4, 1.0, 0.0, 5e-5])
     assert mean_drop(packed, 1e-4) == pytest.approx(
         2 / 12 * roller_drop(row, 1e-4, packed.head[0, REDUCED_RADIUS])[0], rel=1e-12
@@ -87,7 +87,7 @@ def test_spall_starts_at_the_entry_side(race, side):
     initial = case(defect=SHORT | {"shape": "spall", "race": race, "grown": "0 %"})
     model = assemble.model(initial)
     assert np.sign(passing_speed(model.defects, 0, model.bearing)) == -side
-    (pair, *_) = roller_defect_pairs(initial)
+    (pair, *_) = pair_defects(initial)
     low, high = pair.paths[-1].pieces[0, 0], pair.paths[-1].end
     assert side * low > 0.0
     assert side * high > 0.0
@@ -101,7 +101,7 @@ def test_touching_slots_equal_one_slot():
     spacing = np.degrees(4e-4 / R_O)
     half = SLOT | {"width": "0.4001 mm"}
     pair = [half | {"angle": "5 deg"}, half | {"angle": f"{5 + spacing} deg"}]
-    merged, single = packed_defects(case(defects=pair)), packed_defects(case(defect=SLOT))
+    merged, single = pack_case_defects(case(defects=pair)), pack_case_defects(case(defect=SLOT))
     assert len(merged.head) == 1
     assert np.degrees(merged.head[0, ANGLE]) == pytest.approx(5 + spacing / 2)
     assert mean_drop(merged, 0.0) == pytest.approx(mean_drop(single, 0.0), rel=1e-3)
@@ -114,7 +114,7 @@ def test_rounding_of_an_angle_leaves_no_ridge_between_touching_slots(angle, gap)
     """Two slots of 0.4 mm, touching but for rounding: a ridge would carry a roller at s = 0. The drop by hand."""
     half = SLOT | {"width": "0.4 mm"}
     pair = [half | {"angle": angle}, half | {"angle": angle + (4e-4 + gap) / R_O}]
-    packed, R = packed_defects(case(defects=pair)), 6e-3 * R_O / (R_O - 6e-3)
+    packed, R = pack_case_defects(case(defects=pair)), 6e-3 * R_O / (R_O - 6e-3)
     for s in (0.0, 1e-4, -3e-4):
         assert mean_drop(packed, s) == pytest.approx((4e-4 - abs(s)) ** 2 / (2 * R), rel=1e-9)
 
@@ -126,7 +126,10 @@ def test_merging_does_not_depend_on_the_order():
             pair = [
                 SHORT | carrier | {"angle": f"{angle} deg", "offset": f"{n} mm"} for n, angle in enumerate(angles)
             ]
-            packed, reverse_packed = packed_defects(case(defects=pair)), packed_defects(case(defects=pair[::-1]))
+            packed, reverse_packed = (
+                pack_case_defects(case(defects=pair)),
+                pack_case_defects(case(defects=pair[::-1])),
+            )
             assert len(packed.head) == (2 if carrier.get("race") == "roller" else 1)
             assert np.cos(packed.head[0, ANGLE] - reverse_packed.head[0, ANGLE]) == pytest.approx(1.0, abs=1e-15)
             s = np.linspace(-6e-4, 6e-4, 31)
@@ -138,22 +141,22 @@ def test_merging_does_not_depend_on_the_order():
 def test_defects_side_by_side_along_the_roller_form_one_pair():
     """Both act on the roller at once, on different parts of its length."""
     pair = [SHORT | {"offset": "-3 mm"}, SHORT | {"offset": "3 mm", "depth": "0.2 um"}]
-    merged = packed_defects(case(defects=pair))
-    singles = [packed_defects(case(defect=defect)) for defect in pair]
+    merged = pack_case_defects(case(defects=pair))
+    singles = [pack_case_defects(case(defect=defect)) for defect in pair]
     assert len(merged.head) == 1
     for s in (0.0, 2e-4, -3.9e-4):
         assert mean_drop(merged, s) == pytest.approx(sum(mean_drop(single, s) for single in singles), rel=1e-9)
 
 
 def test_separate_defects_have_closed_forms():
-    packed = packed_defects(case(defects=[SLOT, SLOT | {"angle": "1.3 deg"}, SLOT | {"race": "inner"}]))
+    packed = pack_case_defects(case(defects=[SLOT, SLOT | {"angle": "1.3 deg"}, SLOT | {"race": "inner"}]))
     assert len(packed.head) == 3
     assert isinstance(packed.excitation, Envelope)
 
 
 def test_span_is_that_of_the_shortest_merged_defect():
     pair = [SLOT, SLOT | {"width": "0.2 mm", "angle": f"{np.degrees(4.5e-4 / R_O)} deg"}]
-    packed = packed_defects(case(defects=pair))
+    packed = pack_case_defects(case(defects=pair))
     assert 2 * packed.head[0, HALF_WIDTH] == pytest.approx(9.5e-4, rel=1e-9)
     assert packed.head[0, SPAN] == pytest.approx(2e-4, rel=1e-9)
 
@@ -165,12 +168,12 @@ def test_defect_wider_than_the_roller_spacing_is_rejected():
     with pytest.raises(
         Refused, match=r"deg act over .* mm between two contacts; make them narrower, or the edge's radius smaller"
     ):
-        packed_defects(case(defects=pair))
+        pack_case_defects(case(defects=pair))
 
 
 def test_defect_outside_the_contact_of_a_ball_is_rejected():
     defect = {"shape": "rectangular", "length": "0.5 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
-    with pytest.raises(SimulationError, match=r"has no depth; the contact ends 0\.\d+ mm from the middle; use"):
+    with pytest.raises(SimulationError, match=r"has no depth; the contact ends 0\.\d+ mm from its centre; use"):
         simulate(case(bearing="6205", defect=defect))
 
 
@@ -183,7 +186,7 @@ def test_traced_defect_equals_its_closed_form(shape, depth):
     """A distant spall requires a case to trace all of its defects."""
     defect = SHORT | {"shape": shape, "depth": depth}
     distant = SHORT | {"shape": "spall", "angle": "90 deg"}
-    packed, expected = packed_defects(case(defects=[defect, distant])), packed_defects(case(defect=defect))
+    packed, expected = pack_case_defects(case(defects=[defect, distant])), pack_case_defects(case(defect=defect))
     assert isinstance(packed.excitation, TracedPath)
     s = np.linspace(-5e-4, 5e-4, 101)
     assert [mean_drop(packed, x) for x in s] == pytest.approx(
@@ -194,7 +197,7 @@ def test_traced_defect_equals_its_closed_form(shape, depth):
 def test_traced_slot_gives_the_motion_of_the_closed_form():
     """Forces agree to 1e-6 of the largest over one ball pass, although they jump at the cusp."""
     model = assemble.align_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
-    (slot,) = roller_defect_pairs(case(defect=SLOT))
+    (slot,) = pair_defects(case(defect=SLOT))
     defect = Rectangular(12e-3, 8e-4, 5e-5)
     rows, paths = group_paths(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
     by_table = model._replace(defects=pack_traced_defects([slot._replace(groups=rows, paths=paths)]))
@@ -228,7 +231,7 @@ def test_rollers_are_aligned_with_the_cusp():
 @pytest.mark.parametrize("shape", ["elliptical", "spall"])
 def test_undamped_crossing_does_no_work(shape):
     """Without damping the integral of the force along rolling, sum Q dh/ds, is zero at constant approach."""
-    defects = packed_defects(
+    defects = pack_case_defects(
         case(defect=SHORT | {"shape": shape, "width": "1 mm", "depth": "3 um", "edge": {"radius": "20 um"}})
     )
     contact = HuntCrossley(palmgren(12e-3), 0.0)
@@ -249,7 +252,7 @@ ZETAS = (-5.5e-3, -2e-3, -0.5e-3, 0.0, 1e-3, 5.5e-3)
     [{}, {"shape": "triangular"}, {"shape": "circular"}, {"shape": "elliptical"}, {"edge": {"ramp": "30 um"}}],
 )
 def test_a_group_for_each_slice(changes):
-    packed = packed_defects(case(defect=SHORT | {"offset": "0.5 mm"} | changes), ZETAS)
+    packed = pack_case_defects(case(defect=SHORT | {"offset": "0.5 mm"} | changes), ZETAS)
     rows = packed.groups[0]
     assert int(packed.head[0, GROUP_COUNT]) == len(rows) == len(ZETAS)
     assert rows[:, GROUP_WEIGHT] == pytest.approx(np.ones(len(ZETAS)))
@@ -262,19 +265,19 @@ def test_a_group_for_each_slice(changes):
 
 
 def test_other_excitations_in_slices():
-    packed = packed_defects(case(defect=SHORT, excitation="half-sine-pulse"), ZETAS)
+    packed = pack_case_defects(case(defect=SHORT, excitation="half-sine-pulse"), ZETAS)
     assert packed.groups[0, 3, GROUP_HALF_WIDTH] == 4e-4
     with pytest.raises(
         ValueError, match="`pressure-share` cannot act on sliced rollers; use `excitation: envelope`"
     ):
-        packed_defects(case(defect=SHORT, excitation="pressure-share", model="ring"), ZETAS)
+        pack_case_defects(case(defect=SHORT, excitation="pressure-share", model="ring"), ZETAS)
 
 
 def test_mean_of_slices_equals_the_groups():
     middles = (np.arange(2400) + 0.5) / 2400 * 12e-3 - 6e-3
     for changes in ({"shape": "elliptical"}, {"shape": "circular", "edge": {"radius": "20 um"}}):
         defect = case(defect=SHORT | changes)
-        groups, slices = packed_defects(defect), packed_defects(defect, middles)
+        groups, slices = pack_case_defects(defect), pack_case_defects(defect, middles)
         for s in (0.0, 2e-4):
             mean = np.mean(
                 [
@@ -321,7 +324,7 @@ def test_pressure_share_has_the_contact_of_the_damaged_race(bearing, race):
         assert groove is not None
         half = hertz_half_width(load, E_star, along, 1.0 / R_w - 1.0 / groove)
     x = 5e-6 / half
-    packed = packed_defects(dented)
+    packed = pack_case_defects(dented)
     groups = packed.groups[0, : int(packed.head[0, GROUP_COUNT])]
     shares = [defect_response(packed.excitation, group, 0.0, packed.head[0, REDUCED_RADIUS]) for group in groups]
     over_dent = [share for share, drop, _ in shares if drop > 0.0]
@@ -333,10 +336,10 @@ def test_dents_that_share_a_contact_are_rejected():
     dent = SLOT | {"width": "8 um", "depth": "5 um"}
     near, far = ([dent, dent | {"angle": distance / R_O}] for distance in (8e-6, 1e-4))
     with pytest.raises(Refused, match=r"dents at 0 and 0.01191 deg are 8 um apart, so a contact may cover parts"):
-        packed_defects(case(defects=near, excitation="pressure-share"))
-    assert len(packed_defects(case(defects=far, excitation="pressure-share")).head) == 2
+        pack_case_defects(case(defects=near, excitation="pressure-share"))
+    assert len(pack_case_defects(case(defects=far, excitation="pressure-share")).head) == 2
     other_race = [dent, dent | {"race": "inner"}]
-    assert len(packed_defects(case(defects=other_race, excitation="pressure-share")).head) == 2
+    assert len(pack_case_defects(case(defects=other_race, excitation="pressure-share")).head) == 2
 
 
 @pytest.mark.parametrize("order", [1, -1])

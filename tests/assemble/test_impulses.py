@@ -40,7 +40,7 @@ def positions_at_rest(
 ) -> np.ndarray:
     """Return the ring's position (2, n) m at fractions of a ball pass, on Hertzian contacts and a bracket."""
     b, d, R_w = case.bearing, case.defects[0], case.bearing.roller_diameter / 2.0
-    k_o, k_i = (contacts.stiffness(case, on_outer).k for on_outer in (True, False))
+    k_o, k_i = (contacts.build_stiffness_law(case, on_outer).k for on_outer in (True, False))
     k = (k_o ** (-2 / 3) + k_i ** (-2 / 3)) ** -1.5
     R_o = (b.pitch_diameter + b.roller_diameter) / 2.0
     theta = 2.0 * np.pi * (fractions[:, None] + np.arange(b.rollers)) / b.rollers

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from bearingsim import assemble, catalogue
 from bearingsim.assemble import contacts
-from bearingsim.assemble.free import drag
+from bearingsim.assemble.free import build_drag
 from bearingsim.config import (
     CHANNELS,
     FEATURES,
@@ -196,8 +196,8 @@ def test_traction_may_start_from_zero_within_rounding() -> None:
 
 
 def test_cage_without_land_has_no_drag_of_a_land() -> None:
-    assert drag(case(model="planar", drag={"land_width": "0 mm"})).land == 0.0
-    assert drag(case(model="planar", drag={})).land > 0.0
+    assert build_drag(case(model="planar", drag={"land_width": "0 mm"})).land == 0.0
+    assert build_drag(case(model="planar", drag={})).land > 0.0
 
 
 def test_stiffness_suits_the_bearing() -> None:
@@ -263,7 +263,7 @@ def test_every_catalogue_entry_is_implemented() -> None:
 @pytest.mark.parametrize("law", WORD_LAWS)
 def test_every_accepted_stiffness_law_is_implemented(law: str) -> None:
     bearing = "6205" if law == "point" else "nf308"
-    assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))
+    assert contacts.build_outer_law(case(bearing=bearing, contact={"stiffness": law}))
 
 
 @pytest.mark.parametrize("angle", ["361 deg", "-361 deg", "1e9 deg", "6.29 rad"])

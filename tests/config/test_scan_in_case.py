@@ -8,7 +8,7 @@ import h5py
 import pytest
 from pydantic import ValidationError
 
-from bearingsim.assemble.defects import depth_map
+from bearingsim.assemble.defects import build_depth_map
 from bearingsim.config import Case
 from bearingsim.config.scan import repair
 from bearingsim.config.scan.file import read_file
@@ -127,7 +127,7 @@ def test_a_sweep_over_many_scans_reads_and_traces_each_once(
     for _ in range(2):
         for file in files:
             (defect,) = case_with(file).defects
-            traced.paths_over(depth_map(defect), 0.006, (0.0,))
+            traced.paths_over(build_depth_map(defect), 0.006, (0.0,))
     assert counts == {"read": 100, "traced": 100}
 
 

@@ -44,7 +44,7 @@ def refusal(**fields: Any) -> tuple[str, str]:
 @pytest.mark.parametrize(("length", "offset"), [(12.0, 0.0), (3.0, 0.0), (3.0, 4.5), (0.37, -2.11)])
 def test_slices_align_with_the_defect_and_cover_the_roller(length: float, offset: float) -> None:
     test_case = case(defect=DEFECT | {"length": length * 1e-3, "offset": offset * 1e-3})
-    ends, table = slice_ends(test_case), space.slices(test_case).table
+    ends, table = slice_ends(test_case), space.build_slices(test_case).table
     for side in (-0.5, 0.5):
         assert np.abs(ends - (offset + side * length) * 1e-3).min() < 1e-11
     assert ends[0] == -6e-3
@@ -69,13 +69,15 @@ def test_too_many_slices_are_refused() -> None:
 
 
 def test_profiles() -> None:
-    assert set(space.slices(case()).table[:, 2]) == {0.0}
+    assert set(space.build_slices(case()).table[:, 2]) == {0.0}
     crowned = profiled(shape="crowned", drop=5e-6, straight_length=6e-3)
-    assert space.drop(crowned, 2.9e-3) == 0.0
-    assert space.drop(crowned, 6e-3) == pytest.approx(5e-6)
-    assert space.drop(crowned, -4.5e-3) == pytest.approx(1.25e-6)
+    assert space.profile_drop(crowned, 2.9e-3) == 0.0
+    assert space.profile_drop(crowned, 6e-3) == pytest.approx(5e-6)
+    assert space.profile_drop(crowned, -4.5e-3) == pytest.approx(1.25e-6)
     log = profiled(shape="logarithmic")
-    assert space.drop(log, 5.5e-3) == pytest.approx(0.00035 * 12e-3 * 1.8343, rel=1e-4)  # ln(1/(1 - (11/12)^2))
+    assert space.profile_drop(log, 5.5e-3) == pytest.approx(
+        0.00035 * 12e-3 * 1.8343, rel=1e-4
+    )  # ln(1/(1 - (11/12)^2))
 
 
 def test_missing_or_unknown_keys_of_a_profile_are_refused() -> None:
@@ -117,16 +119,16 @@ def test_longest_profile_and_highest_flanges_that_fit() -> None:
 
 
 def test_nf308_has_two_inner_flanges_and_one_outer_flange() -> None:
-    result = space.flanges(case())
+    result = space.build_flanges(case())
     assert (result.inner_minus, result.inner_plus, result.outer_minus, result.outer_plus) == (1.0, 1.0, 0.0, 1.0)
     assert result.play == 25e-6
     bare = case().bearing.model_copy(update={"flanges": None})
-    assert isinstance(space.flanges(case().model_copy(update={"bearing": bare})), NoFlanges)
+    assert isinstance(space.build_flanges(case().model_copy(update={"bearing": bare})), NoFlanges)
 
 
 def test_misaligned_ring_is_tilted_in_the_given_direction() -> None:
     test_case = case(misalignment={"inner": "1 mrad", "outer": "-0.5 mrad", "direction": "30 deg"})
-    inner, outer = space.inner_mount(test_case), space.outer_mount(test_case)
+    inner, outer = space.build_inner_mount(test_case), space.build_outer_mount(test_case)
     assert isinstance(inner, RigidMount)
     assert inner == pytest.approx((1e-3 * np.cos(np.pi / 6), 0.5e-3), rel=1e-6)
     assert outer == pytest.approx((-0.5e-3 * np.cos(np.pi / 6), -0.25e-3), rel=1e-6)
@@ -140,7 +142,7 @@ def test_implausibly_large_misalignment_is_refused() -> None:
 
 def test_sprung_rings_have_masses_and_inertias() -> None:
     test_case = case(rig=SPRUNG, shaft=SHAFT | SPRUNG)
-    inner, outer = space.inner_mount(test_case), space.outer_mount(test_case)
+    inner, outer = space.build_inner_mount(test_case), space.build_outer_mount(test_case)
     assert isinstance(inner, ElasticMount)
     assert isinstance(outer, ElasticMount)
     assert inner.m == 1.0
@@ -178,8 +180,8 @@ def test_channels_of_fixed_rings_are_refused(name: str) -> None:
 
 def test_kinematic_cage_has_no_skew_and_no_own_motion() -> None:
     kinematic = {"motion": "kinematic"}
-    assert isinstance(space.cage_in_space(case(cage=kinematic)), CageInPlane)
-    assert isinstance(space.flanges(case(cage=kinematic)), NoFlanges)
+    assert isinstance(space.build_cage_in_space(case(cage=kinematic)), CageInPlane)
+    assert isinstance(space.build_flanges(case(cage=kinematic)), NoFlanges)
     for name in ("roller.skew", "cage.axial", "roller.flange_force"):
         assert refusal(record=[name], cage=kinematic)[0] == f"`{name}` stays zero: the cage is kinematic"
 

@@ -121,8 +121,8 @@ def replace_long_computations() -> None:
         write_text(folder / "stability.csv", table().head(6).to_csv(index=False))
         return folder / "stability.csv"
 
-    measure.rows, measure.compile_run, mapping.compute = rows_of, lambda run: run.model, compute
-    plan.price_study = lambda case, quick: FEW_RUNS
+    measure.compute_rows, measure.compile_run, mapping.compute = rows_of, lambda run: run.model, compute
+    plan.make_plan = lambda case, quick: FEW_RUNS
 
 
 def run(words: list[str]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from bearingsim.core.defects.pairs import (
 from tests.scenes.defect_maps import SHAPES
 from tests.scenes.nf308 import case
 
-BEARING = assemble.geometry.bearing(case())
+BEARING = assemble.geometry.build_bearing(case())
 L_W, DEEP = 0.012, 5e-5
 PASS = 2 * pi / (BEARING.Z * BEARING.omega_c)
 ZONE = LoadZone(q_0=47.0, delta_0=3.37e-7, epsilon=0.5, n=10 / 9)

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.assemble.rest import static_bearing, static_model
+from bearingsim.assemble.rest import build_static, static_model
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.defects.closed_forms import groups_of
@@ -131,7 +131,7 @@ def planar_model(scene: planar_scene.Scene) -> Planar:
     )
     law = (HuntCrossley if scene.clamp else Unclamped)(TenNinths(scene.elastic.k), scene.damping.chi)
     load = complex(scene.load)
-    healthy = static_bearing(
+    healthy = build_static(
         bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_defects([], Envelope())
     )
     equilibrium = mean_equilibrium(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference

@@ -122,7 +122,7 @@ def test_damping_ratio_is_that_of_the_most_loaded_roller(model: str) -> None:
     b, found = assemble.model(loaded).bearing, limiting.step_limits(loaded)
     loads = found.rest_load, found.rest_load - b.m_r * b.omega_c**2 * loaded.bearing.pitch_diameter / 2.0
     k, c = 0.0, 0.0
-    for law, load in zip((contacts.outer(loaded), contacts.inner(loaded)), loads, strict=True):
+    for law, load in zip((contacts.build_outer_law(loaded), contacts.build_inner_law(loaded)), loads, strict=True):
         delta = brentq(lambda d, law=law, load=load: normal_force(law, d, 0.0) - load, 0.0, 1e-4, xtol=1e-18)
         k += (normal_force(law, delta + 1e-11, 0.0) - normal_force(law, delta - 1e-11, 0.0)) / 2e-11
         c += (normal_force(law, delta, 1e-3) - normal_force(law, delta, -1e-3)) / 2e-3
@@ -213,5 +213,5 @@ def test_laws_with_equal_coefficients_are_distinguished() -> None:
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
     )
-    soft, hard = (limiting.impact(0.01, assemble.contacts.outer(law), 0.05) for law in laws)
+    soft, hard = (limiting.impact(0.01, assemble.contacts.build_outer_law(law), 0.05) for law in laws)
     assert hard[2] > 10.0 * soft[2]

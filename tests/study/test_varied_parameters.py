@@ -38,23 +38,23 @@ def test_form_is_computed_in_three_samples_of_one_height(write: Write) -> None:
 
 def test_samples_of_form_keep_the_rollers_of_the_case(write: Write) -> None:
     """Their diameters and waviness, drawn by the case's seed; the races differ from sample to sample."""
-    from bearingsim.assemble.form import form
+    from bearingsim.assemble.form import build_form
 
     rollers = "{diameter: {scatter: 0.5 um}, spectrum: {amplitude: 50 nm}}"
     more = f"model: rollers\nsurfaces: {{rollers: {rollers}, seed: 9}}\n"
-    forms = [form(case) for _, _, case in varied_cases(write, "{form: 0.34 um}", more)]
+    forms = [build_form(case) for _, _, case in varied_cases(write, "{form: 0.34 um}", more)]
     assert all(np.array_equal(sample.rollers.table, forms[0].rollers.table) for sample in forms)
     assert np.ptp(forms[0].rollers.pieces[:, 0, :13].mean(axis=0)) == pytest.approx(0.25e-6, rel=1e-6)
     assert not np.allclose(forms[0].outer.table, forms[1].outer.table)
 
 
 def test_height_of_the_form_is_peak_to_valley() -> None:
-    from bearingsim.assemble.form import pieces, race_coefficients
+    from bearingsim.assemble.form import cubic_pieces, race_coefficients
     from bearingsim.config.sections.surfaces import RaceSurface
     from bearingsim.study.uncertainty import HEIGHT_RATIO
 
     surface = RaceSurface.model_validate({"spectrum": {"amplitude": "1 um"}})
-    heights = [np.ptp(pieces(race_coefficients(surface, seed, 0), 4800)[:, 0]) for seed in range(40)]
+    heights = [np.ptp(cubic_pieces(race_coefficients(surface, seed, 0), 4800)[:, 0]) for seed in range(40)]
     assert np.mean(heights) == pytest.approx(1e-6 * HEIGHT_RATIO, rel=0.03)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.assemble.contacts import contact_law
+from bearingsim.assemble.contacts import build_contact_law
 from bearingsim.assemble.scales import approach, damping_over_stiffness
 from bearingsim.config import Case
 from bearingsim.core.laws.damping.interface import normal_force
@@ -44,13 +44,13 @@ def case_of(bearing: str, speed: float, damping: dict[str, Any]) -> Case:
 
 def times(case: Case, Q: float) -> list[float]:
     """c/k (s) of a contact under ``Q`` (N) at the outer and at the inner race."""
-    laws = [contact_law(case, on_outer) for on_outer in (True, False)]
+    laws = [build_contact_law(case, on_outer) for on_outer in (True, False)]
     return [damping_over_stiffness(law, approach(law, Q)) for law in laws]
 
 
 def impact(case: Case, speed: float) -> tuple[float, float]:
     """Speed of a free roller after an impact on the outer race over that before it, and the largest force (N)."""
-    law, m = contact_law(case, True), case.bearing.element_mass
+    law, m = build_contact_law(case, True), case.bearing.element_mass
     delta, v, peak = 1e-15, speed, 0.0
     while delta > 0.0:
         force = float(normal_force(law, delta, v))

@@ -222,7 +222,7 @@ def features(width: float, excitation: str, rho: float = 0.0, factor: float = 1.
         return np.array([simulate(given).features[name] for name in ANSWERS])
     load = factor * largest_load(given)
     elastic = edge_contact(load, LENGTH, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho, LINE_CONTACT_EXPONENT)
-    with mock.patch.object(assemble.defects, "excitation", return_value=elastic):
+    with mock.patch.object(assemble.defects, "build_excitation", return_value=elastic):
         return np.array([simulate(given).features[name] for name in ANSWERS])
 
 

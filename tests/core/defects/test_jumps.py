@@ -27,7 +27,7 @@ def prepared(method, model, t, y):
 
 def jump_positions(**options):
     """Return the positions (mm) of jumps of the first roller-defect pair."""
-    head = assemble.defects.packed_defects(case(**options)).head[0]
+    head = assemble.defects.pack_case_defects(case(**options)).head[0]
     return 1e3 * head[FIRST_JUMP : FIRST_JUMP + int(head[JUMP_COUNT])]
 
 

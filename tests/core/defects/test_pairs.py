@@ -114,14 +114,14 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 @example(theta_c=nan, angle=0.0, Z=13)
 def test_nearest_roller_is_a_valid_index_for_any_angle(theta_c, angle, Z):
     """A diverged motion may continue for some steps, and the roller is an array index."""
-    defects = assemble.defects.packed_defects(case(defect=SLOT))
+    defects = assemble.defects.pack_case_defects(case(defect=SLOT))
     defects.head[0, ANGLE] = angle
     assert 0 <= nearest_roller(defects, 0, theta_c, 0.0, 0.0, Z)[0] < Z
 
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
 def test_nearest_roller(theta_c, angle, Z):
-    defects = assemble.defects.packed_defects(case(defect=SLOT))
+    defects = assemble.defects.pack_case_defects(case(defect=SLOT))
     defects.head[0, ANGLE] = angle
     R_o = defects.head[0, RADIUS]
     j, s = nearest_roller(defects, 0, theta_c, 0.0, 0.0, Z)

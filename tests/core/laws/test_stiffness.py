@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from bearingsim.assemble.contacts import power
+from bearingsim.assemble.contacts import build_power_law
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.octaves import cell
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
@@ -109,11 +109,11 @@ def test_all_but_the_general_power_keep_the_vector_lanes(law):
     ("m", "law"), [(1, Linear), (10 / 9, TenNinths), (1.5, ThreeHalves), (1.11, PowerLaw), (1.1111, PowerLaw)]
 )
 def test_an_exponent_selects_its_law(m, law):
-    result = power(5e9, m)
+    result = build_power_law(5e9, m)
     assert type(result) is law
     assert elastic(result, 3e-6) == pytest.approx(5e9 * 3e-6**m, rel=1e-13, abs=0.0)
 
 
 def test_an_exponent_below_one_is_refused():
     with pytest.raises(ValueError, match="infinitely stiff"):
-        power(5e9, 0.9)
+        build_power_law(5e9, 0.9)

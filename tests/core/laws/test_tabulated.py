@@ -38,7 +38,7 @@ def case(bearing: str = "nf308", **film: Any) -> Case:
     return Case.model_validate(base | {"contact": {"damping": damping}})
 
 
-FILM = contacts.outer(case())
+FILM = contacts.build_outer_law(case())
 LAWS = pytest.mark.parametrize("law", [RISING, FALLING, FILM], ids=["rising", "falling", "film"])
 
 
@@ -98,7 +98,9 @@ def expected(bearing_case: Case, on_outer: bool, Q: float) -> tuple[float, float
     """Return damping (N s/m) of film and hysteresis of one contact at a load, from the closed forms."""
     b, film = bearing_case.bearing, bearing_case.contact.damping
     assert isinstance(film, Film)
-    stiffness, other_stiffness = (contacts.stiffness(bearing_case, side) for side in (on_outer, not on_outer))
+    stiffness, other_stiffness = (
+        contacts.build_stiffness_law(bearing_case, side) for side in (on_outer, not on_outer)
+    )
     k = _tangent(stiffness, Q)
     omega = np.sqrt((k + _tangent(other_stiffness, Q)) / b.element_mass)
     E_star = effective_modulus(b.material.young_modulus, b.material.poisson_ratio)
@@ -127,7 +129,7 @@ def _tangent(stiffness: Any, Q: float) -> float:
 @pytest.mark.parametrize("on_outer", [True, False], ids=["outer", "inner"])
 def test_the_tabulated_film_equals_the_closed_forms(bearing: str, on_outer: bool, at: str) -> None:
     bearing_case = case(bearing, at=at)
-    law = contacts.contact_law(bearing_case, on_outer)
+    law = contacts.build_contact_law(bearing_case, on_outer)
     damping = np.array([derivatives(law, approach(law, Q), 0.0)[1] for Q in LOADS])
     errors = np.abs(damping / [sum(expected(bearing_case, on_outer, Q)) for Q in LOADS] - 1.0)
     assert np.sort(errors)[-4] < 1e-6
@@ -138,20 +140,20 @@ def test_the_tabulated_film_equals_the_closed_forms(bearing: str, on_outer: bool
 def test_each_race_has_its_own_film() -> None:
     """Balls also have different stiffnesses: at 300 N the inner race of the 6205 has more damping."""
     for bearing in ("nf308", "6205"):
-        laws = [contacts.contact_law(case(bearing), on_outer) for on_outer in (True, False)]
+        laws = [contacts.build_contact_law(case(bearing), on_outer) for on_outer in (True, False)]
         outer, inner = (derivatives(law, approach(law, 300.0), 0.0)[1] for law in laws)
         assert outer != pytest.approx(inner, rel=0.02)
 
 
 def test_at_the_elements_natural_frequency_a_film_damps_less() -> None:
-    slow, natural = (contacts.outer(case(at=at)) for at in ("low", "own"))
+    slow, natural = (contacts.build_outer_law(case(at=at)) for at in ("low", "own"))
     for Q in LOADS:
         assert derivatives(natural, approach(natural, Q), 0.0)[1] < derivatives(slow, approach(slow, Q), 0.0)[1]
 
 
 def test_more_oil_and_more_loss_damp_more() -> None:
     def damping(**film: Any) -> float:
-        law = contacts.outer(case(**film))
+        law = contacts.build_outer_law(case(**film))
         return float(derivatives(law, approach(law, 100.0), 0.0)[1])
 
     reference = damping()
@@ -165,14 +167,14 @@ def test_more_oil_and_more_loss_damp_more() -> None:
 
 def test_an_oil_has_the_viscosity_of_its_grade() -> None:
     """VG 68 at 55 C has 29.8 mPa s."""
-    law = contacts.outer(case(viscosity=None, oil="VG 68", temperature="55 C"))
+    law = contacts.build_outer_law(case(viscosity=None, oil="VG 68", temperature="55 C"))
     film: Any = case(viscosity=None, oil="ISO VG 68", temperature="328.15 K").contact.damping
     viscosity = film.inlet_viscosity
-    assert contacts.outer(case(viscosity=viscosity)).table == pytest.approx(law.table, rel=1e-12)
+    assert contacts.build_outer_law(case(viscosity=viscosity)).table == pytest.approx(law.table, rel=1e-12)
     assert viscosity == pytest.approx(0.0298, rel=0.02)
 
 
 def test_damping_is_constant_beyond_the_table() -> None:
-    law = contacts.outer(case())
+    law = contacts.build_outer_law(case())
     deepest = derivatives(law, 1e-4, 0.0)[1]
     assert derivatives(law, 1e-3, 0.0)[1] == pytest.approx(deepest, rel=1e-3)

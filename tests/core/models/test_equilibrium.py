@@ -67,7 +67,7 @@ def test_many_rollers_share_the_load_as_in_the_integral(epsilon):
     """Z Q_max J_r = F with the clearance that gives the load zone its parameter, exponent 10/9."""
     Z, load = 64, 2000.0
     Q_max = load / (Z * sjovall(epsilon, 10 / 9))
-    k = assemble.contacts.outer(case()).stiffness.k
+    k = assemble.contacts.build_outer_law(case()).stiffness.k
     delta = 2 * (Q_max / k) ** 0.9  # both contacts
     clearance = 2 * delta * (1 / (2 * epsilon) - 1)  # delta = shift - G_r/2, epsilon = (1 - G_r/(2 shift))/2
     assert forces(unsupported(Z, load, clearance))[0].max() == pytest.approx(Q_max, rel=2e-3)
@@ -144,7 +144,7 @@ def test_bracket_carries_no_load():
 def test_a_slot_unloads_its_roller():
     """The roller on a narrow full-length slot has the load of two contacts in series with the approach less h."""
     healthy = unsupported(first=0.0)
-    slot = healthy._replace(defects=assemble.defects.packed_defects(case(defect=SLOT | {"width": "0.1 mm"})))
+    slot = healthy._replace(defects=assemble.defects.pack_case_defects(case(defect=SLOT | {"width": "0.1 mm"})))
     loads, y = forces(slot)
     h = (0.1e-3) ** 2 / 8 / slot.defects.head[0, REDUCED_RADIUS]
     shift = -y[lay.POSITION + lay.X]

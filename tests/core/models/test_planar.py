@@ -92,7 +92,11 @@ SHAFT = {
 def test_an_unbalance_is_a_line_at_the_shafts_speed():
     """As of two masses, shaft - inner ring - rollers - outer ring - bracket, at the mean stiffness: 1 %."""
     bearing_case = case(**SHAFT, unbalance={"mass_radius": "1e-4 kg m"})
-    K, b, w = healthy_equilibrium(bearing_case).K_x, assemble.geometry.bearing(bearing_case), bearing_case.speed
+    K, b, w = (
+        healthy_equilibrium(bearing_case).K_x,
+        assemble.geometry.build_bearing(bearing_case),
+        bearing_case.speed,
+    )
     stiffness = [[5e7 + K - 3.0 * w**2, -K], [-K, 1e7 + K - b.m_o * w**2]]
     _, ring = np.linalg.solve(stiffness, [1e-4 * w**2, 0.0])
     assert simulate(bearing_case).features["displacement@fr"] == pytest.approx(ring, rel=0.01)
