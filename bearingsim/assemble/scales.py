@@ -29,7 +29,6 @@ MIN_STEPS_PER_CROSSING = 8  # with fewer steps per crossing, a method may miss a
 DAMPER_TOLERANCE = (
     1e-3  # limit of the error of the damping force due to that of the velocity, relative to the load
 )
-MAX_SEARCH_APPROACH = 1e9  # m, upper bound of the search for an approach
 
 
 def full_speed_case(case: Case) -> Case:

@@ -131,15 +131,12 @@ def with_missing(*indices: int) -> np.ndarray:
 
 TURN = np.append(EVEN, 360.0)
 REPAIRED = {
-    "two missing values": (
-        (EVEN, with_missing(7, 21)),
-        "2 missing values filled from the neighbours: 3.5 deg, 10.5 deg",
-    ),
+    "two missing values": ((EVEN, with_missing(7, 21)), "2 missing values removed: 3.5 deg, 10.5 deg"),
     "a spike": ((EVEN, spiky(60)), "1 spike of 4.99 um or more removed: 30 deg"),
     "descending angles": ((EVEN[::-1], heights(EVEN[::-1])), "the angles are not ascending and were sorted"),
     "ends that differ": (
         (TURN, heights(TURN) + 0.02 * TURN / 360.0),
-        "both ends of the turn are given and differ by 0.02 um: their mean is used",
+        "the values at both ends of the revolution differ by 0.02 um; their mean is used",
     ),
 }
 
@@ -227,7 +224,7 @@ def test_unusable_profiles_are_refused(tmp_path: Path, what: str) -> None:
 def test_other_files_are_refused(tmp_path: Path) -> None:
     assert "no file" in refusal(tmp_path / "none.csv")
     (tmp_path / "a.xlsx").touch()
-    assert "expected a file that ends in .csv, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
+    assert "expected a file that ends in .csv or .txt, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
     assert "not a text file in UTF-8" in refusal(tmp_path / "b.csv")
     (tmp_path / "folder.csv").mkdir()
@@ -258,14 +255,15 @@ IN_A_STUDY = {
     "beyond the points": (
         "{file: race.csv, orders: [2, 200]}",
         "[2, 200]",
-        "720 points are too few for order 200, which needs 1400 (7 per wave) (`orders: [2, 102]`, or more points)",
+        "720 points are too few for order 200, which needs 1400 (7 per undulation) (`orders: [2, 102]`, or more"
+        " points)",
     ),
     "few points for the default": ("coarse.csv", "coarse.csv", "100 points are too few for order 50"),
     "a gap": (
         "gapped.csv",
         "gapped.csv",
-        "a gap of 10.5 deg from 49.5 deg is over half a wave of order 50 (`orders: [2, 17]`, or measure the whole"
-        " turn)",
+        "a gap of 10.5 deg from 49.5 deg is over half an undulation of order 50 (`orders: [2, 17]`, or measure a"
+        " full revolution)",
     ),
     "an unknown key": ("{file: race.csv, order: 3}", "order", "surfaces.outer.roundness: unknown key `order`"),
     "millimetres": (

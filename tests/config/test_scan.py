@@ -255,7 +255,7 @@ def test_invalid_scan_file_is_refused(tmp_path: Path, text: str, part: str) -> N
 def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     assert "no file" in refusal(tmp_path / "none.csv")
     (tmp_path / "a.xlsx").touch()
-    assert "ends in .csv, .h5 or .hdf5, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
+    assert "ends in .csv, .txt, .h5 or .hdf5, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
     (tmp_path / "a.h5").write_text("no HDF5")
     assert "`a.h5` is not an HDF5 file, or truncated" in refusal(tmp_path / "a.h5")
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")

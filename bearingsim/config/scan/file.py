@@ -1,18 +1,18 @@
-"""Reader of measured depth maps, in SI and without repairs.
+"""Reader of measured depth maps, which returns them in SI and without repairs.
 
-CSV with one point per line, and columns named with their units:
+A CSV file (.csv or .txt) has one point per line, and columns named with their units:
 
     s [mm],z [mm],depth [um]
     -1.0,-3.0,0.1
 
-or a grid, whose first cell names its values, its rows and its columns:
+or it contains a grid, whose first cell names its values, its rows and its columns:
 
     depth [um] | z [mm] | s [mm],-1.0,-0.9
     -3.0,0.1,0.2
 
-HDF5 with datasets `s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`. s is the rolling
-direction, z the axial direction; `height` (positive outwards) may replace `depth` (positive inwards). Lines that
-begin with # are comments.
+An HDF5 file has the datasets `s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`. s is
+the coordinate in the rolling direction, z that in the axial direction. `height`, positive out of the material, may
+replace `depth`, positive into it. In CSV, lines that begin with # are comments.
 """
 
 import csv
@@ -30,20 +30,20 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.text.units import UnitError, parse
 
-NAMES = ("s", "z", "depth", "height")
+COLUMN_NAMES = ("s", "z", "depth", "height")
 MAX_POINTS = 4_000_000
 POINT_BYTES, MAX_BYTES = 16, 200_000_000
-"""Largest sizes of a number in an HDF5 file, and of a file: 4 million cells of text take about 100 MB."""
-MIN_FILLED = 0.5  # minimum fraction of a grid's cells that have a point
-MAX_ECHO, MIN_ECHO = 60, 12  # limits of the characters of a file's first line quoted in a message
+"""Largest sizes (bytes) of a number in an HDF5 file, and of a file: 4 million cells of text take about 100 MB."""
+MIN_FILLED_FRACTION = 0.5  # minimum number of points, relative to the cells of the grid of their coordinates
+MAX_QUOTE, MIN_QUOTE = 60, 12  # limits of the characters of a file's first line quoted in a message
 TRANSFERRED_FILES: dict[str, Path] = {}
-"""Files of scans that were transferred to this machine with the jobs, by digest."""
+"""Measured files that were transferred to this machine with the jobs, by digest."""
 COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 """Header of a column: its name, and its unit in brackets."""
 
 
 class ScanError(UserError, ValueError):
-    """Error in a scan, and its remedy."""
+    """Error in a measured file. message: its cause; hint: its remedy, or None."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         self.message, self.hint = message, hint
@@ -51,15 +51,18 @@ class ScanError(UserError, ValueError):
 
 
 class Wording(NamedTuple):
-    """Words for messages on a file format: its columns, an example, and a hint on the unit of column `{}`."""
+    """Words for messages on a file format.
+
+    columns: name of its columns; example: valid columns; unit: hint on the unit of the column `{}`.
+    """
 
     columns: str
     example: str
     unit: str
 
 
-CSV = Wording("columns", "the first line is `s [mm],z [mm],depth [um]`", "write `{} [um]`, or mm, m, nm")
-HDF5 = Wording(
+CSV_WORDING = Wording("columns", "the first line is `s [mm],z [mm],depth [um]`", "write `{} [um]`, or mm, m, nm")
+HDF5_WORDING = Wording(
     "datasets",
     "`s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`",
     "give `{}` the attribute `units`: um, or mm, m, nm",
@@ -68,7 +71,10 @@ HDF5_HINT = "write `s`, `z` and `depth` as floating-point numbers into the file 
 
 
 class Grid(NamedTuple):
-    """Positions s (n_s,) and z (n_z,), depth (n_z, n_s), m, NaN for missing cells; notes: repairs so far."""
+    """Depth map: ascending positions s (n_s,) and z (n_z,), and depth (n_z, n_s), in m; NaN for missing cells.
+
+    notes: repairs that were made.
+    """
 
     s: np.ndarray
     z: np.ndarray
@@ -77,11 +83,11 @@ class Grid(NamedTuple):
 
 
 def read_file(path: Path) -> tuple[Grid, str]:
-    """Read a file: its grid with ascending axes, and its digest. Raises ScanError for an invalid scan."""
+    """Return the depth map in a file and the digest of its content. Raises ScanError for an invalid file."""
     check_exists(path)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
+        raise ScanError(f"expected a file that ends in .csv, .txt, .h5 or .hdf5, got `{path.name}`")
     content = read_content(path)
     try:
         return reader(path.name, content), digest_of(content)
@@ -98,7 +104,7 @@ def check_exists(path: Path) -> None:
 
 
 def read_content(path: Path) -> bytes:
-    """Read a file of at most ``MAX_BYTES``. Raises ScanError if that fails."""
+    """Return the content of a file. Raises ScanError if it cannot be read or exceeds ``MAX_BYTES``."""
     try:
         if path.stat().st_size > MAX_BYTES:
             raise ScanError(f"`{path.name}` has more than {MAX_BYTES / 1e6:.0f} MB", "use fewer points")
@@ -117,15 +123,19 @@ def digest_of(content: bytes) -> str:
 # CSV
 
 
-def _csv(name: str, content: bytes) -> Grid:
-    rows, numbers = text_rows(name, content)
+def _read_csv(name: str, content: bytes) -> Grid:
+    """Parse a CSV file, which contains a list of points or a grid."""
+    rows, numbers = split_rows(name, content)
     if "|" in rows[0][0]:
-        return _ascending_grid(*_grid(rows, numbers))
-    return _point_grid(rows, numbers)
+        return _ascending_grid(*_parse_grid(rows, numbers))
+    return _arrange_points(rows, numbers)
 
 
-def text_rows(name: str, content: bytes) -> tuple[list[list[str]], list[int]]:
-    """Split a CSV file into its rows of cells, without comments, and their line numbers. Raises ScanError."""
+def split_rows(name: str, content: bytes) -> tuple[list[list[str]], list[int]]:
+    """Split a CSV file into rows of cells, without comments; return them and their line numbers.
+
+    Raises ScanError for a file that is too large, is not text, has no points or another separator.
+    """
     if content.count(b",") + content.count(b"\n") > 2 * MAX_POINTS:  # before parsing; includes comments
         raise ScanError(f"`{name}` has more than {MAX_POINTS} cells", "use fewer points")
     try:
@@ -152,8 +162,8 @@ def _check_separator(line: str) -> None:
             raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
 
 
-def echo(text: str, limit: int = MAX_ECHO) -> str:
-    """Quote the beginning of a text."""
+def quote(text: str, limit: int = MAX_QUOTE) -> str:
+    """Quote a text, abbreviated to ``limit`` characters."""
     stripped = text.strip()
     return f"`{stripped}`" if len(stripped) <= limit else f"`{stripped[: limit - 3]}...`"
 
@@ -175,22 +185,25 @@ def unused_columns(headers: Sequence[str], used: Collection[int]) -> list[str]:
     return [f"columns not used: {', '.join(unused)}"] if unused else []
 
 
-def _columns(headers: Sequence[str], wording: Wording) -> dict[str, tuple[int, float]]:
-    """Return the index of each recognised column, and its factor to SI."""
-    matches = column_matches(headers, NAMES)
-    columns = {name: (number, _factor(name, unit, wording)) for name, (number, unit) in matches.items()}
+def _find_columns(headers: Sequence[str], wording: Wording) -> dict[str, tuple[int, float]]:
+    """Return the index of each recognised column and its factor to SI, by name.
+
+    Raises ScanError if a column or its unit is missing.
+    """
+    matches = column_matches(headers, COLUMN_NAMES)
+    columns = {name: (number, _factor_to_si(name, unit, wording)) for name, (number, unit) in matches.items()}
     missing = [name for name in ("s", "z") if name not in columns]
     if missing or ("depth" in columns) == ("height" in columns):
         required = "`s`, `z` and either `depth` or `height`"
         first_headers = headers[:6]
-        limit = max(MAX_ECHO // max(len(first_headers), 1), MIN_ECHO)
-        listing = ", ".join(echo(header, limit) for header in first_headers) or "none"
+        limit = max(MAX_QUOTE // max(len(first_headers), 1), MIN_QUOTE)
+        listing = ", ".join(quote(header, limit) for header in first_headers) or "none"
         raise ScanError(f"expected {wording.columns} {required}, got {listing}", wording.example)
     return columns
 
 
-def _factor(name: str, unit: str | None, wording: Wording) -> float:
-    """Return the factor from a unit to m; negative for heights."""
+def _factor_to_si(name: str, unit: str | None, wording: Wording) -> float:
+    """Return the factor from a unit to m, which is negative for heights because grids contain depths."""
     if not unit:
         raise ScanError(f"the unit of `{name}` is missing", wording.unit.format(name))
     try:
@@ -200,65 +213,70 @@ def _factor(name: str, unit: str | None, wording: Wording) -> float:
     return -metres if name == "height" else metres
 
 
-def _point_grid(rows: list[list[str]], numbers: list[int]) -> Grid:
+def _arrange_points(rows: list[list[str]], numbers: list[int]) -> Grid:
     """Arrange a list of points as a grid."""
-    columns = _columns(rows[0], CSV)
+    columns = _find_columns(rows[0], CSV_WORDING)
     table = cell_values(rows[1:], numbers[1:], len(rows[0]))
     values = {name: table[:, number] * factor for name, (number, factor) in columns.items()}
-    p = values.get("depth", values.get("height"))
+    depths = values.get("depth", values.get("height"))  # `_factor_to_si` converts heights to depths
     s, column = np.unique(values["s"], return_inverse=True)
     z, row = np.unique(values["z"], return_inverse=True)
     if np.isnan(s).any() or np.isnan(z).any():
         raise ScanError("a point has no coordinates", "`s` and `z` must be in every line")
-    if len(table) < MIN_FILLED * len(s) * len(z):
+    if len(table) < MIN_FILLED_FRACTION * len(s) * len(z):
         counts = f"{len(table)} points at {len(s)} values of s and {len(z)} of z"
         raise ScanError(f"the points do not form a grid: {counts}", "interpolate them onto one")
     if len(np.unique(row * len(s) + column)) < len(table):
         raise ScanError("two points have the same coordinates")
     depth = np.full((len(z), len(s)), np.nan)
-    depth[row, column] = p
+    depth[row, column] = depths
     notes = [f"{name} is decreasing and was sorted" for name in ("s", "z") if _is_descending(values[name])]
     notes += unused_columns(rows[0], {number for number, _ in columns.values()})
     return Grid(s, z, depth, tuple(notes))
 
 
 def _is_descending(values: np.ndarray) -> bool:
-    """Check if coordinates are mostly in descending order."""
+    """Check if the coordinates of a list of points are mostly in descending order."""
     steps = np.diff(values)
     return bool(np.count_nonzero(steps < 0.0) > np.count_nonzero(steps > 0.0)) if values[0] > values[-1] else False
 
 
-def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _parse_grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return s (n_s,), z (n_z,) and depth (n_z, n_s), m, of a grid, whose rows may be along s or along z."""
     headers = rows[0][0].split("|")
-    columns = _columns(headers, CSV)
+    columns = _find_columns(headers, CSV_WORDING)
     order = [name for name, _ in sorted(columns.items(), key=lambda item: item[1][0])]
     if len(headers) != 3 or order[0] not in ("depth", "height"):
-        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {echo(rows[0][0])}")
+        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {quote(rows[0][0])}")
     table = cell_values([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
     row_axis, column_axis = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
-    p = table[1:, 1:] * columns[order[0]][1]
-    return (column_axis, row_axis, p) if order[2] == "s" else (row_axis, column_axis, p.T)
+    depth = table[1:, 1:] * columns[order[0]][1]
+    return (column_axis, row_axis, depth) if order[2] == "s" else (row_axis, column_axis, depth.T)
 
 
 def cell_values(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
-    """Convert cells (n, width) to numbers; empty cells become NaN."""
+    """Convert rows of cells to numbers (n, width); empty cells become NaN.
+
+    numbers: line numbers of the rows, for messages. Raises ScanError for too many cells, a row of another width,
+    or a cell that is not a finite number.
+    """
     if len(rows) * width > MAX_POINTS:
         raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "use fewer points")
-    out = np.full((len(rows), width), np.nan)
-    for target, row, number in zip(out, rows, numbers, strict=True):
+    table = np.full((len(rows), width), np.nan)
+    for target, row, number in zip(table, rows, numbers, strict=True):
         if len(row) != width:
             hint = "cells end with a comma, numbers have a decimal point"
             raise ScanError(f"line {number}: {len(row)} cells, the first line has {width}", hint)
-        target[:] = [_number(cell, number) for cell in row]
-    return out
+        target[:] = [_parse_number(cell, number) for cell in row]
+    return table
 
 
-def _number(cell: str, line: int) -> float:
+def _parse_number(cell: str, line: int) -> float:
     try:
         value = float(cell) if cell.strip() else math.nan
     except ValueError:
         hint = "use a point for decimals" if "," in cell else None
-        raise ScanError(f"line {line}: expected a number, got {echo(cell)}", hint) from None
+        raise ScanError(f"line {line}: expected a number, got {quote(cell)}", hint) from None
     if math.isinf(value):
         raise ScanError(f"line {line}: `{cell.strip()}` is not finite", "leave a missing cell empty")
     return value
@@ -267,36 +285,37 @@ def _number(cell: str, line: int) -> float:
 # HDF5
 
 
-def _hdf5(name: str, content: bytes) -> Grid:
+def _read_hdf5(name: str, content: bytes) -> Grid:
+    """Parse an HDF5 file; infinite depths count as missing."""
     from bearingsim.hdf5 import Hdf5, Unsafe
 
     try:
         with Hdf5(io.BytesIO(content), MAX_POINTS * POINT_BYTES) as file:
-            names = [dataset for dataset in NAMES if dataset in file]
+            names = [dataset for dataset in COLUMN_NAMES if dataset in file]
             headers = [f"{dataset} [{file.attribute('units', dataset, '', variable=True)}]" for dataset in names]
-            columns = _columns(headers or file.names(), HDF5)
+            columns = _find_columns(headers or file.names(), HDF5_WORDING)
             _check_shapes({dataset: file.shape(dataset) for dataset in names})
             values = {dataset: file.numbers(dataset).astype(float) * columns[dataset][1] for dataset in names}
     except Unsafe as error:
         raise ScanError(str(error), HDF5_HINT) from None
     except (OSError, RuntimeError, KeyError):
         raise ScanError(f"`{name}` is not an HDF5 file, or truncated") from None
-    p = values["depth" if "depth" in values else "height"]
-    p[np.isinf(p)] = np.nan
-    return _ascending_grid(values["s"], values["z"], p)
+    depth = values["depth" if "depth" in values else "height"]  # `_factor_to_si` converts heights to depths
+    depth[np.isinf(depth)] = np.nan
+    return _ascending_grid(values["s"], values["z"], depth)
 
 
 def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
     """Raise ScanError for datasets of inconsistent shape, or with too many points."""
-    s, z, p = shapes["s"], shapes["z"], shapes["depth" if "depth" in shapes else "height"]
-    if len(s) != 1 or len(z) != 1 or p != (*z, *s):
-        raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s {s}, z {z}, depth {p}")
-    if math.prod(p) > MAX_POINTS:
-        raise ScanError(f"{math.prod(p)} points; at most {MAX_POINTS}", "use fewer points")
+    s, z, depth = shapes["s"], shapes["z"], shapes["depth" if "depth" in shapes else "height"]
+    if len(s) != 1 or len(z) != 1 or depth != (*z, *s):
+        raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s {s}, z {z}, depth {depth}")
+    if math.prod(depth) > MAX_POINTS:
+        raise ScanError(f"{math.prod(depth)} points; at most {MAX_POINTS}", "use fewer points")
 
 
 def _ascending_grid(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
-    """Make a grid, with descending axes reversed."""
+    """Build a depth map, with descending axes reversed. Raises ScanError for axes that are not monotonic."""
     notes: list[str] = []
     for name, axis in (("s", s), ("z", z)):
         _check_axis(name, axis)
@@ -310,6 +329,7 @@ def _ascending_grid(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
 
 
 def _check_axis(name: str, axis: np.ndarray) -> None:
+    """Raise ScanError unless the coordinates of an axis are complete and strictly monotonic."""
     steps = np.diff(axis)
     if len(axis) == 0:
         raise ScanError("no points in this file")
@@ -320,17 +340,22 @@ def _check_axis(name: str, axis: np.ndarray) -> None:
         raise ScanError(f"{name} is not monotonic between values {k} and {k + 1}")
 
 
-READERS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
+READERS: dict[str, Callable[[str, bytes], Grid]] = {
+    ".csv": _read_csv,
+    ".txt": _read_csv,
+    ".h5": _read_hdf5,
+    ".hdf5": _read_hdf5,
+}
 """Readers of file contents, by suffix."""
 
 
-def positions(cells: Iterable[tuple[int, int]], grid: Grid) -> str:
-    """Format the positions of the first three cells (row, column)."""
+def format_positions(cells: Iterable[tuple[int, int]], grid: Grid) -> str:
+    """Format the positions of the first three of some cells (row, column)."""
     indices = list(cells)
-    texts = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in indices[:3]]
+    texts = [f"s = {format_mm(grid.s[j])}, z = {format_mm(grid.z[i])}" for i, j in indices[:3]]
     return "; ".join(texts) + ("; ..." if len(indices) > 3 else "")
 
 
-def mm(metres: float) -> str:
-    """Format a position in mm; rounding errors of zero become zero."""
+def format_mm(metres: float) -> str:
+    """Format a position in mm; values that are zero except for rounding errors become zero."""
     return f"{round(1e3 * float(metres), 9) + 0.0:.4g} mm"
