@@ -248,7 +248,9 @@ def _features() -> dict[str, Feature]:
         ),
         "step_error.rms": Feature("", "bound of the relative step error of the RMS"),
         "step_error.force": Feature("", "bound of the relative step error of the largest outer force"),
-        "step_error.record": Feature("", "bound of the step's relative error of the RMS of any recorded channel"),
+        "step_error.record": Feature(
+            "", "largest bound of the relative step error of the RMS of sensor motion and recorded channels"
+        ),
         "chaotic": Feature("", "1 if the motion is chaotic, else 0"),
         "rms_scatter": Feature("", "relative scatter of the RMS of a chaotic record"),
         "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),

@@ -90,7 +90,7 @@ def test_implicit_method_with_elastic_edge() -> None:
     ("fields", "words"),
     [
         ({"defect": SLOT | {"edge": {"ramp": "20 um"}}}, "rounded edges only"),
-        ({"defect": SLOT | {"shape": "elliptical"}}, "`elastic-edge` has no form for an elliptical defect"),
+        ({"defect": SLOT | {"shape": "elliptical"}}, "`elastic-edge` is not defined for an elliptical defect"),
         ({"defects": [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "5 um"}}]}, "the same edge radius"),
         ({"defect": SLOT | {"length": "2 mm"}, "bearing": "6205"}, "which balls do not have"),
         ({"defect": SLOT, "model": "static"}, "changes the contact force"),

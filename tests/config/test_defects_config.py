@@ -46,10 +46,13 @@ SPALL = SLOT | {"shape": "spall"}
     [
         (
             SLOT | {"offset": "7.5 mm"},
-            "7.5 mm off the middle lies beyond the roller's end (6 mm) and has no effect",
+            "7.5 mm from the centre lies beyond the roller's end (6 mm) and has no effect",
         ),
         (SLOT | {"offset": "-8 mm"}, "beyond the roller's end"),
-        (ON_ROLLER | {"offset": "5 mm"}, "a defect of 3 mm, 5 mm off the middle, extends beyond the roller's end"),
+        (
+            ON_ROLLER | {"offset": "5 mm"},
+            "a defect of 3 mm, 5 mm from the centre, extends beyond the roller's end",
+        ),
         (SLOT | {"edge": {"radius": "20 um", "ramp": "50 um"}}, "expected either `radius` or `ramp`"),
         (SLOT | {"edge": {}}, "expected either `radius` or `ramp`"),
         (SLOT | {"edge": {"radius": "0 um"}}, "a length above zero"),
@@ -70,8 +73,8 @@ def test_wrong_defects_are_refused(defect: dict[str, Any], part: str) -> None:
 @pytest.mark.parametrize(
     ("defect", "part"),
     [
-        (SLOT | {"shape": "elliptical"}, "`soft-edge` has no form for an elliptical defect"),
-        (SPALL, "`soft-edge` has no form for a spall"),
+        (SLOT | {"shape": "elliptical"}, "`soft-edge` is not defined for an elliptical defect"),
+        (SPALL, "`soft-edge` is not defined for a spall"),
         (SLOT | {"edge": {"radius": "20 um"}}, "`soft-edge` is defined for sharp edges only"),
     ],
 )

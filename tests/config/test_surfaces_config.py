@@ -101,7 +101,7 @@ def test_until_is_refused_where_the_form_turns():
     case(surfaces={"outer": SPECTRUM}, **fields)
     (refusal,) = refusals({"inner": SPECTRUM}, **fields)
     assert (
-        refusal == "`until` compares revolutions, which differ: the surfaces of inner race or rollers turn "
+        refusal == "`until` compares revolutions, which differ: the surfaces of inner race or rollers rotate "
         "(remove `until`)"
     )
 

@@ -1,1 +1,1 @@
-"""Rules of a case: required abilities of the model, completion, conflicts."""
+"""Rules of a case: abilities that it needs of the model, default values that depend on others, conflicts."""

@@ -17,7 +17,10 @@ from bearingsim.config.sections.surfaces import Surfaces
 
 
 def complete(case: CaseFields) -> None:
-    """Fill in model, excitation, method, start angle, contact, rig, defects, cage, friction and channels."""
+    """Fill in all values that depend on others, in place: the model, its defaults, and fields of sections.
+
+    The order matters, because later values depend on the model and the excitation.
+    """
     if case.model == catalogue.REFERENCE:
         _fill_reference(case)
     model = catalogue.MODELS[case.model]
@@ -29,7 +32,7 @@ def complete(case: CaseFields) -> None:
         _fill(case, "start_angle", math.pi / case.bearing.rollers)
     _fill(case, "contact", _complete_contact(case))
     _fill(case, "rig", complete_rig(case))
-    _fill(case, "defects", tuple(_with_edge(case, _with_roller(defect)) for defect in case.defects))
+    _fill(case, "defects", tuple(_add_edge(case, _add_roller_number(defect)) for defect in case.defects))
     if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
         _fill(case, "misalignment", None)
     _fill(case, "surfaces", complete_surfaces(case.surfaces))
@@ -38,7 +41,7 @@ def complete(case: CaseFields) -> None:
 
 
 def _fill_reference(case: CaseFields) -> None:
-    """Fill in the reference model; its cage is kinematic unless the case specifies or records slip."""
+    """Fill in the reference model, with a kinematic cage unless the case specifies or records slip."""
     _fill(case, "model", hierarchy.reference_model(case) or catalogue.most_detailed_model())
     if catalogue.MODELS[case.model].slips and not hierarchy.specifies_slip(case):
         _fill(case, "cage", free.Cage(motion="kinematic"))
@@ -53,18 +56,18 @@ def complete_surfaces(surfaces: Surfaces | None) -> Surfaces | None:
     forms = {name: None if form is None or form.is_smooth else form for name, form in forms.items()}
     if not any(forms.values()):
         return None
-    rough = surfaces.model_copy(update=forms)
-    return rough if rough.is_random else rough.model_copy(update={"seed": 0})
+    simplified = surfaces.model_copy(update=forms)
+    return simplified if simplified.is_random else simplified.model_copy(update={"seed": 0})
 
 
 EXTRA_HARMONICS, HOUSING_HARMONICS = 7, 8
-"""Default harmonics of a flexible ring: in excess of the number of rollers for a sensor on the ring, to resolve
-the bulge at each roller; in total for a sensor on the housing."""
-CARRIER_MASS = 1.0  # kg, an assumption
+"""Default highest harmonic of a flexible ring: for a sensor on the ring, the excess over the number of rollers,
+which resolves the bulge at each roller; for a sensor on the housing, the harmonic itself."""
+CARRIER_MASS = 1.0  # kg, default (assumed)
 
 
 def complete_rig(case: CaseFields) -> Rig:
-    """Complete the rig with the cross-section of a flexible ring, its harmonics and its load path."""
+    """Return the rig with the cross-section, harmonics and load path of a flexible ring filled in."""
     ring, load = case.rig.ring, case.rig.load or RingLoad()
     if ring is None:
         return case.rig
@@ -84,6 +87,7 @@ def complete_rig(case: CaseFields) -> Rig:
 
 
 def _fill_free_motion(case: CaseFields) -> None:
+    """Fill in cage and friction of a model with slip; remove `friction: none` from any other."""
     if not catalogue.MODELS[case.model].slips:
         if isinstance(case.friction, free.Frictionless):
             _fill(case, "friction", None)
@@ -94,21 +98,22 @@ def _fill_free_motion(case: CaseFields) -> None:
         _fill(case, "friction", free.Frictionless() if cage.motion == "kinematic" else free.StaticDynamic())
 
 
-def _with_edge(case: CaseFields, defect: Defect) -> Defect:
-    """Add the default edges of the excitation to a defect."""
+def _add_edge(case: CaseFields, defect: Defect) -> Defect:
+    """Return a defect with the default edges of the case's excitation, if it needs edges."""
     if case.excitation != "elastic-edge" or defect.edge is not None:
         return defect
     return defect.model_copy(update={"edge": Edge(radius=EDGE_RADIUS)})
 
 
-def _with_roller(defect: Defect) -> Defect:
-    """Add the default number of the roller to a roller's defect."""
+def _add_roller_number(defect: Defect) -> Defect:
+    """Return a defect with the default number of its roller, if it is on a roller."""
     if defect.race != "roller" or defect.roller is not None:
         return defect
     return defect.model_copy(update={"roller": 1})
 
 
 def _complete_contact(case: CaseFields) -> Contact:
+    """Return the contact with the default stiffness law of the rolling elements filled in."""
     if case.contact.stiffness is not None:
         return case.contact
     law = "palmgren" if case.bearing.element == "roller" else "point"
@@ -116,16 +121,20 @@ def _complete_contact(case: CaseFields) -> Contact:
 
 
 def _fill(case: CaseFields, name: str, value: object) -> None:
+    """Set a field of a frozen case."""
     object.__setattr__(case, name, value)
 
 
 def axial_extent(defect: Defect) -> tuple[float, float]:
-    """Return the axial extent of a defect, in m from the roller's centre."""
+    """Return the positions (m, m) of a defect's ends along the axis, from the roller's centre."""
     return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
 
 
 def slice_ends(case: CaseFields) -> Any:
-    """Return the ends (n + 1,) of a roller's slices, in m from its centre. Raises ValueError for too many."""
+    """Return the positions of the ends of a roller's slices, (n + 1,), in m from its centre.
+
+    Raises ValueError for too many slices.
+    """
     defects = tuple(map(axial_extent, case.defects))
     return _slice_ends(float(case.bearing.roller_length or 0.0), defects, case.contact.slices)
 
@@ -150,7 +159,7 @@ def slice_count(case: CaseFields) -> int | None:
 
 
 def slice_channels(channel: str, case: CaseFields) -> tuple[str, ...]:
-    """Expand a line load along the whole roller to one channel per slice, if the model has slices."""
+    """Return the channels of all slices for a line load along the whole roller, else the channel itself."""
     line_load, count = line_load_of(channel), slice_count(case)
     if line_load is None or count is None:
         return (channel,)

@@ -1,4 +1,4 @@
-"""Conflicts between values of a case that are valid on their own."""
+"""Conflicts between values of a case, each of which is valid on its own."""
 
 from collections.abc import Callable, Iterator
 from math import inf
@@ -27,40 +27,41 @@ if TYPE_CHECKING:
 
 MAX_TILT = 0.02  # rad, largest plausible misalignment
 MAX_SAMPLES = 1e9
-"""Limit of the samples of a record: 4 GB per channel in single precision, or a day at 10 kHz."""
+"""Largest number of samples of a record: 4 GB per channel in single precision, or a day at 10 kHz."""
 MAX_HOOP_STRESS = 2.5e9
-"""Pa; limit of the hoop stress rho v^2 of a thin ring with surface speed v: the tensile strength of hardened
+"""Pa; largest hoop stress rho v^2 of a thin ring with the surface speed v: the tensile strength of hardened
 bearing steel, 2.0 to 2.5 GPa. A steel ring reaches it at 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
+"""Fields of `rig` and `shaft` that let a ring tilt and move axially."""
 
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield all conflicts within a case."""
     yield from defect_conflicts(case)
-    yield from _model(case)
-    yield from _contact(case)
+    yield from _model_conflicts(case)
+    yield from _contact_conflicts(case)
     yield from surface_conflicts(case)
-    yield from _free_motion(case)
-    yield from _in_space(case)
+    yield from _free_motion_conflicts(case)
+    yield from _spatial_conflicts(case)
     yield from flexible_ring_conflicts(case)
-    yield from _record(case)
-    yield from _bands(case)
+    yield from _record_conflicts(case)
+    yield from _band_conflicts(case)
     yield from until_conflicts(case)
-    yield from _sizes(case)
+    yield from _size_conflicts(case)
 
 
 # Model
 
 
-def _model(case: "CaseFields") -> Iterator[Conflict]:
+def _model_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     for need in hierarchy.unmet_needs(case):
         hint = _model_hint(case)
         message = f"the {case.model} model cannot do this: {need.reason}"
         yield Conflict(f"model {need.ability}", (*need.paths, ("model",)), message, hint)
-    yield from _method(case)
+    yield from _method_conflicts(case)
 
 
-def _method(case: "CaseFields") -> Iterator[Conflict]:
+def _method_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     paths: tuple[Path, ...] = (("method",), ("model",))
     if catalogue.MODELS[case.model].own_method and case.method is not None:
         message = f"the {case.model} model has no method, got `{case.method}`"
@@ -73,6 +74,7 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _model_hint(case: "CaseFields") -> str:
+    """Return advice on the model of a case."""
     model = hierarchy.simplest_model(case)
     return f"the simplest one that can is `model: {model}`" if model else "no model can compute all of this"
 
@@ -80,18 +82,18 @@ def _model_hint(case: "CaseFields") -> str:
 # Contact
 
 
-def _contact(case: "CaseFields") -> Iterator[Conflict]:
+def _contact_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     law, element = case.contact.elastic_law, case.bearing.element
     if catalogue.LAWS["stiffness"][law].element not in ("", element):
         paths: tuple[Path, ...] = (("contact", "stiffness"), ("bearing",))
-        shape, hint = ("a roller's", "use `point`") if element == "ball" else ("a ball's", "use `palmgren`")
-        yield Conflict("contact", paths, f"the law `{law}` is {shape} contact, not a {element}'s", hint)
+        supported, hint = ("rollers", "use `point`") if element == "ball" else ("balls", "use `palmgren`")
+        yield Conflict("contact", paths, f"the law `{law}` is for {supported}, not for {element}s", hint)
 
 
 # Free motion
 
 
-def _free_motion(case: "CaseFields") -> Iterator[Conflict]:
+def _free_motion_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     if case.unbalance is not None and case.shaft is None:
         message = "an unbalance has no effect on a fixed inner ring"
         yield Conflict("shaft", (("unbalance",),), message, "give `shaft: {stiffness: 1e8 N/m, mass: 1 kg}`")
@@ -99,10 +101,10 @@ def _free_motion(case: "CaseFields") -> Iterator[Conflict]:
         paths: tuple[Path, ...] = (("rig", "torsion_damping"), ("rig",))
         yield Conflict("torsion", paths, "the ring does not rotate without `torsion_stiffness`", "give both")
     if case.cage is not None and case.cage.motion == "kinematic":
-        yield from _kinematic_cage(case)
+        yield from _kinematic_cage_conflicts(case)
 
 
-def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
+def _kinematic_cage_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     assert case.cage is not None
     motion: Path = ("cage", "motion")
     if case.friction is not None and not isinstance(case.friction, Frictionless):
@@ -120,13 +122,13 @@ def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
         )
 
 
-# In space
+# Motion in space
 
 
-def _in_space(case: "CaseFields") -> Iterator[Conflict]:
+def _spatial_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     for name, section in (("rig", case.rig), ("shaft", case.shaft)):
-        yield from _incomplete_mount(name, section)
-    yield from _misalignment(case)
+        yield from _mount_conflicts(name, section)
+    yield from _misalignment_conflicts(case)
     sliced = catalogue.MODELS[case.model].sliced and case.bearing.roller_length is not None
     if sliced and slice_count(case) is None:
         paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
@@ -134,7 +136,8 @@ def _in_space(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("slices", paths, message, "use fewer `contact.slices` or fewer defects")
 
 
-def _incomplete_mount(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
+def _mount_conflicts(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
+    """Yield the conflict of a ring with only one of the two stiffnesses of its mount."""
     if section is None:
         return
     present = [key for key in MOUNT_FIELDS if getattr(section, key) is not None]
@@ -142,11 +145,11 @@ def _incomplete_mount(name: str, section: "Rig | Shaft | None") -> Iterator[Conf
     missing = [key for key in springs if key not in present]
     if present and missing:
         paths: tuple[Path, ...] = ((name, present[0]), (name,))
-        words = " and ".join(f"`{key}`" for key in missing)
-        yield Conflict("sprung", paths, f"a ring that tilts also needs {words}", "give both stiffnesses")
+        keys = " and ".join(f"`{key}`" for key in missing)
+        yield Conflict("sprung", paths, f"a ring that tilts also needs {keys}", "give both stiffnesses")
 
 
-def _misalignment(case: "CaseFields") -> Iterator[Conflict]:
+def _misalignment_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     for ring in ("inner", "outer") if case.misalignment else ():
         tilt = getattr(case.misalignment, ring)
         if abs(tilt) > MAX_TILT:
@@ -154,23 +157,24 @@ def _misalignment(case: "CaseFields") -> Iterator[Conflict]:
             yield Conflict("lean", (("misalignment", ring),), message, "is the unit right? Try mrad")
 
 
-# Record, sizes, times
+# Record, bands, sizes, times
 
 
-def _record(case: "CaseFields") -> Iterator[Conflict]:
+def _record_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.record):
         path: Path = ("record", index)
         number = roller_number(name)
         if number is not None and number > case.bearing.rollers:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
             yield Conflict("channel", (path, ("bearing", "rollers")), message, "numbers start at 1")
-        yield from _slice_of(path, name, case)
+        yield from _slice_conflicts(path, name, case)
         zero_reason = _zero_reason(name, case) if catalogue.MODELS[case.model].slips else None
         if zero_reason:
             yield Conflict("still", (path,), f"`{name}` stays zero: {zero_reason[0]}", zero_reason[1])
 
 
-def _bands(case: "CaseFields") -> Iterator[Conflict]:
+def _band_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+    """Yield the conflicts of `features` with the record, the models and `until`."""
     for index, name in enumerate(case.features):
         path: Path = ("features", index)
         feature = read_band(name)
@@ -192,7 +196,7 @@ def _bands(case: "CaseFields") -> Iterator[Conflict]:
             yield Conflict("band", (path, ("duration",)), message, f"use a `duration` of {min_duration} or more")
 
 
-def _slice_of(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
+def _slice_conflicts(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
     number = slice_number(name)
     count = slice_count(case)
     if number is not None and count is not None and number > count:
@@ -205,7 +209,7 @@ def _zero_reason(name: str, case: "CaseFields") -> tuple[str, str] | None:
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
         return "the bracket fixes the rotation of the ring", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
-        return "the inner ring is rigid", "give `shaft`"
+        return "the inner ring's centre is fixed", "give `shaft`"
     kinematic = case.cage is not None and case.cage.motion == "kinematic"
     if kinematic and without_numbers(name) in hierarchy.KINEMATIC_CHANNELS:
         return "the cage is kinematic", "use `motion: free`"
@@ -220,24 +224,24 @@ def _zero_reason(name: str, case: "CaseFields") -> tuple[str, str] | None:
     return None
 
 
-def _sizes(case: "CaseFields") -> Iterator[Conflict]:
+def _size_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
-        value = show(case.clearance, "um")
-        message = f"a clearance of {value} is beyond -1 % to 5 % of the roller diameter"
+        clearance = show(case.clearance, "um")
+        message = f"a clearance of {clearance} is beyond -1 % to 5 % of the roller diameter"
         yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
     if case.ramp is not None and getattr(case.contact.damping, "of_one_speed", False):
         message = f"the damping law `{getattr(case.contact.damping, 'law', '')}` is valid for one speed only"
         yield Conflict("film", (("ramp",), ("contact", "damping")), message, "use another law, or omit `ramp`")
-    yield from _ring_burst(case)
+    yield from _burst_conflicts(case)
     if case.duration * case.sampling > MAX_SAMPLES:
         message = f"{case.duration * case.sampling:.2g} samples: a record has at most {MAX_SAMPLES:.0e}"
         sample_paths: tuple[Path, ...] = (("duration",), ("sampling",))
         yield Conflict("samples", sample_paths, message, "use a shorter `duration`, or a lower `sampling`")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
-        value, limit = show(case.duration, "ms"), show(ball_pass, "ms")
+        duration, limit = show(case.duration, "ms"), show(ball_pass, "ms")
         duration_paths: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
-        message = f"{value} is shorter than one ball pass of {limit}"
+        message = f"{duration} is shorter than one ball pass of {limit}"
         yield Conflict("duration", duration_paths, message, "are the units of `duration` and `speed` right?")
     if (
         case.excitation in IMPULSE_EXCITATIONS
@@ -248,22 +252,22 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("silent", paths, "a bearing without a defect has no impulses", "give a `defect`")
 
 
-def _ring_burst(case: "CaseFields") -> Iterator[Conflict]:
+def _burst_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield the conflict of a speed at which the inner ring bursts."""
     speed = case.speed if case.ramp is None else max(case.speed, case.ramp.to)
-    surface = speed * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
-    stress = case.bearing.material.density * surface**2
+    surface_speed = speed * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
+    stress = case.bearing.material.density * surface_speed**2
     if stress > MAX_HOOP_STRESS:
         path: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
         message = (
-            f"at {show(speed, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
+            f"at {show(speed, 'rpm')} the inner race moves at {surface_speed:.3g} m/s: its hoop stress rho v^2,"
             f" {stress:.2g} Pa, bursts the ring (over {MAX_HOOP_STRESS:.2g} Pa)"
         )
         yield Conflict("bursts", (path, ("bearing",)), message, "is the unit right?")
 
 
 class PassCondition(NamedTuple):
-    """Condition on a field for identical ball passes, and the reason if it is not met."""
+    """Condition for identical ball passes: a check of the case, and the reason why passes differ if it fails."""
 
     is_met: Callable[["CaseFields"], bool]
     reason: str
@@ -271,10 +275,10 @@ class PassCondition(NamedTuple):
 
 PASS_CONDITIONS: dict[str, PassCondition] = {
     "ramp": PassCondition(lambda case: case.ramp is None, "the speed changes"),
-    "unbalance": PassCondition(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
-    "defects": PassCondition(lambda case: all(d.race == "outer" for d in case.defects), "a defect turns"),
+    "unbalance": PassCondition(lambda case: case.unbalance is None, "an unbalance rotates with the shaft"),
+    "defects": PassCondition(lambda case: all(d.race == "outer" for d in case.defects), "a defect rotates"),
     "surfaces": PassCondition(
-        lambda case: repeats_each_pass(case.surfaces), "the surfaces of inner race or rollers turn"
+        lambda case: repeats_each_pass(case.surfaces), "the surfaces of inner race or rollers rotate"
     ),
     "excitation": PassCondition(lambda case: case.excitation != "random-impulses", "impulses are random"),
     "model": PassCondition(
@@ -282,11 +286,10 @@ PASS_CONDITIONS: dict[str, PassCondition] = {
     ),
     "cage": PassCondition(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
 }
-"""Conditions for identical ball passes, by field; simulation/repetition.py adds those of the method."""
-
+"""Conditions for identical ball passes, by field; ``simulation/repetition.py`` adds those of the method."""
 
 REVOLUTION_CONDITIONS = ("defects", "cage")
-"""Conditions that `until` does not need: without them revolutions of the defect or cage are compared instead."""
+"""Fields whose conditions `until` does not need, because it compares revolutions of the defect or the cage."""
 
 
 def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:

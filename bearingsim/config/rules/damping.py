@@ -1,7 +1,7 @@
 """Plausible damping of rolling contacts, and warnings of other values.
 
-The sources are given in docs/damping.md. c/k is the ratio of damping to stiffness of a contact under the static
-load, which is the decay time of an overdamped contact.
+docs/damping.md states the sources. c/k is the ratio of damping to stiffness of a contact under the static load,
+which is the decay time of an overdamped contact.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 from bearingsim.text.numbers import span
 
 PLAUSIBLE_RANGE = (0.3e-6, 25e-6)
-"""s; range of c/k of a lubricated contact, from measurements and theory."""
+"""s; plausible range of c/k of a lubricated contact, from measurements and theory."""
 CROSSING_SHARE = 0.1
-"""Largest c/k, as a share of the crossing time of a defect, at which the roller can follow the defect."""
+"""Largest c/k at which the roller can follow a defect, relative to the crossing time of the defect."""
 WARNING = "warning: "
 """Prefix of a warning."""
 RANGE_TOLERANCE = 1.0 + 1e-6
@@ -39,7 +39,7 @@ class JobDamping(NamedTuple):
 
 
 def damping_remarks(jobs: Sequence[JobDamping]) -> Iterator[str]:
-    """Yield the range of damping of the jobs and the plausible range, then warnings."""
+    """Yield the range of damping of the jobs beside the plausible range, then warnings of implausible damping."""
     if not jobs:
         return
     crossings = [job.crossing for job in jobs if isfinite(job.crossing)]
@@ -60,15 +60,17 @@ def damping_remarks(jobs: Sequence[JobDamping]) -> Iterator[str]:
 
 
 def result_remarks(info: Any) -> Iterator[str]:
-    """Apply ``damping_remarks`` to finished jobs; info: table of the solver's attributes (``Results.info``)."""
+    """Yield ``damping_remarks`` on finished jobs; info: table of attributes of the jobs (``Results.info``)."""
     columns = ["damping_time_s", "damping_ratio", "crossing_s"]
     if all(name in info for name in columns):
         yield from damping_remarks([JobDamping(*row) for row in info[columns].dropna().to_numpy().tolist()])
 
 
 def _range(values: Sequence[float]) -> str:
+    """Format the range of values."""
     return span(min(values), max(values), "{:.3g}".format)
 
 
 def _count_text(selected: Sequence[JobDamping], jobs: Sequence[JobDamping]) -> str:
+    """Format the number of selected jobs; empty if all are selected."""
     return "" if len(selected) == len(jobs) else f" ({len(selected)} of {len(jobs)} jobs)"

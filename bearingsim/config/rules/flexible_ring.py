@@ -15,17 +15,15 @@ if TYPE_CHECKING:
 RING: tuple[Path, ...] = (("rig", "ring", "bends"), ("rig", "ring"), ("rig",))
 LOAD: Path = ("rig", "load")
 BY_PATHS: tuple[Path, ...] = ((*LOAD, "by"), LOAD)
-MAX_HOUSING_STIFFNESS, MAX_FIT = 1e13, 1e-4  # N/m per m; m
-SECTION_TOLERANCE = 0.01  # relative tolerance of height and width
+MAX_HOUSING_STIFFNESS, MAX_FIT = 1e13, 1e-4  # N/m per m of circumference; m
+SECTION_TOLERANCE = 0.01  # largest relative difference of the cross-section from the bearing's dimensions
 BALANCE_TOLERANCE = 1e-6  # largest resultant of the pads perpendicular to the load line, relative to that along it
 MIN_LOAD_SHARE = 0.1  # minimum mean cosine of the pads' angles from the load line
-MAX_POINTS = 100
+MAX_POINTS = 100  # largest number of springs at discrete angles
 MAX_DISPLACEMENT = 1e-3  # m, largest displacement of a carrier under its load
-MIN_CARRIER_MASS = (
-    1e-3  # kg, minimum mass of a carrier: a lighter one has too high a natural frequency for the step
-)
-ANGLE_TOLERANCE = 1e-6  # rad
-COSINE_TOLERANCE = 1e-9  # tolerance of the cosine between a displacement and a spring
+MIN_CARRIER_MASS = 1e-3  # kg; the natural frequency of a lighter carrier would need too short a step
+ANGLE_TOLERANCE = 1e-6  # rad; angles that differ by less count as equal
+COSINE_TOLERANCE = 1e-9  # tolerance of the cosine of the angle between a displacement and a spring or the load
 
 
 def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -35,9 +33,9 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield from _rigid_ring_conflicts(case)
         return
     assert rig.load is not None
-    yield from _section(case, rig.ring)
-    yield from _method(case)
-    yield from _load(case, rig.load)
+    yield from _section_conflicts(case, rig.ring)
+    yield from _method_conflicts(case)
+    yield from _load_conflicts(case, rig.load)
     if case.load_across != 0.0 and not rig.load.carried:
         paths: tuple[Path, ...] = (("load_across",), *BY_PATHS)
         message = f"`by: {rig.load.by}` exerts no force across the load line"
@@ -59,7 +57,7 @@ def _rigid_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("bracket", paths, "a rigid ring needs a bracket", f"use `1e7 N/m`, or {hint[4:]}")
 
 
-def _section(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
+def _section_conflicts(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
     for name, expected in case.bearing.ring_section.items():
         size = getattr(ring.section, name)
         if abs(size - expected) > SECTION_TOLERANCE * expected:
@@ -68,7 +66,8 @@ def _section(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
             yield Conflict(f"section {name}", paths, message, f"remove `{name}`")
 
 
-def _method(case: "CaseFields") -> Iterator[Conflict]:
+def _method_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+    """Yield the conflict of an implicit method, for which models with a flexible ring have no Jacobian."""
     method = catalogue.METHODS.get(str(case.method))
     if method is not None and method.implicit:
         paths: tuple[Path, ...] = (("method",), *RING)
@@ -76,13 +75,13 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("implicit", paths, message, "omit `method`, or use an explicit one")
 
 
-def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
+def _load_conflicts(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     if load.by == "pads":
-        yield from _pads(load.angles or ())
+        yield from _pad_conflicts(load.angles or ())
     elif load.by == "points":
-        yield from _points(case, load.at or ())
+        yield from _point_conflicts(case, load.at or ())
     elif load.by == "housing":
-        yield from _housing(case, load)
+        yield from _housing_conflicts(case, load)
     if load.mass is not None and load.mass < MIN_CARRIER_MASS:
         message = f"a carrier of {show(load.mass, 'g')} on its springs needs too short a step"
         yield Conflict(
@@ -90,7 +89,7 @@ def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
         )
 
 
-def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
+def _pad_conflicts(angles: tuple[float, ...]) -> Iterator[Conflict]:
     paths: tuple[Path, ...] = ((*LOAD, "angles"), LOAD)
     along, across = sum(map(math.cos, angles)), sum(map(math.sin, angles))
     if _has_duplicates(angles):
@@ -103,7 +102,7 @@ def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
         yield Conflict("pads", paths, message, "use angles on both sides of it, such as `[-45 deg, 45 deg]`")
 
 
-def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[Conflict]:
+def _point_conflicts(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[Conflict]:
     paths: tuple[Path, ...] = ((*LOAD, "at"), LOAD, ("load_across",))
     load_line, angles = math.atan2(case.load_across, case.load), [point.angle for point in points]
     stiffness = sum(point.stiffness * max(math.cos(point.angle - load_line), 0.0) ** 2 for point in points)
@@ -124,14 +123,14 @@ def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[
 
 
 def _has_single_support(case: "CaseFields", angles: list[float], load_line: float) -> bool:
-    """Check if the only spring is on the load line, and a bracket supports the carrier sideways."""
+    """Check if the only spring is on the load line, and a bracket supports the carrier across it."""
     return len(angles) == 1 and math.cos(angles[0] - load_line) > 1.0 - 1e-12 and case.rig.bracket_stiffness > 0.0
 
 
 def _is_supported(angles: list[float], load_line: float) -> bool:
-    """Check if compression springs at these angles support a carrier under its load, without a bracket.
+    """Check if compression springs at these angles (rad) support a carrier under its load, without a bracket.
 
-    They do unless a displacement of the carrier compresses no spring and is not opposed by the load. It is
+    They do unless some displacement of the carrier compresses no spring and is not opposed by the load. It is
     sufficient to test the directions perpendicular to each spring.
     """
     directions = [angle + quarter for angle in angles for quarter in (-math.pi / 2.0, math.pi / 2.0)]
@@ -142,12 +141,13 @@ def _is_supported(angles: list[float], load_line: float) -> bool:
     )
 
 
-def _housing(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
+def _housing_conflicts(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     assert load.stiffness is not None
     assert load.fit is not None
     stiffness: tuple[Path, ...] = ((*LOAD, "stiffness"), LOAD)
-    half_stiffness = 0.25 * math.pi * case.bearing.outside_diameter * load.stiffness  # N/m, of half the springs
-    displacement = math.hypot(case.load, case.load_across) / half_stiffness
+    # half of the springs are compressed; the mean square of the cosine of their angles from the load is 1/2
+    effective_stiffness = 0.25 * math.pi * case.bearing.outside_diameter * load.stiffness  # N/m
+    displacement = math.hypot(case.load, case.load_across) / effective_stiffness
     if load.stiffness > MAX_HOUSING_STIFFNESS:
         message = f"a housing of {load.stiffness:.3g} N/m/m makes the ring practically rigid"
         yield Conflict("housing", stiffness, message, "use a rigid ring, or at most 1e13 N/m/m")
@@ -160,7 +160,7 @@ def _housing(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
 
 
 def _has_duplicates(angles: "tuple[float, ...] | list[float]") -> bool:
-    """Check if two angles (rad) are equal."""
+    """Check if two of the angles (rad) are equal, up to whole revolutions."""
     wrapped = sorted(angle % (2.0 * math.pi) for angle in angles)
     gaps = [
         following - previous

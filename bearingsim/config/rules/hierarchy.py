@@ -1,8 +1,8 @@
 """Abilities of the model that a case needs, and the simplest model of the catalogue that has them.
 
-A need is required if a model without the ability cannot represent the case: such models are rejected. Other needs
-are desired: a model without the ability computes the case with poor accuracy. `simplest_model` and
-`reference_model` consider both, but a model named by the study is only checked for the required ones.
+A need is required if a model without the ability cannot represent the case; such a model is rejected. Other needs
+are desired; a model without the ability computes the case with poor accuracy. ``simplest_model`` and
+``reference_model`` consider both, but a model that the study names is only checked for the required ones.
 """
 
 import math
@@ -19,8 +19,10 @@ from bearingsim.core.geometry.kinematics import cage_speed
 if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
-STRIBECK = 4.08  # largest roller load over F/Z, for line contacts without clearance; also used for balls (4.37)
-MIN_CENTRIFUGAL_SHARE = 0.1  # least centrifugal force, over the largest roller load, that needs roller inertia
+STRIBECK_NUMBER = 4.08
+"""Largest roller load over F/Z, for line contacts without clearance; also used for balls, which have 4.37."""
+MIN_CENTRIFUGAL_SHARE = 0.1
+"""Centrifugal force, relative to the largest roller load, above which the model needs roller inertia."""
 
 KINEMATIC_CHANNELS = (
     "cage.slip",
@@ -34,14 +36,17 @@ KINEMATIC_CHANNELS = (
 """Channels that stay zero with a kinematic cage."""
 
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
-"""Reason to advise a model with roller mass if a run stalls: without it, a ring that has lifted off closes its
-contacts in ever smaller and more frequent impacts (docs/stability.md)."""
+"""Reason to advise a model with roller mass if a run stalls: without that mass, the contacts of a ring that has
+lifted off close in ever smaller and more frequent impacts (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
 
 
 class Need(NamedTuple):
-    """Need of a case: the ability of the model, the reason in words, and the paths that cause the need."""
+    """Need of a case: an ability of the model, its reason for messages, and the paths of the keys that cause it.
+
+    required: False if a model without the ability is only less accurate.
+    """
 
     ability: str
     reason: str
@@ -82,8 +87,10 @@ def omitted_needs(case: "CaseFields") -> list[Need]:
 
 
 def specifies_slip(case: "CaseFields") -> bool:
-    """Check if a case specifies cage, drag or friction (other than `none`), or records slip, cage motion, or a
-    motion or force that a kinematic cage prevents."""
+    """Check if a case specifies cage, drag or friction (other than `none`), or records a related quantity.
+
+    Such quantities are slip, cage motion, and motions and forces that are zero with a kinematic cage.
+    """
     is_specified = any(_is_specified(case, name) for name in ("cage", "friction", "drag"))
     slips, channels = ("slip", "cage"), [without_numbers(name) for name in case.record]
     return is_specified or any(
@@ -94,7 +101,7 @@ def specifies_slip(case: "CaseFields") -> bool:
 def has_default_friction(case: "CaseFields") -> bool:
     """Check if the model of a case computes slip, but the case neither specifies nor records it.
 
-    It specifies slip by `friction` (also `none`), `cage` or `drag`.
+    A case specifies slip by `friction`, even `none`, by `cage` or by `drag`.
     """
     slips = catalogue.MODELS[case.model].slips
     return slips and not specifies_slip(case) and "friction" not in case.model_fields_set
@@ -110,7 +117,10 @@ def unmet_needs(case: "CaseFields") -> list[Need]:
 
 
 def reasons(case: "CaseFields") -> list[str]:
-    """List the reasons why the simplest suitable model is needed instead of the next simpler one."""
+    """List the reasons why the simplest suitable model is needed instead of the next simpler one.
+
+    The list has no duplicates, and is empty if no model is suitable.
+    """
     model = simplest_model(case)
     if model is None:
         return []
@@ -126,7 +136,7 @@ def reasons(case: "CaseFields") -> list[str]:
 def _defect_needs(case: "CaseFields") -> Iterator[Need]:
     excitation: tuple[Path, ...] = (("excitation",),)
     if case.excitation in IMPULSE_EXCITATIONS and "excitation" not in case.model_fields_set:
-        return  # default of the impulse model
+        return  # filled in by default for a model without defect geometry
     if case.excitation in IMPULSE_EXCITATIONS:
         yield Need(
             "impulses", f"`{case.excitation}` is a force history, which only `impulse` computes", excitation
@@ -234,7 +244,7 @@ def _record_needs(case: "CaseFields") -> Iterator[Need]:
 
 
 def _mass_needs(case: "CaseFields") -> Iterator[Need]:
-    """Yield the needs for roller inertia: impacts at a defect, jumps of the damping force, centrifugal force."""
+    """Yield the needs for roller inertia due to impacts at a defect, a jump of the damping force, or rotation."""
     channels = [without_numbers(name) for name in case.record]
     records_impacts = any(name.startswith("roller.") or name.endswith(".acceleration") for name in channels)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and records_impacts:
@@ -248,9 +258,9 @@ def _mass_needs(case: "CaseFields") -> Iterator[Need]:
             required=False,
         )
     force = _centrifugal_force(case)
-    load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
-    if force > MIN_CENTRIFUGAL_SHARE * load:
-        reason = f"centrifugal force {100.0 * force / load:.0f} % of roller load"
+    roller_load = STRIBECK_NUMBER * math.hypot(case.load, case.load_across) / case.bearing.rollers
+    if force > MIN_CENTRIFUGAL_SHARE * roller_load:
+        reason = f"centrifugal force {100.0 * force / roller_load:.0f} % of roller load"
         yield Need("roller inertia", reason, (("speed",), ("load",)), required=False)
 
 

@@ -1,4 +1,4 @@
-"""Conflicts of the form of surfaces with the bearing and the method."""
+"""Conflicts of the form of the surfaces with the bearing and the method."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -11,15 +11,16 @@ if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
 MAX_HEIGHT = 0.01
-"""Largest height of a surface relative to the rolling element's diameter: 0.1 mm of 10 mm, a damaged surface."""
+"""Largest height of the form, relative to the rolling element's diameter. Larger heights, such as 0.1 mm at a
+diameter of 10 mm, are damage, not form."""
 
 
 def surface_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield the conflicts of `surfaces`."""
     if case.surfaces is None:
         return
-    yield from _rollers(case)
-    yield from _heights(case)
+    yield from _roller_conflicts(case)
+    yield from _height_conflicts(case)
     method = catalogue.METHODS.get(case.method or "")
     if method is not None and method.implicit and catalogue.MODELS[case.model].slips:
         paths: tuple[Path, ...] = (("method",), ("surfaces",))
@@ -27,7 +28,8 @@ def surface_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("form method", paths, message, "use an explicit method, or `method: auto`")
 
 
-def _rollers(case: "CaseFields") -> Iterator[Conflict]:
+def _roller_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+    """Yield the conflicts of the rollers' form with their number."""
     surface = case.surfaces and case.surfaces.rollers
     if not surface:
         return
@@ -44,16 +46,17 @@ def _rollers(case: "CaseFields") -> Iterator[Conflict]:
             yield Conflict("roller", (path, ("bearing", "rollers")), message, "numbers start at 1")
 
 
-def _heights(case: "CaseFields") -> Iterator[Conflict]:
+def _height_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+    """Yield the conflict of each height that exceeds ``MAX_HEIGHT``."""
     limit = MAX_HEIGHT * case.bearing.roller_diameter
-    for path, height in _largest_lengths(case):
+    for path, height in _heights(case):
         if abs(height) > limit:
             message = f"{show(height, 'um')} is over 1 % of the rolling element's diameter"
             yield Conflict("height", (path, ("bearing",)), message, "is the unit right?")
 
 
-def _largest_lengths(case: "CaseFields") -> Iterator[tuple[Path, float]]:
-    """Yield the path and value (m) of each amplitude and deviation, and of all harmonics of a surface."""
+def _heights(case: "CaseFields") -> Iterator[tuple[Path, float]]:
+    """Yield the path and value (m) of each height: of roundness profiles, amplitudes, their sums and diameters."""
     for race, roundness in case.surfaces.profiles.items() if case.surfaces else ():
         from bearingsim.config.scan.roundness import form_range, read_roundness  # imports numpy
 
@@ -64,14 +67,12 @@ def _largest_lengths(case: "CaseFields") -> Iterator[tuple[Path, float]]:
             continue
         for number, harmonic in enumerate(surface.harmonics):
             yield ("surfaces", name, "harmonics", number, "amplitude"), harmonic.amplitude
-        if len(surface.harmonics) > 1:  # crests of all waves may coincide
+        if len(surface.harmonics) > 1:  # the crests of all undulations may coincide
             yield ("surfaces", name, "harmonics"), sum(abs(harmonic.amplitude) for harmonic in surface.harmonics)
         if surface.spectrum is not None:
-            low = surface.spectrum.orders[0]
-            yield (
-                ("surfaces", name, "spectrum", "amplitude"),
-                surface.spectrum.amplitude * low**-surface.spectrum.exponent,
-            )
+            spectrum, lowest_order = surface.spectrum, surface.spectrum.orders[0]
+            largest_amplitude = spectrum.amplitude * lowest_order**-spectrum.exponent
+            yield ("surfaces", name, "spectrum", "amplitude"), largest_amplitude
         diameter = surface.diameter if name == "rollers" else None
         if diameter is not None and diameter.scatter is not None:
             yield ("surfaces", name, "diameter", "scatter"), diameter.scatter
