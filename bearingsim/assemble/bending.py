@@ -131,7 +131,7 @@ def ring_parameters(case: Case) -> RingParameters:
 
 def has_carrier(rig: Rig) -> bool:
     """Check if springs connect the ring to a carrier on which load and bracket act."""
-    return rig.ring is not None and rig.load is not None and rig.load.carried
+    return rig.ring is not None and rig.load is not None and rig.load.has_carrier
 
 
 def ring_section(ring: RingParameters) -> Section:
@@ -162,7 +162,7 @@ def harmonics(ring: RingParameters) -> Harmonics:
     """Compute the harmonics of a ring, with padding that leaves room for a carrier."""
     section = ring_section(ring)
     modes = [harmonic(section, n) for n in (*range(2, int(ring.ring.harmonics) + 1), 0)]
-    H = -(-(len(modes) + ring.load_path.carried) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+    H = -(-(len(modes) + ring.load_path.has_carrier) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     n, k, omega = (pad_with_zeros([getattr(mode, name) for mode in modes], H) for name in ("n", "k", "omega"))
     omega = np.minimum(omega * np.sqrt(section.mass / ring.ring_mass), MAX_FREQUENCY)
     per_mass = np.divide(omega**2, k, out=np.zeros(H), where=k > 0.0)
@@ -177,9 +177,9 @@ def build_bending(ring: RingParameters) -> core.Bending:
     at_rollers = np.stack([evaluate_at_rollers(function, modes.n, angles) for function in (np.cos, np.sin)])
     at_rollers[:, modes.mode_count :] = 0.0
     harmonic_table = build_harmonic_table(ring, modes)
-    if ring.load_path.carried:
+    if ring.load_path.has_carrier:
         add_carrier(harmonic_table, ring, modes.mode_count)
-    springs = build_springs(ring, modes) if ring.load_path.carried else core.NoSprings()
+    springs = build_springs(ring, modes) if ring.load_path.has_carrier else core.NoSprings()
     max_stiffness, max_damping = largest_eigenvalues(ring.ring_mass, harmonic_table, springs)
     on_ring, alpha = ring.sensor.on_ring, ring.sensor.angle or 0.0
     return core.Bending(
@@ -214,7 +214,7 @@ def build_harmonic_table(ring: RingParameters, modes: Harmonics) -> np.ndarray:
     rows[core.N], rows[core.K], rows[core.K_M] = modes.n, modes.k, modes.omega**2
     rows[core.C_M] = 2.0 * ring.ring.damping * modes.omega
     rows[core.PER_MASS_C], rows[core.PER_MASS_S] = modes.per_mass_c, modes.per_mass_s
-    if not ring.load_path.carried:
+    if not ring.load_path.has_carrier:
         rows[core.LOAD_C], rows[core.LOAD_S] = load_amplitudes(ring.load_path, ring.load, modes.n)
     if ring.sensor.on_ring:
         rows[core.SENSOR_C], rows[core.SENSOR_S] = np.cos(modes.n * alpha), np.sin(modes.n * alpha)

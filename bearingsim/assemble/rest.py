@@ -118,7 +118,7 @@ def _build_without_bracket(
     form: Any,
 ) -> Static:
     """Build the static model of a healthy bearing without bracket, under the loads ``F`` and ``F_across`` (N)."""
-    on_carrier = ring is not None and ring.load_path.carried
+    on_carrier = ring is not None and ring.load_path.has_carrier
     support = Support(*((0.0, 0.0) if on_carrier else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     ring_bending = RigidRing() if ring is None else bending.undamped_bending(bending.build_bending(ring))
     return build_static(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending, form)

@@ -236,7 +236,7 @@ LINES: list[tuple[str, str, str]] = [
     ("rig: {sensor: {on: housing}}", "housing", "rig.sensor.on: a rigid ring has no housing around it (use `ring: {bends: true}`)"),
     ("rig: {bracket_stiffness: 0 N/m}", "0 N/m", "rig.bracket_stiffness: a rigid ring needs a bracket (use `1e7 N/m`, or `ring: {bends: true}`)"),
     (f"rig: {{{BEND}, bracket_stiffness: -1 N/m}}", "-1 N/m", "rig.bracket_stiffness: expected a stiffness that is not negative, such as `1e7 N/m`, got `-1 N/m`"),
-    ("rig: {sensor: {angle: 10 deg}, sensor_angle: 20 deg}", "20 deg", "rig.sensor_angle: `sensor_angle` is another word for `sensor.angle` (keep one of them)"),
+    ("rig: {sensor: {angle: 10 deg}, sensor_angle: 20 deg}", "20 deg", "rig.sensor_angle: `sensor_angle` is a synonym of `sensor.angle` (keep one of them)"),
     ("rig: {sensor: {on: table}}", "table", "rig.sensor.on: expected `ring` or `housing`, got `table`"),
     ("rig: {sensor: 0 deg}", "0 deg", "rig.sensor: expected a mapping such as `{on: ring, angle: 0 deg}`, got `0 deg`"),
     ("rig: {ring: {bend: true}}", "bend", "rig.ring: unknown key `bend` (did you mean `bends`?)"),
@@ -304,7 +304,7 @@ def error_output(path: Path) -> str:
 @pytest.mark.parametrize("angles", ["10 -10", "-30 30 180", "0 120 -120", "80 -80"])
 def test_springs_on_both_sides_need_no_bracket(angles: str) -> None:
     springs = [{"angle": f"{angle} deg", "stiffness": "1e8 N/m"} for angle in angles.split()]
-    assert load_of(flexible_case(bracket_stiffness="0 N/m", load={"by": "points", "at": springs})).carried
+    assert load_of(flexible_case(bracket_stiffness="0 N/m", load={"by": "points", "at": springs})).has_carrier
 
 
 def test_a_load_across_turns_the_load_line() -> None:

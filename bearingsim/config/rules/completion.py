@@ -79,7 +79,7 @@ def complete_rig(case: CaseFields) -> Rig:
         name: getattr(ring.section, name) or default for name, default in case.bearing.ring_section.items()
     }
     ring_update = {"harmonics": harmonics, "section": ring.section.model_copy(update=dimensions)}
-    load_update = {"mass": load.mass or CARRIER_MASS} if load.carried else {}
+    load_update = {"mass": load.mass or CARRIER_MASS} if load.has_carrier else {}
     load_update |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
     return case.rig.model_copy(
         update={"ring": ring.model_copy(update=ring_update), "load": load.model_copy(update=load_update)}

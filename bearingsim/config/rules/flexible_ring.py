@@ -36,11 +36,11 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from _section_conflicts(case, rig.ring)
     yield from _method_conflicts(case)
     yield from _load_conflicts(case, rig.load)
-    if case.load_across != 0.0 and not rig.load.carried:
+    if case.load_across != 0.0 and not rig.load.has_carrier:
         paths: tuple[Path, ...] = (("load_across",), *BY_PATHS)
         message = f"`by: {rig.load.by}` exerts no force across the load line"
         yield Conflict("across", paths, message, "remove `load_across`, or use `by: points` or `by: housing`")
-    if not rig.sensor.on_ring and not rig.load.carried:
+    if not rig.sensor.on_ring and not rig.load.has_carrier:
         paths = (("rig", "sensor", "on"), ("rig", "sensor"), *BY_PATHS)
         yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "use `by: housing`")
 

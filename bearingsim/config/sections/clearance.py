@@ -1,8 +1,8 @@
 """Radial internal clearance by class and bore (ISO 5753-1).
 
-There are tables for cylindrical roller bearings with cylindrical bore and for deep groove ball bearings, with the
-standard's values as reprinted in manufacturers' catalogues. They apply to the unmounted bearing: interference
-fits and temperature reduce the clearance.
+The tables are those of cylindrical roller bearings with cylindrical bore and of deep groove ball bearings, with
+the values of the standard as reprinted in manufacturers' catalogues. They apply to the unmounted bearing;
+interference fits and temperature reduce the clearance.
 """
 
 import re
@@ -14,8 +14,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from bearingsim.config.fields import Quantity, Schema, or_words, refuse
 
-Class = Literal["C2", "CN", "C3", "C4", "C5"]
-CLASSES: tuple[Class, ...] = get_args(Class)
+ClearanceClass = Literal["C2", "CN", "C3", "C4", "C5"]
+CLASSES: tuple[ClearanceClass, ...] = get_args(ClearanceClass)
 
 
 class _Row(NamedTuple):
@@ -26,7 +26,7 @@ class _Row(NamedTuple):
     limits: tuple[tuple[float, float], ...]
 
 
-_ROLLER = (
+_ROLLER_ROWS = (
     _Row(0, 24, ((0, 25), (20, 45), (35, 60), (50, 75), (65, 90))),
     _Row(24, 30, ((0, 25), (20, 45), (35, 60), (50, 75), (70, 95))),
     _Row(30, 40, ((5, 30), (25, 50), (45, 70), (60, 85), (80, 105))),
@@ -36,7 +36,7 @@ _ROLLER = (
     _Row(80, 100, ((15, 50), (50, 85), (75, 110), (105, 140), (155, 190))),
     _Row(100, 120, ((15, 55), (50, 90), (85, 125), (125, 165), (180, 220))),
 )
-_BALL = (
+_BALL_ROWS = (
     _Row(6, 10, ((0, 7), (2, 13), (8, 23), (14, 29), (20, 37))),
     _Row(10, 18, ((0, 9), (3, 18), (11, 25), (18, 33), (25, 45))),
     _Row(18, 24, ((0, 10), (5, 20), (13, 28), (20, 36), (28, 48))),
@@ -48,13 +48,13 @@ _BALL = (
     _Row(80, 100, ((1, 18), (12, 36), (30, 58), (53, 84), (75, 120))),
     _Row(100, 120, ((2, 20), (15, 41), (36, 66), (61, 97), (90, 140))),
 )
-_TABLES: dict[str, tuple[_Row, ...]] = {"roller": _ROLLER, "ball": _BALL}
+_TABLES: dict[str, tuple[_Row, ...]] = {"roller": _ROLLER_ROWS, "ball": _BALL_ROWS}
 
 
-def limits(clearance_class: Class, element: str, bore: float) -> tuple[float, float]:
-    """Return the limits of clearance (m) of a class; `element` is `roller` or `ball`, `bore` in m.
+def limits(clearance_class: ClearanceClass, element: str, bore: float) -> tuple[float, float]:
+    """Return the limits (m) of the clearance of a class; `element` is `roller` or `ball`, `bore` in m.
 
-    Raises ValueError, with the range of the table, for other bores.
+    Raises ValueError, with the range of the table, for a bore outside it.
     """
     table = _TABLES[element]
     millimetres = 1e3 * bore
@@ -66,14 +66,14 @@ def limits(clearance_class: Class, element: str, bore: float) -> tuple[float, fl
     raise ValueError(f"class {clearance_class} is defined for bores {bores}, not for {millimetres:g} mm")
 
 
-def mean_clearance(clearance_class: Class, element: str, bore: float) -> float:
-    """Return the mean of a class's limits (m). Raises ValueError as ``limits`` does."""
+def mean_clearance(clearance_class: ClearanceClass, element: str, bore: float) -> float:
+    """Return the mean of the limits (m) of a class. Raises ValueError for a bore outside the table."""
     low, high = limits(clearance_class, element, bore)
     return round(0.5 * (low + high), 12)
 
 
 def class_limits(clearance: float, element: str, bore: float) -> tuple[float, float] | None:
-    """Return the limits (m) of the class whose mean is a clearance (m), None without such a class."""
+    """Return the limits (m) of the class whose mean clearance (m) is given; None if there is no such class."""
     for name in CLASSES:
         try:
             low, high = limits(name, element, bore)
@@ -102,7 +102,7 @@ class _ClearanceOrClass(Quantity):
             suggested = raw.upper() if raw.upper() in CLASSES else None
             refuse("word", f"{expected}; got `{raw}`", f"did you mean `{suggested}`?" if suggested else None)
         bearing = info.data.get("bearing")
-        if bearing is None:  # invalid, and reported as such
+        if bearing is None:  # it is invalid, which pydantic reports
             return 0.0
         try:
             return mean_clearance(raw, bearing.element, bearing.bore)

@@ -31,8 +31,8 @@ from bearingsim.config.fields import (
 from bearingsim.config.sections.laws import laws_of
 from bearingsim.core.laws.oil_viscosity import GRADES, MAX_CELSIUS, MIN_CELSIUS, ZERO_CELSIUS, iso_viscosity
 
-MAX_SLICES = 48  # with more, the model's own errors dominate
-
+MAX_SLICES = 48
+"""Largest number of slices that a study may require; with more, other errors of the model dominate."""
 
 OIL_GRADES = tuple(f"VG {grade}" for grade in GRADES)
 OIL_SCHEMA = {
@@ -42,7 +42,7 @@ OIL_SCHEMA = {
 
 
 def _oil(raw: Any) -> str:
-    """Normalise the spelling of an ISO grade: `VG 68`."""
+    """Normalise the spelling of an ISO viscosity grade to that of `VG 68`."""
     grade = str(raw).upper().replace("ISO", "").replace("VG", "").strip()
     if not grade.isdecimal() or int(grade) not in GRADES:
         choices = f"available: {', '.join(OIL_GRADES)}"
@@ -62,16 +62,16 @@ JUMP_CAVEAT = "the peak impact force depends on the damping law, whose force nea
 
 
 class _StiffnessProportional(Section):
-    """Damping proportional to the tangent stiffness."""
+    """Damping coefficient proportional to the tangent stiffness."""
 
     @property
     @abstractmethod
     def damping_time(self) -> float:
         """c/k (s)."""
 
-    def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Check if the force jumps at first contact, as it does if the stiffness is nonzero there."""
-        return self.damping_time > 0.0 and touch_down_stiffness
+    def jumps(self, stiff_at_touch_down: bool) -> bool:
+        """Check if the force jumps at first contact; ``stiff_at_touch_down``: the stiffness is not zero there."""
+        return self.damping_time > 0.0 and stiff_at_touch_down
 
     def caveat(self, opens: bool) -> str:
         """Return a caveat on the results; ``opens``: contacts open and close again."""
@@ -79,7 +79,7 @@ class _StiffnessProportional(Section):
 
 
 class Kraemer(_StiffnessProportional):
-    """Damping equal to `beta` (s) times the tangent stiffness."""
+    """Damping coefficient equal to `beta` (s) times the tangent stiffness."""
 
     law: Literal["kraemer"] = "kraemer"
     beta: Delay = 2.5e-6
@@ -125,6 +125,7 @@ class Film(Section):
     """
 
     of_one_speed: ClassVar[bool] = True
+    # the film's damping is computed for the speed of the case, so a ramp is rejected
 
     @model_validator(mode="after")
     def _check_oil(self) -> "Film":
@@ -166,7 +167,7 @@ class Film(Section):
 
 
 class LossFactor(_StiffnessProportional):
-    """Hysteretic damping with a constant loss factor, c = `loss_factor` k / (2 pi `frequency`)."""
+    """Hysteretic damping with a given loss factor at one frequency, c = `loss_factor` k/(2 pi `frequency`)."""
 
     law: Literal["loss-factor"] = "loss-factor"
     loss_factor: Percentage
@@ -191,7 +192,7 @@ class General(Section):
     indentation_exponent: Exponent
     """Exponent m3 of the indentation; 0 gives a force that jumps at first contact."""
 
-    def jumps(self, touch_down_stiffness: bool) -> bool:
+    def jumps(self, stiff_at_touch_down: bool) -> bool:
         """Check if the force jumps at first contact, as it does if damping is independent of the indentation."""
         return self.coefficient > 0.0 and isclose(self.indentation_exponent, 0.0, abs_tol=1e-12)
 
@@ -224,7 +225,7 @@ STIFFNESS_LAWS = (*WORD_LAWS, *STIFFNESS.sections)
 
 
 def _stiffness(raw: Any) -> Any:
-    """Convert a law without parameters to a word, any other law to a mapping."""
+    """Convert a law without parameters to its name, any other law to a mapping."""
     law = STIFFNESS.tag(raw) if isinstance(raw, dict) else getattr(raw, "law", raw)
     if law not in STIFFNESS_LAWS:
         raise_unknown_word(law, STIFFNESS_LAWS)
@@ -241,6 +242,7 @@ def _stiffness(raw: Any) -> Any:
 
 
 def _stiffness_tag(raw: Any) -> Any:
+    """Return the tag of a stiffness law in the union of ``Stiffness``."""
     return WORD_TAG if isinstance(raw, str) else STIFFNESS.tag(raw)
 
 
@@ -281,6 +283,6 @@ class Contact(Section):
     def jumps(self) -> bool:
         """True if the damping force jumps at first contact."""
         jumps = getattr(self.damping, "jumps", None)  # laws without this method are continuous
-        # a law with parameters states it in its section, one without in the catalogue
+        # `stiff_at_touch_down` is a property of the section or, without parameters, of the entry in the catalogue
         law = self.stiffness if isinstance(self.stiffness, Section) else LAWS["stiffness"].get(self.elastic_law)
         return bool(jumps and jumps(getattr(law, "stiff_at_touch_down", False)))

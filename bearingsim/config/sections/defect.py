@@ -1,4 +1,4 @@
-"""Defects, and their excitations of the rollers."""
+"""Defects, and the excitations of the rollers by them."""
 
 from math import isclose
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -57,8 +57,9 @@ EDGE_RADIUS = 20e-6
 """m; default edge radius for `elastic-edge`, an assumption."""
 
 SIZES = ("length", "width", "depth")
-SIZE_TOLERANCE = 1e-6  # relative tolerance: machines differ in the last digits of a levelled scan
+SIZE_TOLERANCE = 1e-6  # relative; sizes of a repaired scan differ between machines by rounding errors
 _SHAPE_FIELDS = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
+"""Shape that each optional field belongs to."""
 
 
 class Edge(Section):
@@ -77,7 +78,7 @@ class Edge(Section):
 
 
 class Defect(Section):
-    """Defect; sizes in m, angle in rad. A spall and a scan have a shape of their own within these sizes."""
+    """Defect; sizes in m, angle in rad. Spalls and scans have irregular shapes of these sizes."""
 
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
     """Element with the defect: `outer` or `inner` race, or `roller`."""
@@ -126,13 +127,13 @@ class Defect(Section):
     @model_validator(mode="before")
     @classmethod
     def _read_scan(cls, data: Any) -> Any:
-        """Add the sizes of a scan's file; remove fields set to `none`, by which a sweep omits them."""
+        """Add the sizes of a scan from its file; remove fields set to `none`, with which a sweep omits them."""
         if not isinstance(data, dict):
             return data
         fields = {
             key: value for key, value in data.items() if key not in _OPTIONAL_FIELDS or value not in ("none", None)
         }
-        return _with_scan(fields) if fields.get("shape") == "scan" else fields
+        return _add_scan(fields) if fields.get("shape") == "scan" else fields
 
     @model_validator(mode="after")
     def _check_shape(self) -> "Defect":
@@ -152,7 +153,11 @@ class Defect(Section):
 _OPTIONAL_FIELDS = (*SIZES, *_SHAPE_FIELDS, "edge")
 
 
-def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
+def _add_scan(fields: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of a scan with the sizes and the digest of its file.
+
+    The fields may contain sizes only if they are those of a validated defect, which also has a digest.
+    """
     if not isinstance(fields.get("file"), str):
         refuse(
             "missing",
@@ -177,7 +182,7 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_unchanged(fields: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
-    """Check the digest and sizes of a validated defect against its file."""
+    """Refuse a validated defect whose digest or sizes differ from those of its file."""
     if fields["digest"] != digest:
         refuse(
             "changed",

@@ -1,4 +1,4 @@
-"""Sections for the models from `planar` on: friction, cage, drag, shaft, ramp. Absent sections are None."""
+"""Sections for the models from `planar` on: friction, cage, drag, shaft, ramp."""
 
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
@@ -36,7 +36,7 @@ Land = Literal["inner", "outer"]
 
 
 class Ramp(Section):
-    """Linear change of the speed from the case's `speed` (rad/s), then constant."""
+    """Linear change of the speed, from the case's `speed` to another constant speed."""
 
     to: Rotation
     """Speed of the inner ring after the ramp."""
@@ -44,7 +44,7 @@ class Ramp(Section):
     """Duration of the ramp, from t = 0, the start of settling."""
 
 
-class _Curve(Section):
+class _FrictionCurve(Section):
     """Friction coefficient, odd in speed: `static` at `static_speed`, falling to `dynamic` at `dynamic_speed`."""
 
     static: Number
@@ -57,7 +57,7 @@ class _Curve(Section):
     """Sliding speed from which the friction coefficient is `dynamic`."""
 
     @model_validator(mode="after")
-    def _check_curve(self) -> "_Curve":
+    def _check_curve(self) -> "_FrictionCurve":
         if self.dynamic > self.static:
             refuse("curve", f"dynamic friction ({self.dynamic:g}) is above static ({self.static:g})", at="dynamic")
         if self.dynamic_speed <= self.static_speed:
@@ -65,15 +65,15 @@ class _Curve(Section):
         return self
 
 
-class StaticDynamic(_Curve):
-    """Dry friction of rollers on races, by default with the coefficients of the paper."""
+class StaticDynamic(_FrictionCurve):
+    """Dry friction of rollers on races, by default with the coefficients of Yang et al. (docs/paper.md)."""
 
     law: Literal["static-dynamic"] = "static-dynamic"
     static: Number = 0.3
     dynamic: Number = 0.15
 
 
-ROUNDING = 1e-12  # error of the sum of two coefficients, as of a sweep's values
+ROUNDING_ERROR = 1e-12  # limit of the rounding error of a + d, whose terms may be computed by a sweep
 
 
 class Traction(Section):
@@ -91,10 +91,10 @@ class Traction(Section):
 
     @model_validator(mode="after")
     def _check_sign(self) -> "Traction":
-        """Refuse a curve that is negative somewhere, for friction would then drive the slip."""
+        """Refuse a curve that is negative somewhere, because friction would then drive the slip."""
         if self.a > 0.0:
             refuse("curve", f"a = {self.a:g} is above zero: friction would decrease with slip", at="a")
-        if self.a + self.d < -ROUNDING:
+        if self.a + self.d < -ROUNDING_ERROR:
             message = f"a + d = {self.a + self.d:g} is below zero: friction would drive the slip"
             refuse("curve", message, "a curve that starts from zero has a = -d", at="a")
         return self
@@ -114,8 +114,8 @@ else:
     Friction = FRICTION.field()
 
 
-class CageFriction(_Curve):
-    """Friction of the cage on rollers and guiding ring, by default with the coefficients of the paper."""
+class CageFriction(_FrictionCurve):
+    """Friction of the cage on rollers and guiding ring, by default as given by Yang et al. (docs/paper.md)."""
 
     static: Number = 0.002
     dynamic: Number = 0.001

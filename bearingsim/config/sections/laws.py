@@ -14,7 +14,8 @@ from bearingsim.config.fields import FileFormat, Section, or_words, raise_unknow
 class Laws:
     """Alternative sections of a field, identified by their `law`.
 
-    words: laws that may be given as a word, which selects their defaults; default: law of an ambiguous mapping.
+    sections: section of each law; default: law of an ambiguous mapping; words: laws that may be given as a word,
+    which selects their default parameters.
     """
 
     sections: dict[str, type[Section]]
@@ -22,18 +23,18 @@ class Laws:
     words: tuple[str, ...]
 
     def tag(self, raw: Any) -> Any:
-        """Return the law of a value."""
+        """Return the law of a value: that of its key `law`, or else of its other keys; None for another type."""
         if not isinstance(raw, dict):
             return getattr(raw, "law", None)
         return raw["law"] if "law" in raw else self.match_law(raw)
 
     def match_law(self, keys: Iterable[str]) -> str:
-        """Return the only law that has all these keys, else the default."""
+        """Return the only law that has all these keys, or else the default law."""
         matches = [law for law, section in self.sections.items() if section.model_fields.keys() >= set(keys)]
         return matches[0] if len(matches) == 1 else self.default
 
     def as_mapping(self, raw: Any) -> Any:
-        """Convert a word to a mapping. Unknown laws are rejected."""
+        """Convert a word to a mapping. Raises the error of a validator for an unknown law."""
         mapping = {"law": raw} if isinstance(raw, str) else raw
         law = self.tag(mapping)
         if not isinstance(law, str) or law not in self.sections:
@@ -55,7 +56,7 @@ class Laws:
 
 
 def laws_of(kind: str, default: str) -> Laws:
-    """Load the laws of ``kind`` (`stiffness`, `damping`, `friction`) from the catalogue.
+    """Load the laws of a kind (`stiffness`, `damping` or `friction`) from the catalogue.
 
     default: law of an ambiguous mapping.
     """
@@ -65,7 +66,7 @@ def laws_of(kind: str, default: str) -> Laws:
 
 
 def _section(reference: str) -> type[Section] | None:
-    """Import the section of a law. An extension whose section is invalid is disabled, and None returned."""
+    """Import the section of a law. If that of an extension is invalid, record the failure and return None."""
     try:
         section: type[Section] = catalogue.code(reference, type)
     except extensions.BrokenExtension as error:

@@ -41,14 +41,16 @@ from bearingsim.text.units import show
 Element = Literal["roller", "ball"]
 
 MAX_LOGARITHMIC_LENGTH = 2.5
-"""Length of a roller over its diameter up to which ISO/TS 16281 defines the logarithmic profile by one formula."""
+"""Largest ratio of a roller's length to its diameter for which ISO/TS 16281 defines the logarithmic profile by one
+formula."""
 
-_GROOVES = ("inner_groove_radius", "outer_groove_radius")
-_ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
+_GROOVE_RADII = ("inner_groove_radius", "outer_groove_radius")
+_ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVE_RADII, "ball")
+"""Rolling elements that each optional field belongs to."""
 
 
 def library_section(kind: Kind) -> FileFormat:
-    """Return the annotation of a section that may be given by name or path."""
+    """Return the annotation of a section that may be given by the name or the path of a file."""
     return FileFormat(
         lambda source: load_mapping(kind, source),
         lambda schema: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, schema]},
@@ -131,7 +133,7 @@ class Bearing(Section):
 
     @property
     def land_width(self) -> float:
-        """Width of the ring minus that of the rolling elements, m, which a cage may use as its land."""
+        """Width of the rings minus the length of the rolling elements, m: default width of the land of a cage."""
         return self.width - self.element_length
 
     @property
@@ -163,26 +165,27 @@ class Bearing(Section):
                 refuse("foreign", f"a {self.element} bearing has no `{name}`", f"remove `{name}`", at=name)
             if getattr(self, name) is None and element == self.element:
                 refuse("missing", f"a {self.element} bearing needs `{name}`, a length such as `12 mm`", at=name)
-            if name in _GROOVES and element == self.element:
+            if name in _GROOVE_RADII and element == self.element:
                 self._check_groove(name)
         return self
 
     def _check_groove(self, name: str) -> None:
-        ball = self.roller_diameter / 2.0
-        if not ball < getattr(self, name) <= 2.0 * ball:
-            radius, low, high = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
+        ball_radius = self.roller_diameter / 2.0
+        if not ball_radius < getattr(self, name) <= 2.0 * ball_radius:
+            radii = getattr(self, name), ball_radius, 2.0 * ball_radius
+            radius, low, high = (show(value, "mm") for value in radii)
             refuse("groove", f"a groove of {radius} does not fit the ball (over {low}, at most {high})", at=name)
 
     @model_validator(mode="after")
     def _check_fit(self) -> "Bearing":
-        pitch, roller = self.pitch_diameter, self.roller_diameter
+        d_m, D_w = self.pitch_diameter, self.roller_diameter
         _check_circle(self)
-        if pitch + roller >= self.outside_diameter:
-            race = show(pitch + roller, "mm")
-            refuse("outside", f"the outer race ({race}) is outside the outer ring", at="outside_diameter")
-        if pitch - roller <= self.bore:
-            race = show(pitch - roller, "mm")
-            refuse("bore", f"the inner race ({race}) is inside the bore", at="bore")
+        if d_m + D_w >= self.outside_diameter:
+            race_diameter = show(d_m + D_w, "mm")
+            refuse("outside", f"the outer race ({race_diameter}) is outside the outer ring", at="outside_diameter")
+        if d_m - D_w <= self.bore:
+            race_diameter = show(d_m - D_w, "mm")
+            refuse("bore", f"the inner race ({race_diameter}) is inside the bore", at="bore")
         if self.element_length > self.width:
             size, width = show(self.element_length, "mm"), show(self.width, "mm")
             refuse("width", f"a {self.element} of {size} is longer than the rings are wide ({width})", at="width")
@@ -190,13 +193,12 @@ class Bearing(Section):
 
     @model_validator(mode="after")
     def _check_profile(self) -> "Bearing":
-        length, straight = self.roller_length, self.roller_profile.straight_length or 0.0
+        length, straight_length = self.roller_length, self.roller_profile.straight_length or 0.0
         if length is None:
             return self
-        if self.roller_profile.shape == "crowned" and straight >= length:
-            message = (
-                f"a straight part of {show(straight, 'mm')} leaves no crown on a roller of {show(length, 'mm')}"
-            )
+        if self.roller_profile.shape == "crowned" and straight_length >= length:
+            straight_part = f"a straight part of {show(straight_length, 'mm')}"
+            message = f"{straight_part} leaves no crown on a roller of {show(length, 'mm')}"
             refuse("crown", message, "use a shorter one", at="roller_profile")
         ratio = round(length / self.roller_diameter, 9)
         if self.roller_profile.shape == "logarithmic" and ratio > MAX_LOGARITHMIC_LENGTH:
@@ -234,9 +236,9 @@ class RollingParts(Section):
 
 def _check_circle(bearing: Bearing | RollingParts) -> None:
     """Reject rolling elements that do not fit on the pitch circle."""
-    pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
-    if roller >= pitch * math.sin(math.pi / bearing.rollers):
-        limit = int(math.pi / math.asin(min(roller / pitch, 1.0)))
+    d_m, D_w = bearing.pitch_diameter, bearing.roller_diameter
+    if D_w >= d_m * math.sin(math.pi / bearing.rollers):
+        limit = int(math.pi / math.asin(min(D_w / d_m, 1.0)))
         message = f"{bearing.rollers} rollers do not fit: at most {limit}"
         refuse("crowded", message, "are the units of both diameters right?", at="rollers")
 
@@ -244,7 +246,7 @@ def _check_circle(bearing: Bearing | RollingParts) -> None:
 class Rig(Section):
     """Support of the outer ring by a bracket, and its sensor.
 
-    In a case, `load` is never None if the ring is flexible, and both angles of the sensor are set and equal.
+    In a validated case, `load` is not None if the ring is flexible, and both angles of the sensor are equal.
     """
 
     name: Text = ""
@@ -280,12 +282,10 @@ class Rig(Section):
 
     @model_validator(mode="after")
     def _unify_sensor(self) -> "Rig":
-        """Unify the two angles of the sensor; remove ring and load if the ring does not bend."""
+        """Set both angles of the sensor to the same value; remove ring and load if the ring does not bend."""
         angle = self.sensor_angle if self.sensor.angle is None else self.sensor.angle
         if "sensor_angle" in self.model_fields_set and angle != self.sensor_angle:
-            refuse(
-                "twice", "`sensor_angle` is another word for `sensor.angle`", "keep one of them", at="sensor_angle"
-            )
+            refuse("twice", "`sensor_angle` is a synonym of `sensor.angle`", "keep one of them", at="sensor_angle")
         object.__setattr__(self, "sensor_angle", angle)
         object.__setattr__(self, "sensor", self.sensor.model_copy(update={"angle": angle}))
         if self.ring is not None and not self.ring.bends:
@@ -295,5 +295,5 @@ class Rig(Section):
 
 
 def default_rig() -> Rig:
-    """Return the default rig."""
+    """Return the default rig, `bvt5`."""
     return Rig.model_validate(load_mapping("rigs", "bvt5"))

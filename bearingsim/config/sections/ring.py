@@ -20,12 +20,12 @@ from bearingsim.config.fields import (
     refuse,
 )
 
-MAX_HARMONICS = 100
+MAX_HARMONICS = 100  # largest order of a bending harmonic
 LoadPath = Literal["point", "pads", "points", "housing"]
 CARRIER_PATHS: tuple[LoadPath, ...] = ("points", "housing")
 """Load paths with springs between the ring and a rigid carrier; load and bracket act on the carrier."""
 
-KEYS: dict[LoadPath, tuple[str, ...]] = {
+LOAD_PATH_KEYS: dict[LoadPath, tuple[str, ...]] = {
     "point": (),
     "pads": ("angles",),
     "points": ("at", "mass"),
@@ -101,19 +101,19 @@ class RingLoad(MappingSection):
     """Mass of the carrier behind the springs of `points` and `housing`, on which load and bracket act."""
 
     @property
-    def carried(self) -> bool:
+    def has_carrier(self) -> bool:
         """True if springs connect the ring to a carrier."""
         return self.by in CARRIER_PATHS
 
     @model_validator(mode="after")
     def _check_keys(self) -> "RingLoad":
         for name in ("angles", "at", "stiffness", "fit", "mass"):
-            if getattr(self, name) is not None and name not in KEYS[self.by]:
-                path = next(by for by, keys in KEYS.items() if name in keys)
+            if getattr(self, name) is not None and name not in LOAD_PATH_KEYS[self.by]:
+                path = next(by for by, keys in LOAD_PATH_KEYS.items() if name in keys)
                 refuse(
                     "load", f"`by: {self.by}` has no `{name}`", f"remove `{name}`, or use `by: {path}`", at=name
                 )
-        required = KEYS[self.by][:1]
+        required = LOAD_PATH_KEYS[self.by][:1]
         if required and not getattr(self, required[0]):
             example = {"angles": "[-45 deg, 45 deg]", "at": "[{angle: 0 deg, stiffness: 1e8 N/m}]"}
             value = example.get(required[0], "1e10 N/m/m")

@@ -22,7 +22,7 @@ ProfileShape = Literal["straight", "crowned", "logarithmic"]
 
 
 def _as_mapping(raw: Any) -> Any:
-    """Convert a word to the mapping of a shape without parameters."""
+    """Convert the name of a shape without parameters to a mapping."""
     return {"shape": raw} if isinstance(raw, str) else raw
 
 

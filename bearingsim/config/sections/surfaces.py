@@ -23,22 +23,23 @@ from bearingsim.config.fields import (
 )
 
 MAX_ORDER = 1000
-"""Largest order (waves per revolution): at a race of 40 mm a wavelength of 0.25 mm; shorter is roughness."""
+"""Largest order (undulations per revolution): a wavelength of 0.25 mm on a race of 40 mm radius. Shorter ones are
+roughness."""
 MAX_HARMONICS = 200
-"""Limit of the given harmonics of a surface."""
+"""Largest number of given harmonics of a surface."""
 MAX_SEED = 999_999_999
 
 
 class Harmonic(Section):
     """Waviness of one order: height `amplitude` cos(`order` x angle - `phase`), positive where there is material.
 
-    The angle grows in the sense of rotation: on the outer race from the load line, on the inner race from it at
-    t = 0, rotating with the ring; on a roller from its outermost point at t = 0, so that rolling brings increasing
-    angles to the outer race.
+    The angle increases in the sense of rotation. On the outer race it is measured from the load line, on the inner
+    race from the load line at t = 0, rotating with the ring. On a roller it is measured from the outermost point
+    at t = 0, so that rolling brings increasing angles into contact with the outer race.
     """
 
     order: Annotated[int, integer(1, MAX_ORDER)]
-    """Waves per revolution."""
+    """Undulations per revolution (UPR)."""
     amplitude: Length
     """Amplitude of the height, half of peak to valley."""
     phase: Angle = 0.0
@@ -46,14 +47,14 @@ class Harmonic(Section):
 
 
 class RollerHarmonic(Harmonic):
-    """Waviness of one order, of one roller or of all."""
+    """Waviness of one order, on one roller or on all."""
 
     roller: Annotated[int, integer(1, 64)] | None = None
     """Number of the roller, counted from 1. Default: all rollers, with equal phases."""
 
 
 def _read_orders(raw: Any) -> Any:
-    """Check that a value is a pair of orders, the lower first."""
+    """Check that a value is a pair of orders, the lower one first."""
     if not isinstance(raw, list | tuple) or len(raw) != 2:
         hint = "as in `orders: [2, 200]`"
         refuse("orders", f"expected the lowest and the highest order, got {describe_value(raw)}", hint)
@@ -83,7 +84,7 @@ class Spectrum(Section):
 
 
 def _read_measured_orders(raw: Any) -> Any:
-    """Check that a value is a pair of orders of a measured form, the lower first."""
+    """Check that a value is a pair of orders from 2 on, the lower one first."""
     low, high = _read_orders(raw)
     if low < 2:
         message = "order 1 of a measured profile is the position of the part, not its form"
@@ -135,7 +136,7 @@ class Roundness(Section):
 
 
 def _file_as_mapping(raw: Any) -> Any:
-    """Convert the name of a file to the mapping that it abbreviates."""
+    """Convert the name of a file to the mapping that it abbreviates, and `none` to None."""
     return None if raw == "none" else {"file": raw} if isinstance(raw, str) else raw
 
 
@@ -165,7 +166,7 @@ class _Surface(Section):
 
     @property
     def is_smooth(self) -> bool:
-        """True without any deviation."""
+        """True if the surface has no deviation."""
         return not self.harmonics and self.spectrum is None
 
     @property
@@ -185,7 +186,7 @@ class RaceSurface(_Surface):
 
     @property
     def is_smooth(self) -> bool:
-        """True without any deviation."""
+        """True if the surface has no deviation."""
         return super().is_smooth and self.roundness is None
 
     @property
@@ -210,7 +211,7 @@ class Diameters(Section):
 
 
 def _list_as_mapping(raw: Any) -> Any:
-    """Convert a list to the mapping that it abbreviates."""
+    """Convert a list to the mapping that it abbreviates, and `none` to None."""
     return {"deviations": raw} if isinstance(raw, list | tuple) else None if raw == "none" else raw
 
 
@@ -233,12 +234,12 @@ class RollerSurface(_Surface):
 
     @property
     def is_smooth(self) -> bool:
-        """True without any deviation."""
+        """True if the rollers have no deviation."""
         return super().is_smooth and (self.diameter is None or not any(self.diameter.deviations or (True,)))
 
 
 class Surfaces(Section):
-    """Form of the surfaces. A surface that is not given is smooth, rollers that are not given are equal."""
+    """Form of the surfaces. Races without a form are smooth, rollers without one are smooth and equal."""
 
     outer: Annotated[RaceSurface | None, OPTIONAL] = None
     """Waviness of the outer race."""
@@ -260,7 +261,7 @@ class Surfaces(Section):
 
     @property
     def mean_diameter_deviation(self) -> float:
-        """Mean deviation (m) of the rollers' diameters from the nominal one; a random scatter has none."""
+        """Mean deviation (m) of the rollers' diameters from the nominal one; that of a random scatter is zero."""
         diameter = self.rollers and self.rollers.diameter
         deviations = (diameter and diameter.deviations) or (0.0,)
         return sum(deviations) / len(deviations)
@@ -273,17 +274,18 @@ class Surfaces(Section):
 
     @property
     def elements(self) -> list[str]:
-        """Elements with deviations, in the words of a defect's `race`."""
+        """Elements with deviations, named as in `race` of a defect."""
         return list(self._by_element)
 
     @property
     def _by_element(self) -> dict[str, _Surface]:
+        """Surfaces with deviations, by element."""
         surfaces = {"outer": self.outer, "inner": self.inner, "roller": self.rollers}
         return {element: surface for element, surface in surfaces.items() if surface is not None}
 
     @property
     def highest_orders(self) -> dict[str, int]:
-        """Highest order of each element with waviness, in the words of a defect's `race`."""
+        """Highest order of each element with waviness, by element, named as in `race` of a defect."""
         return {
             element: surface.highest_order
             for element, surface in self._by_element.items()
@@ -292,5 +294,5 @@ class Surfaces(Section):
 
 
 def repeats_each_pass(surfaces: Surfaces | None) -> bool:
-    """Check if each ball pass meets the same form: only that of the outer race stays where it is."""
+    """Check if the form is the same in each ball pass, as it is if only the outer race has one."""
     return surfaces is None or surfaces.elements == ["outer"]
