@@ -144,7 +144,7 @@ def _builder_fields(parameters: Any) -> list[str]:
     unknown = [name for name in fields if name not in PARAMETER_BUILDERS]
     if unknown:
         raise UserError(
-            f"{parameters.__name__} needs `{unknown[0]}`, which no builder makes; fields with one:"
+            f"{parameters.__name__} needs `{unknown[0]}`, which has no builder; available:"
             f" {', '.join(PARAMETER_BUILDERS)}"
         )
     return fields

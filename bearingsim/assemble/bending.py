@@ -224,7 +224,10 @@ def build_harmonic_table(ring: RingParameters, modes: Harmonics) -> np.ndarray:
 
 
 def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> None:
-    """Store the carrier's position in column ``i`` of a harmonic table, with load and bracket acting on it."""
+    """Fill column ``i`` of a harmonic table with the parameters of the carrier, on which load and bracket act.
+
+    The core treats the carrier's x and y as the amplitudes of this column.
+    """
     mass, alpha, (k_b, c_b, x_0, y_0) = ring.load_path.mass or 0.0, ring.sensor.angle or 0.0, ring.bracket
     rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
     rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
@@ -236,8 +239,8 @@ def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> None:
 def build_springs(ring: RingParameters, modes: Harmonics) -> core.Springs:
     """Build the springs around the ring.
 
-    Their damping gives the rigid ring on its springs the damping ratio ``ring.damping`` in the direction in which
-    the springs are stiffest.
+    The rigid ring on its springs has the damping ratio of the bending modes in the direction in which the springs
+    are stiffest.
     """
     angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
@@ -245,16 +248,15 @@ def build_springs(ring: RingParameters, modes: Harmonics) -> core.Springs:
     directions = np.stack([np.cos(angles), np.sin(angles)])
     stiffness = np.linalg.eigvalsh(k * directions @ directions.T)[-1]
     c = 2.0 * ring.ring.damping * k * sqrt(ring.ring_mass / stiffness)
-    by_spring = np.zeros((2, len(angles), len(modes.n)))
-    by_spring[0, :, : modes.mode_count] = np.cos(np.outer(angles, modes.n[: modes.mode_count]))
-    by_spring[1, :, : modes.mode_count] = np.sin(np.outer(angles, modes.n[: modes.mode_count]))
-    by_spring[0, :, modes.mode_count], by_spring[1, :, modes.mode_count] = -np.cos(angles), -np.sin(angles)
-    at_springs = np.zeros((2, modes.mode_count + 1, P))
-    at_springs[:, :, : len(angles)] = by_spring[:, :, : modes.mode_count + 1].transpose(0, 2, 1)
-    values = np.cos(angles), np.sin(angles), k, c, fit
-    return core.Springs(
-        np.array([pad_with_zeros(value, P) for value in values]), at_springs, by_spring, modes.mode_count
-    )
+    transposed_shapes = np.zeros((2, len(angles), len(modes.n)))
+    transposed_shapes[0, :, : modes.mode_count] = np.cos(np.outer(angles, modes.n[: modes.mode_count]))
+    transposed_shapes[1, :, : modes.mode_count] = np.sin(np.outer(angles, modes.n[: modes.mode_count]))
+    # the compression decreases if the carrier moves outwards
+    transposed_shapes[:, :, modes.mode_count] = -np.cos(angles), -np.sin(angles)
+    shapes = np.zeros((2, modes.mode_count + 1, P))
+    shapes[:, :, : len(angles)] = transposed_shapes[:, :, : modes.mode_count + 1].transpose(0, 2, 1)
+    spring_table = np.array([pad_with_zeros(row, P) for row in (np.cos(angles), np.sin(angles), k, c, fit)])
+    return core.Springs(spring_table, shapes, transposed_shapes, modes.mode_count)
 
 
 def spring_properties(ring: RingParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

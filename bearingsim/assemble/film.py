@@ -26,7 +26,7 @@ from bearingsim.core.laws.oil_film import (
 )
 from bearingsim.core.laws.stiffness.interface import curve
 
-MAX_APPROACH = 1e-4  # m; above it, which no bearing reaches, the tabulated damping is constant
+MAX_APPROACH = 1e-4  # m, larger than in any bearing; the tabulated damping is constant above it
 DIFFERENCE_STEP = 1e-5  # finite-difference step, relative to the approach
 LINE_WIDTH_EXPONENT, POINT_WIDTH_EXPONENT = 0.5, 1.0 / 3.0  # of the load in the half width of a Hertzian contact
 
@@ -52,16 +52,18 @@ class LubricatedContact(NamedTuple):
 def build_film_law(
     case: Case, stiffness: Any, other_stiffness: Any, point: PointContact | None, on_outer: bool
 ) -> Tabulated:
-    """Build the contact law of one race.
+    """Build the contact law of one race: its stiffness law, and the tabulated damping of film and hysteresis.
 
     stiffness, other_stiffness: elastic laws of this race and of the other; point: contact of a ball, None for a
     roller.
     """
     b, section = case.bearing, cast(Film, case.contact.damping)
-    reduced, race = (outer_reduced_radius, outer_radius) if on_outer else (inner_reduced_radius, inner_radius)
+    R_w = b.roller_diameter / 2.0
     line = LubricatedLine(
         L=float(b.roller_length or 0.0),
-        R=reduced(b.roller_diameter / 2.0, race(case)),
+        R=outer_reduced_radius(R_w, outer_radius(case))
+        if on_outer
+        else inner_reduced_radius(R_w, inner_radius(case)),
         E_star=effective_modulus(b.material.young_modulus, b.material.poisson_ratio),
         eta=section.inlet_viscosity,
         alpha=section.pressure_coefficient,
@@ -76,20 +78,20 @@ def build_film_law(
 
 @lru_cache(maxsize=64)
 def tabulate_damping(contact: LubricatedContact, laws: str) -> np.ndarray:
-    """Tabulate the damping (N s/m) of a contact over its approach (m), cached.
+    """Return the coefficients of a table of the damping (N s/m) of a contact over its approach (m), cached.
 
     ``laws`` is part of the cache's key, because elastic laws of different types may be equal as tuples.
     """
 
-    def with_derivative(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def damping_and_slope(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         delta = np.minimum(y, MAX_APPROACH)
         lower, upper = (damping(contact, delta * (1.0 + sign * DIFFERENCE_STEP)) for sign in (-1.0, 1.0))
         slope = (upper - lower) / (2.0 * DIFFERENCE_STEP * delta)
         return damping(contact, delta), np.where(y > MAX_APPROACH, 0.0, slope)
 
-    rows = tabulate(with_derivative)
-    rows.flags.writeable = False
-    return rows
+    coefficients = tabulate(damping_and_slope)
+    coefficients.flags.writeable = False
+    return coefficients
 
 
 def damping(contact: LubricatedContact, delta: np.ndarray) -> np.ndarray:

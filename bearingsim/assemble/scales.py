@@ -26,9 +26,7 @@ from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.parts.form import Race, Smooth, UnequalRollers
 
 MIN_STEPS_PER_CROSSING = 8  # with fewer steps per crossing, a method may miss a defect
-DAMPER_TOLERANCE = (
-    1e-3  # limit of the error of the damping force due to that of the velocity, relative to the load
-)
+DAMPER_TOLERANCE = 1e-3  # largest error of the damping force due to that of velocity, relative to the load
 
 
 def full_speed_case(case: Case) -> Case:
@@ -56,7 +54,7 @@ def undulation_time(case: Case) -> float:
 
 
 def closing_speed(model: Any) -> float:
-    """Bound the closing speed (m/s) of a roller at the end of the steepest defect, plus that due to the form.
+    """Estimate the closing speed (m/s) of a roller at the end of the steepest defect, plus that due to the form.
 
     It is the passing speed times the slope x/R of the roller path, with x the distance from the rim at which the
     roller touches the wall or the floor, but at most half of the width.
@@ -141,7 +139,7 @@ def damping_time(case: Case, load: float) -> float:
 
 def damping_over_stiffness(law: Any, delta: float) -> float:
     """Compute c/k (s) of a static contact at the approach ``delta`` (m)."""
-    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # every law, unlike the derivatives
+    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # bounds, because every law has them
     return float(C / K) if K > 0.0 else 0.0
 
 

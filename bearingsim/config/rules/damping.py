@@ -21,7 +21,7 @@ RANGE_TOLERANCE = 1.0 + 1e-6
 
 
 class JobDamping(NamedTuple):
-    """Damping of a job: c/k (s), damping ratio, and shortest crossing time of a defect (s; inf without one)."""
+    """Damping of a job: c/k (s), damping ratio, and shortest crossing time of a defect (s), inf without one."""
 
     time: float
     ratio: float
@@ -34,7 +34,7 @@ class JobDamping(NamedTuple):
 
     @property
     def too_light(self) -> bool:
-        """True if the damping is as low as that of dry steel."""
+        """True if the damping is below that of a lubricated contact, as with dry steel."""
         return self.time * RANGE_TOLERANCE < PLAUSIBLE_RANGE[0]
 
 

@@ -168,6 +168,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
     ("surfaces", "form", "`surfaces` needs a model that includes surface form"),
     ("misalignment", "tilting rings", "a `misalignment` loads the rollers unevenly along their length"),
 )
+"""Sections with the ability that each needs, and the reason."""
 
 
 def _section_needs(case: "CaseFields") -> Iterator[Need]:
@@ -233,6 +234,7 @@ _RECORD_ABILITIES = {
         ("tilting rings", "the out-of-plane motion of a ring is recorded"),
     ),
 }
+"""Ability that each channel needs, and the reason; a channel that is not listed needs none."""
 
 
 def _record_needs(case: "CaseFields") -> Iterator[Need]:

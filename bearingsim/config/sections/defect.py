@@ -83,7 +83,7 @@ class Defect(Section):
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
     """Element with the defect: `outer` or `inner` race, or `roller`."""
     roller: Annotated[int, integer(1, 64)] | None = None
-    """Number of the roller with the defect, counted from 1 (default)."""
+    """Number of the roller with the defect, counted from 1. Default: 1."""
     shape: Annotated[Shape, one_of(*catalogue.SHAPES)]
     """Shape of the defect: a simple outline, a random `spall`, or a measured `scan`."""
     length: Length
@@ -97,7 +97,7 @@ class Defect(Section):
     t = 0, rotating with the ring. On a roller: from the outward radial direction at t = 0.
     """
     offset: SignedLength = 0.0
-    """Axial distance of the defect's centre from the roller's, positive towards +z. It tilts rollers (model
+    """Axial distance of the defect's centre from the roller's centre, positive towards +z. It tilts rollers (model
     `spatial`).
     """
     edge: Annotated[Edge | None, OPTIONAL] = None

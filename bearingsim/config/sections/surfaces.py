@@ -151,7 +151,7 @@ def _check_list(raw: Any) -> Any:
     return raw
 
 
-def _check_values(raw: Any) -> Any:
+def _check_lengths(raw: Any) -> Any:
     if not isinstance(raw, list | tuple):
         refuse("list", f"expected a list of lengths, got {describe_value(raw)}", "as in `[0 um, 0.5 um, ...]`")
     return raw
@@ -200,11 +200,11 @@ class Diameters(Section):
 
     scatter: Length | None = None
     """Difference of the largest and the smallest diameter; the diameters are random with the nominal mean."""
-    deviations: Annotated[tuple[SignedLength, ...], FileFormat(_check_values, dict)] | None = None
+    deviations: Annotated[tuple[SignedLength, ...], FileFormat(_check_lengths, dict)] | None = None
     """Deviation of each roller's diameter, in the order of the rollers."""
 
     @model_validator(mode="after")
-    def _check_one(self) -> "Diameters":
+    def _check_alternatives(self) -> "Diameters":
         if (self.scatter is None) == (self.deviations is None):
             refuse("diameter", "expected either `scatter` or `deviations`", "as in `diameter: {scatter: 0.5 um}`")
         return self
