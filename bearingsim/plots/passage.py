@@ -89,13 +89,9 @@ def defects_of(case: "Case") -> Iterator[Defect]:
     from bearingsim.core.defects.depth import ShiftedDefect, extent
 
     for cluster in defects.cluster_defects(case):
-        race, R = (
-            cluster.reference.race,
-            defects.reduced_radius(case, 1 if cluster.reference.race == "inner" else 0),
-        )
-        defect = cluster.depth_map or ShiftedDefect(
-            defects.build_depth_map(cluster.reference), 0.0, cluster.reference.offset
-        )
+        d = cluster.reference
+        race, R = d.race, defects.reduced_radius(case, 1 if d.race == "inner" else 0)
+        defect = cluster.depth_map or ShiftedDefect(defects.build_depth_map(d), 0.0, d.offset)
         low, high, left, right = extent(defect)
         yield Defect(race, R, cluster.angle, defect, (low, high), (left, right))
 
