@@ -33,10 +33,10 @@ class Surface(NamedTuple):
 
 def surface_of(bearing: "Bearing", race: str) -> Surface:
     """Return the surface of a race, or of a roller, of a bearing without clearance."""
-    pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
+    d_m, D_w = bearing.pitch_diameter, bearing.roller_diameter
     if race == "outer":
-        radius = (pitch + roller) / 2.0
-        max_depth = (bearing.outside_diameter - pitch - roller) / 2.0
+        radius = (d_m + D_w) / 2.0
+        max_depth = (bearing.outside_diameter - d_m - D_w) / 2.0
         return Surface(
             radius,
             bearing.roller_spacing,
@@ -46,12 +46,10 @@ def surface_of(bearing: "Bearing", race: str) -> Surface:
             "outside_diameter",
         )
     if race == "inner":
-        radius, width_limit = (pitch - roller) / 2.0, "roller spacing on the inner race"
-        max_depth = (pitch - roller - bearing.bore) / 2.0
+        radius, width_limit = (d_m - D_w) / 2.0, "roller spacing on the inner race"
+        max_depth = (d_m - D_w - bearing.bore) / 2.0
         return Surface(radius, bearing.inner_spacing, width_limit, max_depth, "through the inner ring", "bore")
-    return Surface(
-        roller / 2.0, roller, "roller's diameter", roller / 2.0, "past the roller's axis", "roller_diameter"
-    )
+    return Surface(D_w / 2.0, D_w, "roller's diameter", D_w / 2.0, "past the roller's axis", "roller_diameter")
 
 
 def defect_conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -80,7 +78,7 @@ def _roller_conflicts(path: Path, defect: "Defect", bearing: "Bearing") -> Itera
         yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "numbers start at 1")
 
 
-def _axial_range(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
+def _available_length(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
     """Return the length (m) along the axis available for a defect, the part that limits it, and its key."""
     if bearing.roller_length is not None:
         return bearing.roller_length, "roller", "roller_length"
@@ -97,7 +95,7 @@ def _size_paths(path: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ..
 
 
 def _length_conflicts(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    available_length, part, key = _axial_range(defect, bearing)
+    available_length, part, key = _available_length(defect, bearing)
     if defect.length > available_length:
         length, limit = show(defect.length, "mm"), show(available_length, "mm")
         paths, hint = _size_paths(path, "length", defect)
@@ -106,7 +104,7 @@ def _length_conflicts(path: Path, defect: "Defect", bearing: "Bearing") -> Itera
 
 
 def _offset_conflicts(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    available_length, part, key = _axial_range(defect, bearing)
+    available_length, part, key = _available_length(defect, bearing)
     half_length = available_length / 2.0
     paths: tuple[Path, ...] = ((*path, "offset"), (*path, "length"), ("bearing", key))
     is_outside = abs(defect.offset) - defect.length / 2.0 >= half_length - 1e-9
