@@ -23,9 +23,7 @@ STANDARD_GRAVITY = 9.80665  # m/s^2
 CAGE_THICKNESS = 0.35  # radial thickness of the cage, relative to the roller's diameter (assumed)
 CAGE_WIDTH = 0.7  # width of the cage, relative to that of the bearing (assumed)
 CAGE_SOLIDITY = 0.5  # fraction of the cage's ring that is material; the rest is pockets (assumed)
-LAND_DISTANCE = (
-    0.35  # distance of the guiding land from the pitch circle, relative to the roller's diameter (assumed)
-)
+LAND_DISTANCE = 0.35  # distance of the land from the pitch circle, relative to the roller's diameter (assumed)
 
 
 def build_motion(case: Case) -> Any:

@@ -10,7 +10,7 @@ RESET_OPTIONS = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_
 RESET_OPTIONS |= {"duration": 1.0, "settle": 0.0}
 """Fields of integrator and record that do not affect the bearing, with arbitrary values."""
 NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
-"""Fields of a rig that do not affect the equilibrium of a ring without bracket, at zero or arbitrary values."""
+"""Fields of a rig that do not affect the equilibrium of a ring without bracket, set to zero."""
 
 
 @lru_cache(maxsize=256)
