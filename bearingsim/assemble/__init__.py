@@ -264,7 +264,7 @@ def without_damping(model: Any) -> Any:
 
 def empty_buffer(model: Any) -> np.ndarray:
     """Allocate a zeroed state buffer for the model."""
-    return lay.buffer(model.bearing.Z, model.bearing.m_r, slice_count(model))
+    return lay.make_buffer(model.bearing.Z, model.bearing.m_r, slice_count(model))
 
 
 def slice_count(model: Any) -> int:

@@ -29,4 +29,4 @@ def bracket_anchor(case: Case) -> tuple[float, float]:
 def _anchor_with_form(case: Case) -> tuple[float, float]:
     """Compute the anchor (m, m) of a case whose surfaces have form deviations."""
     model = rest.build_healthy_static(case, form.build_form(case))
-    return mean_position(model, lay.buffer(model.bearing.Z, model.bearing.m_r))
+    return mean_position(model, lay.make_buffer(model.bearing.Z, model.bearing.m_r))

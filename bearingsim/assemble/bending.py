@@ -211,8 +211,8 @@ def mobility(ring: RingParameters, modes: Harmonics, angles: np.ndarray) -> floa
 def build_harmonic_table(ring: RingParameters, modes: Harmonics) -> np.ndarray:
     """Build ``harmonic_table`` of ``core.Bending``, without a carrier."""
     alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(modes.n)))
-    rows[core.N], rows[core.K], rows[core.K_M] = modes.n, modes.k, modes.omega**2
-    rows[core.C_M] = 2.0 * ring.ring.damping * modes.omega
+    rows[core.ORDER], rows[core.STIFFNESS], rows[core.STIFFNESS_PER_MASS] = modes.n, modes.k, modes.omega**2
+    rows[core.DAMPING_PER_MASS] = 2.0 * ring.ring.damping * modes.omega
     rows[core.PER_MASS_C], rows[core.PER_MASS_S] = modes.per_mass_c, modes.per_mass_s
     if not ring.load_path.has_carrier:
         rows[core.LOAD_C], rows[core.LOAD_S] = load_amplitudes(ring.load_path, ring.load, modes.n)
@@ -229,7 +229,11 @@ def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> None:
     The core treats the carrier's x and y as the amplitudes of this column.
     """
     mass, alpha, (k_b, c_b, x_0, y_0) = ring.load_path.mass or 0.0, ring.sensor.angle or 0.0, ring.bracket
-    rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
+    rows[core.STIFFNESS, i], rows[core.STIFFNESS_PER_MASS, i], rows[core.DAMPING_PER_MASS, i] = (
+        k_b,
+        k_b / mass,
+        c_b / mass,
+    )
     rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
     rows[core.LOAD_C, i], rows[core.LOAD_S, i] = k_b * x_0 - ring.load, k_b * y_0 - ring.load_across
     if not ring.sensor.on_ring:
@@ -277,8 +281,8 @@ def largest_eigenvalues(ring_mass: float, rows: np.ndarray, springs: Any) -> tup
     All springs are in contact. rows: harmonic table of the ring.
     """
     per_mass = np.r_[1.0 / ring_mass, 1.0 / ring_mass, rows[core.PER_MASS_C], rows[core.PER_MASS_S]]
-    K = np.diag(np.r_[0.0, 0.0, rows[core.K_M], rows[core.K_M]])
-    C = np.diag(np.r_[0.0, 0.0, rows[core.C_M], rows[core.C_M]])
+    K = np.diag(np.r_[0.0, 0.0, rows[core.STIFFNESS_PER_MASS], rows[core.STIFFNESS_PER_MASS]])
+    C = np.diag(np.r_[0.0, 0.0, rows[core.DAMPING_PER_MASS], rows[core.DAMPING_PER_MASS]])
     if isinstance(springs, core.Springs):
         cosines, sines, k, c, _ = springs.spring_table[:, : springs.transposed_shapes.shape[1]]
         shapes = np.column_stack(
@@ -297,7 +301,7 @@ def undamped_bending(bending: Any) -> Any:
     if not (isinstance(bending, core.Bending) and isinstance(bending.springs, core.Springs)):
         return bending
     spring_table = bending.springs.spring_table.copy()
-    spring_table[core.C_S] = 0.0
+    spring_table[core.SPRING_DAMPING] = 0.0
     return bending._replace(springs=bending.springs._replace(spring_table=spring_table))
 
 

@@ -19,7 +19,7 @@ from bearingsim.core.models.interface import (
     damping_per_mass,
     degrees_of_freedom,
     linearise,
-    monitored,
+    monitored_bodies,
     state_width,
     stiffness_per_mass,
     update_extremes,
@@ -31,7 +31,7 @@ STIFFNESS_FUNCTIONS = (elastic, tangent), (curvature,)
 FRICTION_FUNCTIONS = (mu, mu_derivative_bound), (mu_derivative,)
 """Functions of laws that every method needs, and derivatives that implicit methods need."""
 MODEL_FUNCTIONS = (
-    (state_width, begin, update_extremes, monitored, stiffness_per_mass, damping_per_mass, count_crossings),
+    (state_width, begin, update_extremes, monitored_bodies, stiffness_per_mass, damping_per_mass, count_crossings),
     (linearise, degrees_of_freedom),
 )
 METHOD_FUNCTIONS = (step, stability_ratio), ()

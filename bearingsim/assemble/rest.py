@@ -93,7 +93,7 @@ def _equilibrium(
     ``law_names`` is part of the cache's key, because laws of different types may be equal as tuples.
     """
     model = _build_without_bracket(bearing, outer, inner, F, F_across, ring, SMOOTH)
-    return mean_equilibrium(model, lay.buffer(bearing.Z, bearing.m_r))
+    return mean_equilibrium(model, lay.make_buffer(bearing.Z, bearing.m_r))
 
 
 def build_healthy_static(case: Case, form: Any) -> Static:
@@ -132,4 +132,4 @@ def healthy_damping(case: Case) -> tuple[float, float]:
     bearing, support = geometry.build_bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     outer, inner = contacts.build_outer_law(case), contacts.build_inner_law(case)
     model = build_static(bearing, support, outer, inner, pack_defects([], Envelope()))
-    return mean_ring_damping(model, outer, inner, lay.buffer(bearing.Z, bearing.m_r))
+    return mean_ring_damping(model, outer, inner, lay.make_buffer(bearing.Z, bearing.m_r))

@@ -53,6 +53,6 @@ def equilibrium_in_space(case: Case) -> MeanSpatialEquilibrium:
         flanges=space.build_flanges(case),
         cage_z=space.build_cage_in_space(case),
     )
-    y = lay.buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
+    y = lay.make_buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
     solve_in_cpu_time(solve_initial_equilibrium, static_model(model), 0.0, y)
     return mean_spatial_equilibrium(model, y)

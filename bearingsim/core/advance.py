@@ -17,7 +17,7 @@ from bearingsim.core.models.interface import (
     begin,
     bend_at,
     damping_per_mass,
-    monitored,
+    monitored_bodies,
     read_sensor,
     stiffness_per_mass,
     update_extremes,
@@ -50,13 +50,13 @@ class Monitor(NamedTuple):
 
 @jit
 def start_at_rest(model, t, y):
-    """Run ``begin``, compiled as a whole (called from Python, its parts would compile one by one).
+    """Run ``begin``, compiled as a whole, because its parts would be compiled one by one if Python called them.
 
     Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a monitored body.
     """
     begin(model, t, y)
     K, C = 0.0, 0.0
-    for j in range(monitored(model)):
+    for j in range(monitored_bodies(model)):
         K = max(K, stiffness_per_mass(model, y, j))
         C = max(C, damping_per_mass(model, y, j))
     return K, C
@@ -78,9 +78,10 @@ def prepare_first_step(method, model, t, y):
 
 @jit
 def first_lane_above(row, bound, y, n):
-    """Return the first lane (of n) of the buffer's ``row`` that is not at most ``bound``, or NO_BODY.
+    """Return the first of ``n`` lanes of the buffer's ``row`` that is above ``bound`` or NaN; NO_BODY if none is.
 
-    Lanes are first counted, because a count is vectorised and a search is not, and most calls find none.
+    The lanes above are first counted, because a count is vectorised and a search is not, and usually there are
+    none.
     """
     count = 0
     for j in range(n):
@@ -94,7 +95,7 @@ def first_lane_above(row, bound, y, n):
 
 @jit
 def fill_approaches(model, y, n):
-    """Fill row APPROACH_NOW: the larger approach (m) of each roller to an undamaged race in the current state."""
+    """Fill row APPROACH_NOW with the larger of each roller's two approaches (m) to undamaged races."""
     gap = model.bearing.gap
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
@@ -118,7 +119,7 @@ def radial_energy(bearing, y, n):
 @jit
 def body_over_step_limit(method, model, monitor, y):
     """Return the body that has been over the method's step limit for longer than allowed, or NO_BODY."""
-    elapsed, bodies = monitor.stride * method.h, monitored(model)
+    elapsed, bodies = monitor.stride * method.h, monitored_bodies(model)
     bodies = lanes(model.bearing) if bodies > 1 else bodies  # padded lanes have zero stiffness over mass
     for j in range(bodies):
         y[lay.STEP_RATIO + j] = stability_ratio(
@@ -132,7 +133,10 @@ def body_over_step_limit(method, model, monitor, y):
 
 @jit
 def check_state(method, model, monitor, t, y):
-    """Check the state at time ``t`` (s); return outcome and body (NO_BODY if none in particular)."""
+    """Check the state at time ``t`` (s), and count the crossings of defects if it is valid.
+
+    Returns the outcome and the body concerned (NO_BODY if none in particular).
+    """
     n = lanes(model.bearing)
     unstable_body = body_over_step_limit(method, model, monitor, y)
     energy = radial_energy(model.bearing, y, n)

@@ -1,6 +1,6 @@
-"""CPU clock for compiled code, read occasionally by long loops, which end when the job's CPU time is used up.
+"""CPU clock for compiled code. Long loops read it occasionally and end when the job's CPU time is used up.
 
-``cpu_time.bounded`` calls such a function with the end time. A reading takes 0.3 us.
+``cpu_time.bounded`` calls a function with such a loop and passes the end time. A reading takes 0.3 us.
 """
 
 import time
@@ -18,13 +18,13 @@ INT64, INT32 = ir.IntType(64), ir.IntType(32)
 
 
 def thread_seconds() -> float:
-    """Return the CPU time (s) of this thread; in compiled code 0 where the system does not report it."""
+    """Return the CPU time (s) of this thread; compiled code returns 0 if the system does not report it."""
     return time.thread_time()
 
 
 @intrinsic
 def system_thread_seconds(typing_context: Any) -> Any:
-    """Read ``thread_seconds`` by the system's ``clock_gettime``."""
+    """Compile ``thread_seconds`` as a call of the system's ``clock_gettime``."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         if CLOCK_ID is None:

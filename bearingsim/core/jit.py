@@ -1,13 +1,13 @@
 """Compilation settings of the core.
 
-Four names are used everywhere else:
+The rest of the core uses four names:
 
 ``jit``      compiles a function (cached on disk).
-``inlined``  compiles a function into its callers: for functions called in loops over rollers.
-``generic``  one name, one implementation per parameter type; the choice is made when the caller is compiled,
-             so other implementations cost nothing. Called from Python it dispatches like ``singledispatch``.
-``absent``   a type for a missing feature (no drag, no flange); it needs no implementation of a generic that
-             defines ``absent``. Any other type without an implementation raises an error that names it.
+``inlined``  compiles a function into its callers, for functions called in loops over rollers.
+``generic``  declares a function with one implementation per parameter type; the choice is made when the caller is
+             compiled, so other implementations cost nothing. Python calls dispatch like ``singledispatch``.
+``absent``   declares a type for a missing feature (no drag, no flange), which needs no implementation of a generic
+             that defines ``absent``. Any other type without an implementation raises an error that names it.
 
 A product and an addition may be fused; every other operation keeps its IEEE meaning (full ``fastmath`` makes
 ``isfinite(nan)`` true). The compiler therefore reorders no sum: those over rollers have a fixed order that suits
@@ -43,15 +43,15 @@ numba_config: Any = config  # its attributes are created at run time
 resolving.cache_operator_signatures()
 
 WIDE_VECTORS, PREFERS_NARROW = "+avx512vbmi2", "prefer-256-bit"
-"""LLVM's names of features: AVX-512 VBMI2, of processors that do not lower their clock for 512-bit vectors; and
+"""LLVM's names of two features: AVX-512 VBMI2, whose processors do not lower their clock for 512-bit vectors, and
 the tuning flag that limits Intel processors to 256 bits."""
 
 
 def with_wide_vectors(features: str) -> str:
     """Return LLVM's ``features`` without the preference for 256-bit vectors, if they include AVX-512 VBMI2.
 
-    Results are bit-for-bit identical. A step of `planar` takes 10 %, of `rollers` and `spatial` 20 % less time
-    (docs/evidence/speed.md).
+    Results are bit-for-bit identical. A step takes 10 % less time in `planar`, 20 % less in `rollers` and
+    `spatial` (docs/evidence/speed.md).
     """
     return f"{features},-{PREFERS_NARROW}" if WIDE_VECTORS in features.split(",") else features
 
@@ -62,7 +62,7 @@ if numba_config.CPU_FEATURES is None:  # numba reads it before its first compila
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "_nrt": False, **linking.OPTIONS}
 """Options of ``numba.njit`` for every function of the core. With ``_nrt`` off no function allocates, so none
-counts references to its array arguments, which takes up to half of a step. Callers allocate the arrays that a
+counts references to its array arguments, which would take up to half of a step. Callers allocate the arrays that a
 function fills."""
 GENERICS: list[Any] = []
 """All functions made by ``generic``, in the order of import."""
@@ -106,7 +106,7 @@ SAVING_WAIT_S = 10.0
 
 @lru_cache(maxsize=1)
 def saving_lock(process: int) -> Any:
-    """Lock the cache for saving by this ``process``: a lock must not be inherited across a fork."""
+    """Return the lock for saving to the cache, one per ``process`` id, because a fork must not inherit a lock."""
     return FileLock(_CACHE / "saving.lock", timeout=SAVING_WAIT_S) if _CACHE else nullcontext()
 
 
@@ -139,7 +139,7 @@ def jit(function: Callable, **options: Any) -> Any:
 def guard_cache(dispatcher: Any) -> Any:
     """Let one process at a time compile a function and save its code; recompile if the cache cannot be read.
 
-    Compiling and loading are not charged to the job that needs the code.
+    Compilation and loading are not charged to the CPU time of the job that needs the code.
 
     numba reads an index, chooses a file name and writes both. Two processes at once could give the code of two
     signatures the same name, and later load the wrong one. Reading the index requires importing every type for
@@ -207,8 +207,8 @@ def absent(parameters: Parameters) -> Parameters:
     return parameters
 
 
-def constant(value: Any, name: str) -> Callable:
-    """Make an implementation of ``name`` that returns ``value``, whatever the arguments."""
+def make_constant(value: Any, name: str) -> Callable:
+    """Make an implementation of ``name`` that returns ``value`` for all arguments."""
 
     def implementation(*arguments: Any) -> Any:
         return value
@@ -250,7 +250,7 @@ def generic(
         entry = lookup(kind)
         if entry is NO_DEFAULT:
             raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
-        return entry if callable(entry) else constant(entry, name)
+        return entry if callable(entry) else make_constant(entry, name)
 
     def dispatch(*arguments: Any) -> Any:
         return implementation(type(arguments[0]))(*arguments)
@@ -281,4 +281,4 @@ def generic(
 
 inlined = partial(jit, forceinline=True)
 """``jit`` with forced inlining into callers, whatever the function's length, because a loop over rollers is
-vectorised only without calls, and passing a model takes 60 numbers."""
+vectorised only without calls, and a call would pass the 60 numbers of a model."""

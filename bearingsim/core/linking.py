@@ -64,7 +64,8 @@ OPTIONS: dict[str, Any] = {}
 """Options of ``numba.njit`` for every function of the core."""
 
 if HAS_INTERNALS:
-    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
+    # type: ignore[method-assign]
+    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)
 
     class LinkedLibrary(JITCodeLibrary):
         """Optimised code for linking into callers, without machine code of its own."""
@@ -77,7 +78,7 @@ if HAS_INTERNALS:
         """Compiler that generates machine code only for functions called from Python, and a ``LinkedLibrary`` for
         callees."""
 
-        depth = 0  # of nested compilations; numba compiles in one thread at a time
+        depth = 0  # depth of nested compilations; numba compiles in one thread at a time
 
         def compile_extra(self, function: Any) -> Any:
             """Compile ``function``."""
@@ -94,7 +95,8 @@ if HAS_INTERNALS:
             return self._register_for_callers(result) if is_callee else result
 
         def _register_for_callers(self, result: Any) -> Any:
-            """Register code for its callers under its entry point, here a builtin unlike all others."""
+            """Register code for its callers under an entry point, here a new builtin that is unequal to all
+            others."""
             entry = object().__reduce_ex__
             self.state.targetctx.insert_user_function(entry, result.fndesc, [result.library])
             return result._replace(entry_point=entry)
@@ -121,7 +123,7 @@ def compile_on_call(dispatcher: Any) -> Any:
     """Compile a function completely when Python calls it, and for linking when a caller is compiled.
 
     A caller never links the complete code of a function that Python called before. That code is optimised in
-    another way and may fuse other products and additions, so that results would depend on which functions were
+    another way and may fuse other products and additions, so results would depend on which functions were
     compiled, or loaded from the cache, before.
     """
     if not HAS_INTERNALS:
@@ -139,7 +141,9 @@ def compile_on_call(dispatcher: Any) -> Any:
             arguments, _ = sigutils.normalize_signature(signature)
             existing = dispatcher.overloads.get(tuple(arguments))
             if existing is not None and is_linked(existing) != is_callee():
-                del dispatcher.overloads[tuple(arguments)]  # Python still calls the code that it has
+                del dispatcher.overloads[
+                    tuple(arguments)
+                ]  # calls from Python keep the code already compiled for them
             with rare_collections():
                 return compile_for(signature)
 

@@ -1,4 +1,4 @@
-"""Parameters of the models, in SI. Symbols are those of docs/model.md; fields are floats unless noted otherwise.
+"""Parameters of the models, in SI units, with the symbols of docs/model.md.
 
 Every float must be a ``float``, because an ``int`` would compile a second copy of the core; ``build`` ensures it.
 """
@@ -10,10 +10,10 @@ from bearingsim.core.jit import jit
 
 
 class Bearing(NamedTuple):
-    """Geometry, masses and motion. Speeds are kinematic, for rolling without slip (at t = 0 if the speed is
-    ramped)."""
+    """Geometry, masses and motion of a bearing. Speeds are kinematic, for rolling without slip; at t = 0 if
+    ramped."""
 
-    Z: int  # rollers
+    Z: int  # number of rollers
     R_w: float  # roller radius, m
     R_o: float  # outer race radius, m
     R_i: float  # inner race radius, m
@@ -23,12 +23,15 @@ class Bearing(NamedTuple):
     m_o: float  # outer ring mass, kg
     omega_i: float  # inner ring's speed, rad/s
     omega_c: float  # cage speed, rad/s
-    omega_b: float  # a roller's speed relative to the cage, rad/s, against the sense of rotation
+    omega_b: float  # a roller's spin relative to the cage, rad/s, positive against the sense of rotation
     theta_0: float  # angle of the first roller at t = 0, rad
 
 
 class Support(NamedTuple):
-    """Support and load of the outer ring: -F e_0 - F_across e_90, a bracket spring and damper at (x_0, y_0)."""
+    """Support and load of the outer ring: the load -F e_0 - F_across e_90, and the bracket's spring and damper.
+
+    The spring is unloaded with the ring's centre at (x_0, y_0).
+    """
 
     F: float  # N
     F_across: float  # N
@@ -46,8 +49,8 @@ def lanes(bearing):
 
 @jit
 def kinematic_angles(bearing, t):
-    """Return the angles (rad) of the cage, the inner ring and a roller's roll in the cage at time ``t``,
-    without slip.
+    """Return the angles (rad) of the cage, of the inner ring and of a roller relative to the cage at time ``t``
+    (s), without slip.
 
     Equation (M2) of docs/model.md.
     """

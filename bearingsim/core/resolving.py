@@ -2,8 +2,8 @@
 
 numba resolves ``a + b`` by trying the templates of ``+`` (strings, lists, ufuncs ...) one after another, for each
 line of code. An operator that numba lowers itself always has the same signature for the same types, so this
-signature is cached. An implementation that is compiled depends on the flags of its caller and is resolved each
-time. The code is bit-for-bit identical.
+signature is cached. An implementation that is compiled depends on the flags of its caller, so it is resolved each
+time. The generated code is bit-for-bit identical.
 
 This relies on internals of numba's type system. If one is missing, nothing is cached.
 """
@@ -32,7 +32,7 @@ def cache_signatures(resolve: Any) -> Any:
     def get_call_type(function: Any, context: Any, arguments: Any, keywords: Any) -> Any:
         key = (function.typing_key, context, tuple(arguments), tuple(keywords.items()))
         owner, signature = signatures.get(key, (None, None))
-        if owner is function:  # not if templates were added since
+        if owner is function:  # numba makes a new function type when templates are added
             return signature
         signature = resolve(function, context, arguments, keywords)
         if is_lowered_by_numba(function, signature):

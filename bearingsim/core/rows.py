@@ -16,7 +16,8 @@ ALL_OWNERS = "all"
 
 
 class Rows(NamedTuple):
-    """Declared rows: first cell and end of each, at each base; ``location`` is file and line."""
+    """Declared rows: first cell and end of each, at each base; ``location`` is the file and line of the
+    declaration."""
 
     spans: tuple[tuple[int, int], ...]
     units: tuple[str, ...]
@@ -62,7 +63,7 @@ def declare(
 
 
 def have_common_owner(a: Rows, b: Rows) -> bool:
-    """Check if a common owner needs the values of both."""
+    """Check if two declarations have a common owner."""
     return bool(a.owners & b.owners) or ALL_OWNERS in a.owners | b.owners
 
 

@@ -14,11 +14,13 @@ import numpy as np
 from bearingsim.core.jit import jit
 from bearingsim.core.vectors import dot
 
-DECIMATION_REACH = 4  # fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, the band of the
-# second stage (0.6 of a sampling rate at most a quarter as fast), and 85 dB above 0.85, which folds into it
-RESAMPLE_REACH = 13  # samples on each side: flat to 0.4 of the sampling, 80 dB above 0.6
-INTERPOLATION_REACH = 6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the band left
-TABLE = 1024  # entries of the interpolation kernel per fine sample
+# fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, the band of the second stage (0.6 of a
+# sampling rate that is at most a quarter of the fine rate); attenuation of 85 dB above 0.85, which aliases into
+# this band
+DECIMATION_REACH = 4
+RESAMPLE_REACH = 13  # samples on each side: flat to 0.4 of the sampling rate, attenuation of 80 dB above 0.6
+INTERPOLATION_REACH = 6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the remaining band
+KERNEL_ENTRIES = 1024  # entries of the interpolation kernel per fine sample
 
 
 def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> np.ndarray:
@@ -49,14 +51,17 @@ def sampling_kernel(ratio: float) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def interpolation_kernel() -> np.ndarray:
-    """Return one side of the third stage's kernel, TABLE entries per fine sample, with a zero after the end."""
-    t = np.arange(INTERPOLATION_REACH * TABLE + 2) / TABLE
+    """Return one half of the third stage's symmetric kernel, with KERNEL_ENTRIES per fine sample and a final
+    zero."""
+    t = np.arange(INTERPOLATION_REACH * KERNEL_ENTRIES + 2) / KERNEL_ENTRIES
     return kaiser_sinc(t, 0.5, INTERPOLATION_REACH, 120.0)
 
 
 @jit
 def decimate(raw, taps, D, out):
-    """Filter ``raw`` (C, n) and keep one in D: out[c, m] is centred on column m D + len(taps)//2 + D - 1.
+    """Filter the C signals ``raw`` (C, n) and keep one sample in D.
+
+    out[c, m] is centred on column m D + len(taps)//2 + D - 1.
 
     Column 0 of ``raw`` is the step after a fine sample, so fine samples lie at columns D - 1, 2 D - 1, ...; the
     first output is the first one with all its neighbours in ``raw``.
@@ -81,18 +86,18 @@ def low_pass(fine, taps, out, begin, end):
 
 
 @jit
-def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
-    """Interpolate values out[:, n] at positions begin_fine + n ratio of ``fine`` (C, m), begin <= n < end.
+def interpolate(fine, origin, ratio, kernel, weights, out, begin, end):
+    """Interpolate values out[:, n] at positions origin + n ratio of ``fine`` (C, m), begin <= n < end.
 
     fine: without content above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) workspace. The weights are
     normalised, so a constant is preserved.
     """
     for n in range(begin, end):
-        position = begin_fine + n * ratio
+        position = origin + n * ratio
         low = int(np.floor(position)) - INTERPOLATION_REACH + 1
         total = 0.0
         for k in range(2 * INTERPOLATION_REACH):
-            distance = abs(low + k - position) * TABLE
+            distance = abs(low + k - position) * KERNEL_ENTRIES
             i = int(distance)
             weights[k] = kernel[i] + (distance - i) * (kernel[i + 1] - kernel[i])
             total += weights[k]
@@ -101,13 +106,13 @@ def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
 
 
 @jit
-def pick(raw, begin_fine, ratio, out, begin, end):
-    """Pick raw values between steps: out[:, n] at column begin_fine + n ratio of ``raw`` (C, m), begin <= n < end.
+def pick(raw, origin, ratio, out, begin, end):
+    """Interpolate raw values linearly: out[:, n] at column origin + n ratio of ``raw`` (C, m), begin <= n < end.
 
-    Linear in between. ``out`` is the whole record, because a slice of it would compile a second copy.
+    ``out`` is the whole record, because a slice of it would compile a second copy.
     """
     for n in range(begin, end):
-        position = begin_fine + n * ratio
+        position = origin + n * ratio
         i = min(int(position), raw.shape[1] - 2)
         for c in range(out.shape[0]):
             out[c, n] = raw[c, i] + (position - i) * (raw[c, i + 1] - raw[c, i])

@@ -26,9 +26,9 @@ def lane_sum(row, y, n):
 
 @inlined
 def sum_addends(y, n):
-    """Return the sum of the first ``n`` ADDENDS; those up to the next multiple of VECTOR_WIDTH are set
-    to 0."""
-    vectors = max((n + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH, 1)  # `lane_sum` reads one even for n = 0
+    """Return the sum of the first ``n`` ADDENDS, after setting those up to the next multiple of VECTOR_WIDTH to
+    0."""
+    vectors = max((n + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH, 1)  # `lane_sum` reads one vector even for n = 0
     n_lanes = vectors * lay.VECTOR_WIDTH
     for j in range(n, n_lanes):
         y[lay.ADDENDS + j] = 0.0
@@ -37,6 +37,6 @@ def sum_addends(y, n):
 
 @inlined
 def sum_loads(first_cell, last_cell, y, n):
-    """Sum the rollers' loads on rings and cage: cells ``first_cell`` to ``last_cell``, both included."""
+    """Fill the load cells ``first_cell`` to ``last_cell``, both included, with the sums of the rollers' loads."""
     for cell in range(first_cell, last_cell + 1):
         y[cell] = lane_sum(lay.roller_load(cell), y, n)

@@ -1,7 +1,7 @@
 """Sums and products of rows in vector registers, eight doubles at once.
 
 numba's compiler vectorises a loop over lanes, but not a sum over harmonics (or rollers) for each lane, which
-requires the lanes to stay in registers during the loop, nor the product of two rows, whose sum it may not reorder.
+requires the lanes to stay in registers during the loop, nor a dot product, whose sum it may not reorder.
 These loops are therefore written in LLVM IR (numba intrinsics). Eight doubles are one register of AVX-512, two of
 AVX2, four of SSE2 or NEON. The order of each sum is the same on all of them, and so is every bit of the result on
 processors with fused multiply-add.
@@ -28,7 +28,7 @@ VECTOR = ir.VectorType(ir.DoubleType(), VECTOR_WIDTH)
 UNDEFINED = ir.Constant(VECTOR, ir.Undefined)
 ZEROS = ir.Constant(VECTOR, [0.0] * VECTOR_WIDTH)
 BROADCAST_INDICES = ir.Constant(ir.VectorType(ir.IntType(32), VECTOR_WIDTH), [0] * VECTOR_WIDTH)
-PARTIAL_SUMS = 2 * VECTOR_WIDTH  # of `dot`: two registers hide the latency of an addition
+PARTIAL_SUMS = 2 * VECTOR_WIDTH  # partial sums of `dot`: two registers hide the latency of an addition
 FUSION_FLAGS: Any = ("contract",)  # a product and an addition may be fused, as everywhere in the core
 
 
@@ -37,7 +37,7 @@ def weighted_rows(
 ) -> list[Any]:
     """Return for each of ``rows`` sum_i y[row + i] table[i, lane:lane + 8] as a vector.
 
-    y, table: pointers; all others are integers.
+    y, table: pointers; shape: of the table; the other arguments are integers.
     """
     totals = [cgutils.alloca_once(builder, VECTOR) for _ in rows]
     for total in totals:
@@ -198,10 +198,10 @@ def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, lan
     """Compile ``sum_rollers``."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        table_value, weights, y_value, lane, cells = arguments
+        table_value, row, y_value, lane, cells = arguments
         starts, shape = split_halves(context, builder, signature.args[0], table_value)
         buffer = context.make_array(signature.args[2])(context, builder, y_value).data
-        sums = [weighted_rows(builder, buffer, [weights], start, shape, lane)[0] for start in starts]
+        sums = [weighted_rows(builder, buffer, [row], start, shape, lane)[0] for start in starts]
         for cell, total in zip(cgutils.unpack_tuple(builder, cells), sums, strict=True):
             store_vector(builder, buffer, cell, total)
         return context.get_dummy_value()

@@ -151,12 +151,14 @@ def _bending(model: Any) -> Any:
 
 def _spring_angles(bent: Any) -> Reals:
     """Compute the angles (P,) in rad of the springs around a ring."""
-    from bearingsim.core.parts.bending import COS_S, SIN_S, Springs
+    from bearingsim.core.parts.bending import SPRING_COS, SPRING_SIN, Springs
 
     if bent is None or not isinstance(bent.springs, Springs):
         return np.zeros(0)
     real = bent.springs.transposed_shapes.shape[1]
-    return np.asarray(np.arctan2(bent.springs.spring_table[SIN_S, :real], bent.springs.spring_table[COS_S, :real]))
+    return np.asarray(
+        np.arctan2(bent.springs.spring_table[SPRING_SIN, :real], bent.springs.spring_table[SPRING_COS, :real])
+    )
 
 
 def _applied_forces(case: "Case") -> Iterator[AppliedForce]:
@@ -226,14 +228,14 @@ def _read(model: Any, t: float, y: np.ndarray, fraction: float) -> Instant:
 def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
     """Return harmonic numbers and cosine and sine amplitudes (m) of the ring, without those of the carrier."""
     from bearingsim.core import layout as lay
-    from bearingsim.core.parts.bending import N
+    from bearingsim.core.parts.bending import ORDER
 
     if bent is None:
         return np.zeros(0), np.zeros(0), np.zeros(0)
     real = bent.breathing_index + 1
     first_c, first_s = lay.POSITION + lay.MODES_C, lay.POSITION + lay.MODES_S
     return (
-        bent.harmonic_table[N, :real].copy(),
+        bent.harmonic_table[ORDER, :real].copy(),
         y[first_c : first_c + real].copy(),
         y[first_s : first_s + real].copy(),
     )

@@ -306,7 +306,7 @@ def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passe
         raise run_failure(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
     missed = missed_crossings(setup.model, end, initial_passages, y) if initial_passages else 0
     if missed > 0:
-        raise run_failure(setup, outcomes.SKIPPED, missed, end)
+        raise run_failure(setup, outcomes.CROSSINGS_MISSED, missed, end)
 
 
 _COMPILED: set[tuple] = set()

@@ -10,7 +10,7 @@ from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Monitor
-from bearingsim.core.models.interface import monitored
+from bearingsim.core.models.interface import monitored_bodies
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 from bearingsim.simulation.settling import resolve_settling
@@ -123,7 +123,7 @@ STOP_REASONS = {
     outcomes.STEP_TOO_SMALL: "the step of {method} became too short",
     outcomes.NEWTON_FAILED: "the Newton iteration of {method} did not converge for {body}",
     outcomes.TOO_MANY_STEPS: "{method} takes too many steps between two samples",
-    outcomes.SKIPPED: "steps are too long for {count} crossings of defects",
+    outcomes.CROSSINGS_MISSED: "steps are too long for {count} crossings of defects",
     outcomes.TOO_SLOW: "{method} used {hours:.2g} h of CPU time",
 }
 """Reasons why a run was stopped, by its outcome."""
@@ -168,7 +168,7 @@ def advice(setup: Setup, outcome: int) -> str:
 
 def body_name(model: Any, body: int) -> str:
     """Return the name of a monitored body."""
-    return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"
+    return f"roller {body + 1}" if monitored_bodies(model) > 1 and body >= 0 else "the ring"
 
 
 def nested_types(value: Any) -> Any:

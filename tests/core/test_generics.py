@@ -45,13 +45,13 @@ from bearingsim.core.models.by_roller import (
     drift,
     kick,
     load_roller,
-    shared,
+    shared_quantities,
 )
 from bearingsim.core.models.differences import accelerate_bodies, is_free_coordinate
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 from bearingsim.core.models.outer_ring import RingMotion
-from bearingsim.core.models.planar import Planar, Plane
+from bearingsim.core.models.planar import Planar, PlanarMotion
 from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.models.spatial import Spatial
@@ -66,10 +66,10 @@ from bearingsim.core.parts.form import (
     Smooth,
     UnequalRollers,
     WavyRollers,
-    add_rollers,
+    add_roller_recesses,
+    fill_race_recesses,
     locate_on_race,
     locate_on_roller,
-    set_race,
 )
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount, set_mounted_ring
 from bearingsim.core.parts.shaft import (
@@ -89,7 +89,7 @@ MODULES = [
     importlib.import_module(module.name)
     for module in pkgutil.walk_packages(bearingsim.core.__path__, "bearingsim.core.")
 ]
-BY_ROLLER = (shared, load_roller, accelerate_shared, accelerate_roller)
+BY_ROLLER = (shared_quantities, load_roller, accelerate_shared, accelerate_roller)
 ADAPTIVE = (attempt, interpolate, reach, estimate_order, failure_outcome, jump_weight, complete_dense_output)
 
 
@@ -147,12 +147,12 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ((drift, kick), REGISTRY[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
-    ((set_race, locate_on_race), {WavyRollers, UnequalRollers}, "races only"),
-    ((add_rollers, locate_on_roller), {Race}, "rollers only"),
+    ((fill_race_recesses, locate_on_race), {WavyRollers, UnequalRollers}, "races only"),
+    ((add_roller_recesses, locate_on_roller), {Race}, "rollers only"),
 ]
 """Generics, types without implementation, reason."""
 
-WITHOUT_GENERICS = {RollerInRing, Bodies, Monitor, Plane, RingMotion}
+WITHOUT_GENERICS = {RollerInRing, Bodies, Monitor, PlanarMotion, RingMotion}
 """Tuples that no generic dispatches on, in modules with types of a family."""
 
 

@@ -56,7 +56,7 @@ def test_offsets_are_plain_integers() -> None:
 
 
 def test_declared_rows_lie_in_the_buffer() -> None:
-    end = len(lay.buffer(Z=4, m_r=1.0, slices=2))
+    end = len(lay.make_buffer(Z=4, m_r=1.0, slices=2))
     spans = [span for declared in rows.DECLARED for span in declared.spans]
     assert min(first for first, _ in spans) == 0
     assert max(last for _, last in spans) <= end
@@ -65,14 +65,14 @@ def test_declared_rows_lie_in_the_buffer() -> None:
 @pytest.mark.parametrize("slices", [0, 2])
 def test_lanes_of_a_buffer_are_aligned_with_vectors(slices: int) -> None:
     for _ in range(8):  # an allocation may be aligned by chance
-        y = lay.buffer(Z=4, m_r=1.0, slices=slices)
+        y = lay.make_buffer(Z=4, m_r=1.0, slices=slices)
         lanes = y[lay.RADIAL :]
         assert lanes.ctypes.data % (lay.VECTOR_WIDTH * y.itemsize) == 0
         assert lay.ROW % lay.VECTOR_WIDTH == lay.RADIAL % lay.VECTOR_WIDTH == 0
 
 
 def test_relative_row_without_its_side_raises() -> None:
-    y = lay.buffer(Z=4, m_r=1.0, slices=2)
+    y = lay.make_buffer(Z=4, m_r=1.0, slices=2)
     relative = [name for name, value in OFFSETS.items() if value >= lay.RELATIVE and name != "RELATIVE"]
     assert len(relative) == lay.SIDE_ROWS
     for name in relative:
@@ -82,7 +82,7 @@ def test_relative_row_without_its_side_raises() -> None:
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         with pytest.raises(IndexError):
             y[side] = 1.0
-    assert np.array_equal(y[: lay.BUFFER_SIZE], lay.buffer(Z=4, m_r=1.0))
+    assert np.array_equal(y[: lay.BUFFER_SIZE], lay.make_buffer(Z=4, m_r=1.0))
 
 
 def test_free_rows_have_no_common_owner(declared_rows: list[Rows]) -> None:

@@ -40,7 +40,7 @@ def test_lane_sum_adds_eight_partial_sums(n: int) -> None:
 @pytest.mark.parametrize("n", [0, 2, 8, 20, 24])
 def test_addends_up_to_n_are_summed(n: int) -> None:
     addends = np.random.default_rng(n).standard_normal(40)
-    y = lay.buffer(13, 1.0)
+    y = lay.make_buffer(13, 1.0)
     y[lay.ADDENDS : lay.ADDENDS + 40] = addends
     assert sum_addends(y, n) == pytest.approx(addends[:n].sum(), rel=1e-12)
 

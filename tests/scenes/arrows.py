@@ -72,7 +72,7 @@ def random_arrows(
     model: ArrowModel, scatter: float | np.ndarray = 0.2
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A buffer with random derivatives, and these dense, in the coordinates of the state."""
-    y = lay.buffer(model.Z, 1.0)
+    y = lay.make_buffer(model.Z, 1.0)
     T = cage_transform(model)
     by_position = np.linalg.solve(T, fill(model, lay.POSITION_JACOBIAN, scatter, y) @ T)
     by_velocity = np.linalg.solve(T, fill(model, lay.VELOCITY_JACOBIAN, scatter, y) @ T)
@@ -85,7 +85,7 @@ def spring_arrow(model: ArrowModel, k: np.ndarray) -> tuple[np.ndarray, np.ndarr
     And this, dense. In absolute angles. The units of coordinates, and with them M, differ by up to 1e6.
     """
     own, shared, Z = model
-    y, size = lay.buffer(Z, 1.0), own * Z + shared
+    y, size = lay.make_buffer(Z, 1.0), own * Z + shared
     units = 10.0 ** RANDOM.uniform(-3, 3, size)
     dense = np.zeros((size, size))
     for j, stiffness in enumerate(k):

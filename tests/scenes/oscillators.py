@@ -17,7 +17,7 @@ from bearingsim.core.models.interface import (
     accelerations,
     degrees_of_freedom,
     linearise,
-    monitored,
+    monitored_bodies,
     state_width,
     update_extremes,
 )
@@ -69,7 +69,7 @@ def undefined_after(end: float) -> Oscillator:
 
 
 state_width.register(Oscillator)(lambda model: lay.FIRST_LANE + 8)
-monitored.register(Oscillator)(lambda model: 1)
+monitored_bodies.register(Oscillator)(lambda model: 1)
 degrees_of_freedom.register(Oscillator)(lambda model: (1, 0))
 update_extremes.register(Oscillator)(update_forces)
 next_jump.register(Oscillator)(lambda model, t, y: model.jump_time if t < model.jump_time else inf)
@@ -115,7 +115,7 @@ def take_steps(method, model, start_step, y, out):
 
 def run(method: Any, model: Any, steps: int, q: float = 0.5, v: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
     """Return positions and velocities (steps, 2) from (q, v) at t = 0, and the buffer."""
-    y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
+    y, out = lay.make_buffer(1, 1.0), np.empty((steps, 2))
     start(method, model, 0.0, q, v, y)
     take_steps(method, model, 0, y, out)
     return out, y
@@ -125,7 +125,7 @@ def at_even_steps(parameters: type, model: Any, h: float, steps: int, q: float, 
     """The end state (2,) of any method, adaptive or not, in ``steps`` steps of ``h`` (s)."""
     if "longest" not in parameters._fields:  # type: ignore[attr-defined]
         return run(parameters(h), model, steps, q, v)[0][-1]
-    y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
+    y, out = lay.make_buffer(1, 1.0), np.empty((steps, 2))
     method = without_error_control(parameters, h, h)
     start(method, model, 0.0, q, v, y)
     y[lay.H_NEXT] = h

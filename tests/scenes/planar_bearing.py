@@ -134,7 +134,9 @@ def planar_model(scene: planar_scene.Scene) -> Planar:
     healthy = build_static(
         bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_defects([], Envelope())
     )
-    equilibrium = mean_equilibrium(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    equilibrium = mean_equilibrium(
+        healthy, lay.make_buffer(scene.Z, scene.m_r), samples=16
+    )  # as many as the reference
     wall_law = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
     cage = FreeCage(
         m=scene.cage_mass,
@@ -165,7 +167,7 @@ def planar_model(scene: planar_scene.Scene) -> Planar:
 def at_rest(scene: planar_scene.Scene) -> tuple[Planar, np.ndarray]:
     """The scene as the package's model, and a buffer in its static start."""
     model = planar_model(scene)
-    y = lay.buffer(scene.Z, scene.m_r)
+    y = lay.make_buffer(scene.Z, scene.m_r)
     assert solve_initial_equilibrium(static_model(model), 0.0, y) <= 1e-8 * abs(scene.load)
     if len(scene.eps):
         y[lay.EPS : lay.EPS + scene.Z] = scene.eps

@@ -80,4 +80,4 @@ def spatial_model(model: Any, slices: Slices, reach: Any = None, **changes: Any)
 
 def empty(model: Spatial) -> np.ndarray:
     """A zeroed buffer for the model."""
-    return lay.buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
+    return lay.make_buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))

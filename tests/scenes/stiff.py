@@ -100,7 +100,7 @@ class Run(NamedTuple):
 
 def run(model: Scene, method: Any, span: float, q: float, v: float) -> Run:
     """The scene from (q, v) over ``span`` (s) with a method whose ``h`` is the recorded step."""
-    y = lay.buffer(1, 1.0)
+    y = lay.make_buffer(1, 1.0)
     y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     path = np.empty((round(span / method.h), 3))
     integrate(method, model, y, path)

@@ -160,7 +160,7 @@ def period_of(
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     search, y = (
         Search(channels.recorded_cells(setup.case), STEPS, setup.model, False, closeness),
-        lay.buffer(13, 0.0),
+        lay.make_buffer(13, 0.0),
     )
     for p in range(passes):
         window = motion(p)
@@ -323,7 +323,7 @@ def test_forces_are_compared_relative_to_the_range_of_all_rollers() -> None:
     """Forces that differ by much of the range in an unloaded position, but not of the range of all, are equal."""
     setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.outer_force"]))
     cells = channels.recorded_cells(setup.case)
-    search, y = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS), lay.buffer(13, 0.0)
+    search, y = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS), lay.make_buffer(13, 0.0)
     noise, periods = np.random.default_rng(0), []
     for p in range(5):
         forces = np.array([np.linspace(0.0, (j + p) % 13 != 5, STEPS) for j in range(13)])
@@ -368,7 +368,7 @@ def test_number_of_stored_passes_is_limited_by_memory(
 def test_motion_without_memory_is_periodic_from_the_first_pass() -> None:
     setup = RUN_SETUP.set_up(resolved(model="static"))
     search = Search(channels.recorded_cells(setup.case), STEPS, setup.model, True, RECORD_CLOSENESS)
-    assert search.add_pass(waves(0), lay.buffer(13, 0.0), np.ones(5)) == (1, 0.0)
+    assert search.add_pass(waves(0), lay.make_buffer(13, 0.0), np.ones(5)) == (1, 0.0)
 
 
 def test_difference_at_the_limit_has_converged() -> None:

@@ -16,9 +16,9 @@ from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_r
 class Bodies(NamedTuple):
     """Position and motion of the bodies that all rollers touch.
 
-    time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); theta_i, omega_i: angle (rad)
-    and speed (rad/s) of the inner ring; omega_cage: speed of the cage (rad/s); spin: nominal spin of a roller
-    (rad/s).
+    outer, inner, cage: position and velocity of the body; time: kinematic time (s); ramp_rate: relative
+    acceleration of all speeds (1/s); theta_i, omega_i: angle (rad) and speed (rad/s) of the inner ring;
+    omega_cage: speed of the cage (rad/s); spin: nominal spin of a roller (rad/s).
     """
 
     outer: Body
@@ -33,7 +33,7 @@ class Bodies(NamedTuple):
 
 
 @jit
-def bodies(model, t, y):
+def bodies_at(model, t, y):
     """Return ``Bodies`` at time ``t`` (s)."""
     b = model.bearing
     time, rate, ramp_rate = kinematic_time(model.motion, t)
@@ -60,7 +60,11 @@ def set_mounted_rings(model, y):
 
 @jit
 def accelerate_rings_and_cage(model, common, y):
-    """Write the accelerations of rings and cage from their load cells; return the cage's angular acceleration."""
+    """Write the accelerations of rings and cage from their load cells; return the cage's angular acceleration
+    (rad/s^2).
+
+    The cells M_C and M_RING are overwritten by the torques about the axes of cage and outer ring.
+    """
     b = model.bearing
     precession = accelerate_cage_axis(model.cage_z, model.cage, common.cage, y)
     y[lay.M_C] = y[lay.M_X_C] * common.cage.a_x + y[lay.M_Y_C] * common.cage.a_y + y[lay.M_C] * common.cage.a_z

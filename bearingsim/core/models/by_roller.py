@@ -1,8 +1,8 @@
-"""Evaluation of models that are defined by functions of one roller and of the quantities that all rollers share.
+"""Evaluation of models that are defined by functions of one roller and of quantities common to all rollers.
 
 A model provides, in the order of the calls:
 
-    shared              quantities common to all rollers, from time and state
+    shared_quantities   quantities common to all rollers, from time and state
     load_roller         forces on one roller, and its loads on rings and cage
     accelerate_shared   sums of these loads, and accelerations of rings and cage
     accelerate_roller   acceleration of one roller
@@ -23,8 +23,8 @@ from bearingsim.core.parameters import lanes
 
 
 @generic(inline="late")
-def shared(model: Any, t: float, y: np.ndarray) -> Any:
-    """Return the numbers that all rollers share at time ``t`` (s): positions of rings and cage, speeds and
+def shared_quantities(model: Any, t: float, y: np.ndarray) -> Any:
+    """Return the quantities common to all rollers at time ``t`` (s): positions of rings and cage, speeds and
     angles."""
 
 
@@ -32,7 +32,8 @@ def shared(model: Any, t: float, y: np.ndarray) -> Any:
 def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
     """Fill the contact rows of roller ``j``, and the rows of its ``layout.roller_load`` that the model sums.
 
-    common: from ``shared``. The loop over rollers is vectorised, so no branches and no data of other rollers.
+    common: result of ``shared_quantities``. The loop over rollers is vectorised, so an implementation must have no
+    branches and must not use data of other rollers.
     """
 
 
@@ -40,13 +41,13 @@ def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
 def accelerate_shared(model: Any, common: Any, t: float, y: np.ndarray) -> Any:
     """Correct the rollers over defects, sum the loads, and write the accelerations of rings and cage.
 
-    Returns the numbers that ``accelerate_roller`` needs.
+    Returns the accelerations that ``accelerate_roller`` needs.
     """
 
 
 @generic(inline="late")
 def accelerate_roller(model: Any, common: Any, body_acceleration: Any, y: np.ndarray, j: int) -> None:
-    """Write the acceleration of roller ``j``. Vectorised as ``load_roller``.
+    """Write the acceleration of roller ``j``, in a vectorised loop like ``load_roller``.
 
     body_acceleration: result of ``accelerate_shared``.
     """
@@ -79,10 +80,10 @@ def evaluate_at_once(model, motion, t, y):
 
 @generic(inline="late", otherwise=evaluate_at_once)
 def evaluate(model: Any, motion: Any, t: float, y: np.ndarray) -> None:
-    """Apply ``drift``, fill the rows of ``accelerations`` at time ``t`` (s), and apply ``kick``."""
+    """Apply ``drift``, fill the rows that ``accelerations`` fills at time ``t`` (s), and apply ``kick``."""
 
 
-ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
+COORDINATE_ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 """First lanes of a roller's coordinates in a block of the state."""
 
 
@@ -91,28 +92,28 @@ def drift_roller(motion, roller_dof, y, j):
     """Apply ``drift`` to the ``roller_dof`` coordinates of roller ``j``, unrolled because a loop over rows
     prevents vectorisation."""
     if roller_dof > 0:
-        drift(motion, y, ROWS[0] + j)
+        drift(motion, y, COORDINATE_ROWS[0] + j)
     if roller_dof > 1:
-        drift(motion, y, ROWS[1] + j)
-        drift(motion, y, ROWS[2] + j)
+        drift(motion, y, COORDINATE_ROWS[1] + j)
+        drift(motion, y, COORDINATE_ROWS[2] + j)
     if roller_dof > 3:
-        drift(motion, y, ROWS[3] + j)
-        drift(motion, y, ROWS[4] + j)
-        drift(motion, y, ROWS[5] + j)
+        drift(motion, y, COORDINATE_ROWS[3] + j)
+        drift(motion, y, COORDINATE_ROWS[4] + j)
+        drift(motion, y, COORDINATE_ROWS[5] + j)
 
 
 @inlined
 def kick_roller(motion, roller_dof, y, j):
     """Apply ``kick`` to the ``roller_dof`` coordinates of roller ``j``."""
     if roller_dof > 0:
-        kick(motion, y, ROWS[0] + j)
+        kick(motion, y, COORDINATE_ROWS[0] + j)
     if roller_dof > 1:
-        kick(motion, y, ROWS[1] + j)
-        kick(motion, y, ROWS[2] + j)
+        kick(motion, y, COORDINATE_ROWS[1] + j)
+        kick(motion, y, COORDINATE_ROWS[2] + j)
     if roller_dof > 3:
-        kick(motion, y, ROWS[3] + j)
-        kick(motion, y, ROWS[4] + j)
-        kick(motion, y, ROWS[5] + j)
+        kick(motion, y, COORDINATE_ROWS[3] + j)
+        kick(motion, y, COORDINATE_ROWS[4] + j)
+        kick(motion, y, COORDINATE_ROWS[5] + j)
 
 
 @inlined
@@ -157,7 +158,7 @@ def evaluate_by_roller(model, motion, t, y):
     for k in range(shared_dof):
         drift(motion, y, lay.shared_cell(k))
     drift_harmonics(model, motion, y)
-    common = shared(model, t, y)
+    common = shared_quantities(model, t, y)
     load_rollers(model, motion, common, y, n)
     body_acceleration = accelerate_shared(model, common, t, y)
     for k in range(shared_dof):
@@ -167,11 +168,12 @@ def evaluate_by_roller(model, motion, t, y):
 
 
 def accelerations_by_roller(model, t, y):
-    """Implement ``accelerations`` for a model that has these four functions."""
+    """Implement ``accelerations`` for a model that has the four functions of the module's docstring."""
     evaluate(model, NoUpdate(), t, y)
 
 
 def register_roller_model(parameters: type) -> None:
-    """Register a model that has ``shared``, ``load_roller``, ``accelerate_shared`` and ``accelerate_roller``."""
+    """Register a model with ``shared_quantities``, ``load_roller``, ``accelerate_shared`` and
+    ``accelerate_roller``."""
     evaluate.register(parameters)(evaluate_by_roller)
     accelerations.register(parameters)(accelerations_by_roller)

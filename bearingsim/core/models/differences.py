@@ -1,10 +1,10 @@
 """Jacobians by finite differences of the accelerations, with one coordinate of all rollers displaced at a time.
 
-A roller depends only on its own and the shared coordinates. One evaluation with the same coordinate of all rollers
-displaced therefore gives a column for every roller; the effect of each roller on rings and cage follows from its
-own loads on them (Curtis, Powell and Reid 1974, On the estimation of sparse Jacobian matrices, J. Inst. Maths
-Applics 13, 117). Forward differences have an error of first order, below 1e-5 for all derivatives (tested). The
-column of a coordinate that cannot move is left empty, which saves its evaluation.
+The acceleration of a roller depends only on its own and the shared coordinates. One evaluation with the same
+coordinate of all rollers displaced therefore gives a column for every roller; the effect of each roller on rings
+and cage follows from its loads on them (Curtis, Powell and Reid 1974, On the estimation of sparse Jacobian
+matrices, J. Inst. Maths Applics 13, 117). Forward differences have an error of first order, below 1e-5 for all
+derivatives (tested). The column of a coordinate that cannot move is left empty, which saves its evaluation.
 """
 
 from typing import Any
@@ -18,7 +18,10 @@ from bearingsim.core.sums import lane_sum
 
 @jit
 def shared_arms(b):
-    """Return the lever arms of the shared coordinates, in the order of ``layout.shared_cell``; b: the bearing."""
+    """Return the lever arms (m) of angles among the shared coordinates, 1 for positions; b: the bearing.
+
+    The order is that of ``layout.shared_cell``.
+    """
     R_mean = 0.5 * (b.R_o + b.R_i)
     planar_arms = (1.0, 1.0, b.R_o, R_mean, 1.0, 1.0, 1.0, 1.0)
     return (*planar_arms, 1.0, 1.0, 1.0, b.R_o, R_mean, b.R_i, b.R_o, R_mean, b.R_i)
@@ -26,12 +29,13 @@ def shared_arms(b):
 
 @jit
 def roller_arms(b):
-    """Return the lever arms of a roller's six coordinates."""
+    """Return the lever arms (m) of angles among a roller's six coordinates, 1 for positions; b: the bearing."""
     return 1.0, 0.5 * (b.R_o + b.R_i), b.R_w, 1.0, b.R_w, b.R_w
 
 
-DISPLACEMENT = 2e-11  # m (at the lever arm of an angle): small against approaches, large against their rounding
-SPEED = 1e-7  # m/s
+# increments of positions (m) and velocities (m/s), at the lever arm for angles: the first is small against
+# approaches and large against their rounding errors
+POSITION_INCREMENT, VELOCITY_INCREMENT = 2e-11, 1e-7
 ORBIT = 1  # coordinate of a roller that is an absolute angle in the arrow matrices
 
 
@@ -42,7 +46,7 @@ def is_free_coordinate(model: Any, i: int) -> bool:
 
 @generic
 def accelerate_bodies(model: Any, t: float, y: Any) -> None:
-    """Write the accelerations of the shared coordinates from the cells F_X to M_INNER, which it may overwrite.
+    """Write the accelerations of the shared coordinates from the cells F_X to M_INNER, which may be overwritten.
 
     ``accelerations`` of such a model also fills the rows ROLLER_LOADS, each roller's contribution to these cells.
     """
@@ -67,7 +71,8 @@ def clear_arrows(roller_dof, shared_dof, y, n):
 
 @jit
 def store_state(roller_dof, model, y):
-    """Store the state at which derivatives are computed, with absolute accelerations, and the rollers' loads."""
+    """Store the state at which derivatives are computed, with absolute orbital accelerations, and the rollers'
+    loads."""
     for c in range(3 * lay.STATE):
         y[lay.REFERENCE_STATE + c] = y[lay.POSITION + c]
     for j in range(model.bearing.Z):
@@ -81,10 +86,11 @@ def store_state(roller_dof, model, y):
 
 @jit
 def load_bodies(model, t, y, j, scale):
-    """Compute the shared accelerations under the stored loads plus ``scale`` times the change of roller ``j``'s.
+    """Compute the shared accelerations under the stored loads plus ``scale`` times the change of roller ``j``'s
+    loads.
 
-    They are affine in the loads, so with ``scale`` = 1/displacement their excess over the stored accelerations is
-    the derivative.
+    They are affine in the loads, so with ``scale`` = 1/displacement their difference from the stored accelerations
+    is the derivative.
     """
     for c in range(lay.LOADS):
         row = lay.roller_load(lay.F_X + c) + j
@@ -94,8 +100,8 @@ def load_bodies(model, t, y, j, scale):
 
 
 @jit
-def roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell):
-    """Compute the column of coordinate ``i`` of every roller; the state is displaced in the row at ``cell``."""
+def fill_roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell):
+    """Fill the column of coordinate ``i`` of every roller; the state is displaced in the row at ``cell``."""
     Z = model.bearing.Z
     accelerations(model, t, y)
     for k in range(roller_dof):
@@ -112,8 +118,8 @@ def roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell):
 
 
 @jit
-def shared_column(model, t, matrix, m, roller_dof, shared_dof, y, cell):
-    """Compute the column of the shared coordinate ``m``; the state is displaced in ``cell``."""
+def fill_shared_column(model, t, matrix, m, roller_dof, shared_dof, y, cell):
+    """Fill the column of the shared coordinate ``m``; the state is displaced in ``cell``."""
     scale = 1.0 / (y[cell] - y[lay.REFERENCE_STATE + cell])
     accelerations(model, t, y)
     for k in range(roller_dof):
@@ -129,7 +135,7 @@ def shared_column(model, t, matrix, m, roller_dof, shared_dof, y, cell):
 
 
 @jit
-def move_shared(roller_dof, Z, block, m, displacement, y):
+def displace_shared(roller_dof, Z, block, m, displacement, y):
     """Displace the shared coordinate ``m``; the absolute angles of the rollers do not change with the cage's."""
     y[block + lay.shared_cell(m)] += displacement
     if m == lay.PHI_C and roller_dof > ORBIT:
@@ -146,7 +152,7 @@ def restore_state(block, y):
 
 
 @jit
-def difference_jacobian(model, t, y):
+def fill_difference_jacobian(model, t, y):
     """Implement ``linearise`` by finite differences."""
     roller_dof, shared_dof = degrees_of_freedom(model)
     b = model.bearing
@@ -156,27 +162,27 @@ def difference_jacobian(model, t, y):
     for c in range(lay.LOADS):
         y[lay.F_X + c] = y[lay.REFERENCE_LOADS + c] + 1.0
     accelerate_bodies(model, t, y)
-    for k in range(shared_dof):  # mark the coordinates that loads can accelerate
+    for k in range(shared_dof):  # mark the coordinates that unit loads accelerate: only these can move
         coordinate = lay.shared_cell(k)
         y[lay.REFERENCE_LOADS + lay.LOADS + k] = (
             1.0
             if y[lay.ACCELERATION + coordinate] != y[lay.REFERENCE_STATE + lay.ACCELERATION + coordinate]
             else 0.0
         )
-    for matrix, block, displacement in (
-        (lay.POSITION_JACOBIAN, lay.POSITION, DISPLACEMENT),
-        (lay.VELOCITY_JACOBIAN, lay.VELOCITY, SPEED),
+    for matrix, block, increment in (
+        (lay.POSITION_JACOBIAN, lay.POSITION, POSITION_INCREMENT),
+        (lay.VELOCITY_JACOBIAN, lay.VELOCITY, VELOCITY_INCREMENT),
     ):
         for i in range(roller_dof):
             if is_free_coordinate(model, i):
                 cell = block + i * lay.ROW + lay.FIRST_LANE
                 for j in range(b.Z):
-                    y[cell + j] += displacement / roller_arm[i]
-                roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell)
+                    y[cell + j] += increment / roller_arm[i]
+                fill_roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell)
                 restore_state(block, y)
         for m in range(shared_dof):
             if y[lay.REFERENCE_LOADS + lay.LOADS + m] > 0.0:
-                move_shared(roller_dof, b.Z, block, m, displacement / shared_arm[m], y)
-                shared_column(model, t, matrix, m, roller_dof, shared_dof, y, block + lay.shared_cell(m))
+                displace_shared(roller_dof, b.Z, block, m, increment / shared_arm[m], y)
+                fill_shared_column(model, t, matrix, m, roller_dof, shared_dof, y, block + lay.shared_cell(m))
                 restore_state(block, y)
     accelerations(model, t, y)

@@ -1,4 +1,4 @@
-"""Exact static equilibrium of the ring and the rollers at a given cage angle.
+"""Static equilibrium of the ring and the rollers at a given cage angle.
 
 For a ring position u the balance Q_o = Q_i + m_r omega_c^2 r of each roller is solved separately (one unknown,
 bracketed). The ring's position is then found by Newton's method with a line search on the net force
@@ -25,25 +25,27 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.parts.bending import Bending, RigidRing, bend, bend_race
+from bearingsim.core.parts.bending import Bending, RigidRing, bend_race, race_bend
 from bearingsim.core.parts.form import RECESS_I, RECESS_O, fill_recesses, recess
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
-# of the outer contact (of the inner one, one row further): roller-defect pair of the contact (-1 if none), and its
-# distance from the middle of the defect
+# roller-defect pair of the outer contact (-1 if none), and its distance from the centre of the defect; those of
+# the inner contact are one row further
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent ring", "evaluation")
-RESIDUAL = 1e-10  # of the search, relative to the load; well under the 1e-8 allowed at the start of a run
-MAX_STEPS = 200
+RESIDUAL_TOLERANCE = (
+    1e-10  # of the net force, relative to the load; well under the 1e-8 allowed at the start of a run
+)
+MAX_STEPS = 200  # iterations of a search; usually a few suffice
 STEPS_PER_CHECK = 16  # steps between two checks of the CPU time and of the rounding error
 ROUNDING = 1e-14  # rounding error of a net force, relative to the largest contact force
-LONGEST_STEP = 1e-5  # m
-FIRST_APPROACH = 1e-8  # m: first approach of an unloaded roller
-FIRST_REACH = 1e-6  # m: width of the first bracket, outwards
+LONGEST_STEP = 1e-5  # m, of the ring in an iteration
+FIRST_APPROACH = 1e-8  # m: initial approach of an unloaded roller to the outer race
+FIRST_REACH = 1e-6  # m: largest first step outwards, doubled until the root is bracketed
 STEP_TOLERANCE = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far closer
 
 
 class NoEquilibrium(ArithmeticError):
-    """Failure to find a position in which the rollers balance the load."""
+    """Static equilibrium not found to the required residual."""
 
 
 @jit
@@ -60,8 +62,8 @@ def contact_force(contact, side, defects, y, j, delta):
 def excess_force(model, y, j, q_touch, q, recess_i):
     """Return the net inward force (N) on a roller at ``q`` (m), and the stiffness of its contacts (N/m).
 
-    q_touch: position of first contact with the outer race (m); recess_i: of the inner contact (m), from which
-    positions are measured.
+    q_touch: position of first contact with the outer race (m); recess_i: recess at the inner contact (m). The
+    roller's radial position is ``q`` - ``recess_i``.
     """
     bearing = model.bearing
     Q_o, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - q_touch)
@@ -74,12 +76,13 @@ def excess_force(model, y, j, q_touch, q, recess_i):
 def roller_balance(model, y, j, u_r, recess_i):
     """Return the position q (m) of a roller when the outer race is displaced outwards by ``u_r`` (m) at its angle.
 
-    With deviations of form, ``u_r`` includes the recesses of both contacts, and the position is measured from that
-    at which the roller would touch the inner race without ``recess_i`` (m).
+    With deviations of form, ``u_r`` includes the recesses at both contacts, and the roller's radial position is q
+    - ``recess_i``, with ``recess_i`` (m) at the inner contact.
 
-    Newton's method, started at the position of a massless roller over undamaged races. Outward steps are limited
-    to a reach that doubles until the outer race supports the roller; then a step is replaced by bisection if it
-    leaves the bracket or does not shrink fast. The rows PAIR and DISTANCE give the roller's position over defects.
+    Use Newton's method, started at the position of a massless roller over undamaged races. Outward steps are
+    limited to a reach that doubles until the outer race supports the roller; then a step is replaced by bisection
+    if it leaves the bracket or does not shrink fast. The rows PAIR and DISTANCE give the roller's position over
+    defects.
     """
     gap = model.bearing.gap
     q_touch, approach = u_r + gap, -2.0 * gap - u_r
@@ -93,12 +96,12 @@ def roller_balance(model, y, j, u_r, recess_i):
             return q
     low, high, reach, second_last_step, last_step = q_touch, inf, FIRST_REACH, inf, inf
     for _ in range(MAX_STEPS):
-        excess, spring_rate = excess_force(model, y, j, q_touch, q, recess_i)
+        excess, stiffness = excess_force(model, y, j, q_touch, q, recess_i)
         if excess > 0.0:
             high = q
         else:
             low = q
-        target = q - excess / max(spring_rate, 1e-300)
+        target = q - excess / max(stiffness, 1e-300)
         if high == inf:
             target = min(target, q + reach)
             reach *= 2.0
@@ -114,8 +117,8 @@ def roller_balance(model, y, j, u_r, recess_i):
 
 @jit
 def locate_defects(model, t, y):
-    """Fill the rows PAIR and DISTANCE: the roller-defect pair of each contact and its distance (m) from the
-    defect's middle.
+    """Fill the rows PAIR and DISTANCE: the roller-defect pair of each contact and its distance (m) from the centre
+    of the defect.
     """
     defects = model.defects
     for j in range(model.bearing.Z):
@@ -130,7 +133,8 @@ def locate_defects(model, t, y):
 
 @jit
 def balance_rollers(model, t, y):
-    """Balance every roller for the ring position in ``y``; fill its angle, approach, force and K_SERIES rows."""
+    """Balance every roller for the ring position in ``y``; fill its position, angle, approach, force and K_SERIES
+    rows."""
     bearing, defects = model.bearing, model.defects
     locate_defects(model, t, y)
     theta_c, _, _ = kinematic_angles(bearing, t)
@@ -140,7 +144,7 @@ def balance_rollers(model, t, y):
     for j in range(bearing.Z):
         c = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
         s = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
-        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s + bend(model.bending, y, j)
+        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s + race_bend(model.bending, y, j)
         recess_i = recess(model.form, RECESS_I, y, j)
         u_r = u_r + recess(model.form, RECESS_O, y, j) + recess_i
         q = roller_balance(model, y, j, u_r, recess_i)
@@ -189,8 +193,8 @@ def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
 
 @jit
 def force_at(model, t, y, x_0, y_0, d_x, d_y, fraction):
-    """Return the net force (N) with the ring moved by ``fraction`` of (d_x, d_y) from (x_0, y_0), and its product
-    with (d_x, d_y) (N m)."""
+    """Return the net force (N) with the ring displaced by ``fraction`` of (d_x, d_y) from (x_0, y_0), and its
+    scalar product with (d_x, d_y) (N m)."""
     y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x_0 + fraction * d_x, y_0 + fraction * d_y
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
@@ -201,8 +205,8 @@ def force_at(model, t, y, x_0, y_0, d_x, d_y, fraction):
 def line_search(model, t, y, d_x, d_y, initial_work):
     """Apply the step (d_x, d_y) (m), or a fraction of it if the force along it would reverse.
 
-    initial_work: product of force and step (N m) at the start; at a partial step its magnitude is at most half of
-    this.
+    initial_work: scalar product of force and step (N m) at the start; the fraction is chosen so that this product
+    falls to at most half of its initial magnitude.
     Returns the net force (N) at the end.
     """
     x_0, y_0 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
@@ -226,8 +230,8 @@ def line_search(model, t, y, d_x, d_y, initial_work):
 def solve_equilibrium(model, t, y):
     """Find the static equilibrium of ring and rollers at time ``t`` (s), starting from the ring position in ``y``.
 
-    Newton's method on the net force with a line search on the derivative of the energy. Returns the residual force
-    (N); velocities are not changed.
+    Uses Newton's method on the net force with a line search on the derivative of the energy. Returns the residual
+    force (N); velocities are not changed.
     """
     return balance_ring(model.bending, model, t, y)
 
@@ -249,7 +253,7 @@ def balance_ring(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
 
 @balance_ring.register(RigidRing)
 def _balance_ring(bending, model, t, y):
-    tolerance = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
+    tolerance = RESIDUAL_TOLERANCE * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     for n in range(MAX_STEPS):
@@ -266,26 +270,27 @@ def _balance_ring(bending, model, t, y):
 
 @jit
 def force_along(model, t, y, x):
-    """Return the net force (N) along the load line with the ring at ``x`` (m) on it; it decreases with x."""
+    """Return the net force (N) on the ring along e_0 with the ring at ``x`` (m) on the load line; it decreases
+    with x."""
     y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x, 0.0
     balance_rollers(model, t, y)
     return net_force(model, y)[0]
 
 
 @jit
-def first_guess(model, t, y):
-    """Move the ring along the load line until the force along it vanishes, by bisection to a nanometre."""
+def balance_along_load_line(model, t, y):
+    """Move the ring along the load line to the zero of ``force_along``, by bisection to a nanometre."""
     reach = 1e-7 + 2.0 * abs(model.bearing.gap)
     while force_along(model, t, y, -reach) < 0.0:
         reach *= 2.0
     low, high = -reach, reach
     while high - low > 1e-9:
-        middle = 0.5 * (low + high)
-        if force_along(model, t, y, middle) > 0.0:
-            low = middle
+        midpoint = 0.5 * (low + high)
+        if force_along(model, t, y, midpoint) > 0.0:
+            low = midpoint
         else:
-            high = middle
-    force_along(model, t, y, low)  # the side on which rollers carry load
+            high = midpoint
+    force_along(model, t, y, low)  # end of the interval at which rollers carry load
 
 
 @jit
@@ -293,13 +298,16 @@ def solve_initial_equilibrium(model, t, y):
     """Run ``solve_equilibrium`` from zero displacements and velocities. Return the residual force (N)."""
     y[lay.POSITION : lay.POSITION + lay.STATE] = 0.0
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
-    first_guess(model, t, y)
+    balance_along_load_line(model, t, y)
     return solve_equilibrium(model, t, y)
 
 
 def solve_in_cpu_time(solve, model, t, y):
-    """Run ``solve_equilibrium`` or ``solve_initial_equilibrium`` from Python. Raises OutOfCpuTime at the
-    end of the job's time."""
+    """Call ``solve`` (``solve_equilibrium`` or ``solve_initial_equilibrium``) from Python within the job's CPU
+    time.
+
+    Raises ``OutOfCpuTime`` when this time is used up.
+    """
 
     def solve_until(end):
         y[lay.CPU_END] = end

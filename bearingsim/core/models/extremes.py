@@ -23,7 +23,8 @@ def update_largest_forces(y, n):
     y[lay.LOADED_ROLLERS] = loaded
 
 
-PEAK_RATIO = 0.5  # of a force at a step's ends to the largest, below which no peak is expected; < SMOOTH_RATIO
+# ratio of a force at a step's ends to the largest force, below which no peak is expected; less than SMOOTH_RATIO
+PEAK_RATIO = 0.5
 SMOOTH_RATIO = 0.7  # minimum ratio of the three values to the parabola's top for which the parabola is used
 
 
@@ -41,13 +42,14 @@ def store_forces_at_end(y, n):
 def may_peak_within(y, n):
     """Check if a force within a step may exceed the largest of any roller in this ball pass.
 
-    It is assumed not to where all forces at both ends are at most PEAK_RATIO of that force. The parabola's top is
-    at most 1/SMOOTH_RATIO of either end. A middle above 1/PEAK_RATIO of both ends requires a step of about two
-    thirds of a contact's duration (half a sine); the runs of docs/evidence/speed.md have none.
+    No force is assumed to do so if all forces at both ends are at most PEAK_RATIO of the largest. The parabola's
+    top is at most 1/SMOOTH_RATIO times either end. A middle above 1/PEAK_RATIO times both ends requires a step of
+    about two thirds of a contact's duration (half a sine); the runs of docs/evidence/speed.md have none.
+
     LARGEST_AT_ENDS is updated. It does not depend on recorded instants, so recording does not change which steps
     are evaluated.
     """
-    near = 0
+    count_near = 0
     for i in range(3):
         start, end, largest = (
             lay.FORCES_AT_START + i * lay.ROW,
@@ -55,16 +57,16 @@ def may_peak_within(y, n):
             lay.LARGEST_AT_ENDS + i,
         )
         bound = y[largest]
-        above = 0
+        count_above = 0
         for j in range(n):
-            above += 1 if y[end + j] > bound else 0
-        if above > 0:
+            count_above += 1 if y[end + j] > bound else 0
+        if count_above > 0:
             for j in range(n):
                 y[largest] = max(y[largest], y[end + j])
         bound = PEAK_RATIO * y[largest]
         for j in range(n):
-            near += 1 if max(y[start + j], y[end + j]) > bound else 0
-    return near > 0
+            count_near += 1 if max(y[start + j], y[end + j]) > bound else 0
+    return count_near > 0
 
 
 @jit
@@ -79,12 +81,13 @@ def largest_within(start, middle, end):
 
 @jit
 def update_forces_within(y, n):
-    """Update the running maxima for a step: the force rows contain its middle, FORCES_AT_* its ends."""
-    a, b = lay.FORCES_AT_START, lay.FORCES_AT_END
+    """Update the running maxima for a step, with the forces of its middle in the force rows and of its ends in
+    FORCES_AT_START and FORCES_AT_END."""
+    start, end = lay.FORCES_AT_START, lay.FORCES_AT_END
     for j in range(n):
-        outer = largest_within(y[a + j], y[lay.Q_O + j], y[b + j])
-        inner = largest_within(y[a + lay.ROW + j], y[lay.Q_I + j], y[b + lay.ROW + j])
-        pocket = largest_within(y[a + 2 * lay.ROW + j], abs(y[lay.Q_P + j]), y[b + 2 * lay.ROW + j])
+        outer = largest_within(y[start + j], y[lay.Q_O + j], y[end + j])
+        inner = largest_within(y[start + lay.ROW + j], y[lay.Q_I + j], y[end + lay.ROW + j])
+        pocket = largest_within(y[start + 2 * lay.ROW + j], abs(y[lay.Q_P + j]), y[end + 2 * lay.ROW + j])
         y[lay.Q_O_MAX + j] = max(y[lay.Q_O_MAX + j], outer)
         y[lay.Q_I_MAX + j] = max(y[lay.Q_I_MAX + j], inner)
         y[lay.Q_P_MAX + j] = max(y[lay.Q_P_MAX + j], pocket)

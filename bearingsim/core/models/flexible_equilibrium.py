@@ -19,7 +19,7 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.models.equilibrium import (
     K_SERIES,
     MAX_STEPS,
-    RESIDUAL,
+    RESIDUAL_TOLERANCE,
     STEPS_PER_CHECK,
     balance_ring,
     balance_rollers,
@@ -27,13 +27,13 @@ from bearingsim.core.models.equilibrium import (
     net_force,
 )
 from bearingsim.core.parts.bending import (
-    COS_S,
-    K_S,
     PER_MASS_C,
     PER_MASS_S,
-    SIN_S,
+    SPRING_COS,
+    SPRING_SIN,
+    SPRING_STIFFNESS,
+    STIFFNESS,
     Bending,
-    K,
     Springs,
     fill_roller_forces,
     force_on_harmonic,
@@ -43,23 +43,25 @@ from bearingsim.core.parts.bending import (
 )
 from bearingsim.core.rows import declare
 
-# rows as in a state: start of a line search, its step (m), and the force (N) at the present position
+# rows of unknowns, as in a block of the state: start of a line search (m), its step (m), force at the present
+# position (N)
 START, STEP, FORCE = declare(
     lay.JACOBIAN_WORK + 62 * lay.ROW, "m, m, N", "bent bent-search", "start", size=3 * lay.ROW, step=3 * lay.ROW
 )
-# derivative of a contact's approach with respect to each unknown; overwrites SPRING_FORCE_C, SPRING_FORCE_S once
-# FORCE is filled
+# derivative of a contact's approach with respect to each unknown, and right-hand side of ``solve``; overwrites
+# SPRING_FORCE_C and SPRING_FORCE_S, which are not needed once FORCE is filled
 (PHI,) = declare(lay.SPRING_FORCE_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
-# matrix by rows, in memory of the Jacobian because implicit methods have no flexible ring
+# stiffness matrix by rows, in the cells of POSITION_JACOBIAN, because implicit methods have no flexible ring
 (MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)
-LONGEST_STEP = 1e-4  # m
-# relative to a contact's stiffness; keeps the step finite if one roller supports the ring
+LONGEST_STEP = 1e-4  # m, of any unknown in an iteration
+# stiffness added to each unknown, relative to that of a contact; keeps the step finite if one roller supports the
+# ring
 ADDED_STIFFNESS = 1e-8
 
 
 @inlined
 def unknown_count(bending):
-    """Return the number of unknowns."""
+    """Return the number of unknowns: the ring's x and y, and two amplitudes of each harmonic."""
     return 2 + 2 * harmonics(bending)
 
 
@@ -85,10 +87,10 @@ def fill_force(bending, model, y):
             bending.harmonic_table[PER_MASS_S, i] > 0.0,
         )
         y[FORCE + lay.MODES_C + i] = (
-            f_c - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_C + i] if has_cosine else 0.0
+            f_c - bending.harmonic_table[STIFFNESS, i] * y[lay.POSITION + lay.MODES_C + i] if has_cosine else 0.0
         )
         y[FORCE + lay.MODES_S + i] = (
-            f_s - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_S + i] if has_sine else 0.0
+            f_s - bending.harmonic_table[STIFFNESS, i] * y[lay.POSITION + lay.MODES_S + i] if has_sine else 0.0
         )
     norm_squared = 0.0
     for k in range(unknown_count(bending)):
@@ -98,7 +100,7 @@ def fill_force(bending, model, y):
 
 @jit
 def fill_matrix(bending, model, y):
-    """Fill the lower half of MATRIX."""
+    """Fill the lower triangle of MATRIX, of the ring, the rollers and the springs."""
     N, H = unknown_count(bending), harmonics(bending)
     for k in range(N):
         for m in range(k + 1):
@@ -106,7 +108,7 @@ def fill_matrix(bending, model, y):
     added = ADDED_STIFFNESS * tangent(model.outer.stiffness, 1e-7)
     y[MATRIX] = y[MATRIX + N + 1] = model.support.k_b + added
     for i in range(H):
-        k = bending.harmonic_table[K, i] + added
+        k = bending.harmonic_table[STIFFNESS, i] + added
         y[MATRIX + (2 + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_C, i] > 0.0 else 1.0
         y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_S, i] > 0.0 else 1.0
     for j in range(model.bearing.Z):
@@ -125,13 +127,13 @@ def _add_springs(springs, y, N):
     H = (N - 2) // 2
     for p in range(springs.transposed_shapes.shape[1]):
         if y[lay.COMPRESSION + p] > 0.0:
-            y[PHI], y[PHI + 1] = springs.spring_table[COS_S, p], springs.spring_table[SIN_S, p]
+            y[PHI], y[PHI + 1] = springs.spring_table[SPRING_COS, p], springs.spring_table[SPRING_SIN, p]
             for i in range(H):
                 y[PHI + 2 + i], y[PHI + 2 + H + i] = (
                     springs.transposed_shapes[0, p, i],
                     springs.transposed_shapes[1, p, i],
                 )
-            add_contact(springs.spring_table[K_S, p], y, N)
+            add_contact(springs.spring_table[SPRING_STIFFNESS, p], y, N)
 
 
 @jit
@@ -158,7 +160,7 @@ def add_contact(k, y, N):
 
 @jit
 def solve(y, N):
-    """Replace MATRIX by its Cholesky factor, and the right-hand side at PHI (``N`` numbers) by the solution."""
+    """Replace MATRIX by its Cholesky factor, and the right-hand side in PHI (``N`` numbers) by the solution."""
     for k in range(N):
         for m in range(k + 1):
             total = y[MATRIX + k * N + m]
@@ -176,7 +178,7 @@ def solve(y, N):
 
 
 @jit
-def newton_step(bending, model, y):
+def fill_newton_step(bending, model, y):
     """Fill STEP with Newton's step (m), limited to LONGEST_STEP; return the work of the force along it (N m)."""
     N = unknown_count(bending)
     fill_matrix(bending, model, y)
@@ -195,10 +197,10 @@ def newton_step(bending, model, y):
 @jit
 def work_along(bending, y):
     """Return the work of the force along STEP (N m)."""
-    total = 0.0
+    work = 0.0
     for k in range(unknown_count(bending)):
-        total += y[FORCE + cell(bending, k)] * y[STEP + cell(bending, k)]
-    return total
+        work += y[FORCE + cell(bending, k)] * y[STEP + cell(bending, k)]
+    return work
 
 
 @jit
@@ -215,8 +217,8 @@ def move_ring(bending, model, t, y, fraction):
 def line_search(bending, model, t, y, initial_work):
     """Apply STEP, or a fraction of it if the force along it would reverse.
 
-    initial_work: work of the force along STEP (N m) at the start; at a partial step its magnitude is at most half
-    of this.
+    initial_work: work of the force along STEP (N m) at the start; the fraction is chosen so that this work falls
+    to at most half of its initial magnitude.
     Returns the norm of the force (N) at the end.
     """
     for k in range(unknown_count(bending)):
@@ -242,12 +244,12 @@ def line_search(bending, model, t, y, initial_work):
 
 @balance_ring.register(Bending)
 def _balance_ring(bending, model, t, y):
-    tolerance = RESIDUAL * (bending.load + 1e-3)
+    tolerance = RESIDUAL_TOLERANCE * (bending.load + 1e-3)
     balance_rollers(model, t, y)
     norm = fill_force(bending, model, y)
     for n in range(MAX_STEPS):
         if norm <= tolerance or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(norm, y)):
             break
-        work = newton_step(bending, model, y)
+        work = fill_newton_step(bending, model, y)
         norm = line_search(bending, model, t, y, work)
     return norm

@@ -8,7 +8,7 @@ load at its position, acts on a linear system. In their papers the system is a r
 the rigid ring on its rollers. Times and strengths: ``defects/impulse_train.py``.
 
 Neglected: the rollers (no contact forces), the variation of stiffness as they pass, its drop while a roller is
-unloaded, and the coupling of the two directions, which vanishes on average over a ball pass.
+unloaded, and the coupling of the two directions, whose mean over a ball pass vanishes.
 """
 
 from typing import NamedTuple

@@ -10,7 +10,8 @@ from bearingsim.core.jit import generic
 class ModelKind(NamedTuple):
     """Properties of a model's code; its other properties are in the catalogue.
 
-    parameters: its ``NamedTuple``; per_crossing: number of automatic steps over the narrowest defect.
+    parameters: its ``NamedTuple``; per_crossing: steps per crossing of the narrowest defect if the step is
+    automatic.
     """
 
     parameters: type
@@ -19,13 +20,14 @@ class ModelKind(NamedTuple):
 
 @generic
 def state_width(model: Any) -> int:
-    """Return the number of entries of a row used by the model's state (those of the ring, then the lanes)."""
+    """Return the number of cells, counted from the first of a block of the state, up to the last that the model
+    uses."""
 
 
 @generic(inline="late", otherwise=0)
 def harmonics(model: Any) -> int:
-    """Return the number of harmonics of the outer ring in a model (``parts/bending.py``), counting sine and
-    cosine as one."""
+    """Return the padded number of harmonics of the outer ring (``parts/bending.py``), cosine and sine counted as
+    one."""
 
 
 @generic
@@ -35,12 +37,13 @@ def accelerations(model: Any, t: float, y: np.ndarray) -> None:
 
 @generic
 def begin(model: Any, t: float, y: np.ndarray) -> None:
-    """Prepare the first step: complete a buffer whose rollers and ring are in static equilibrium at ``t`` (s)."""
+    """Complete a buffer in which rollers and ring are in static equilibrium at ``t`` (s), before the first
+    step."""
 
 
 @generic
 def update_extremes(model: Any, y: np.ndarray) -> None:
-    """Update the running maxima with the state ``y`` at the end of a step; count the loaded rollers."""
+    """Update the running maxima with the state in ``y`` at the end of a step; count the loaded rollers."""
 
 
 @generic(inline="late", otherwise=0.0)
@@ -50,7 +53,7 @@ def bend_at(model: Any, y: np.ndarray, j: int) -> float:
 
 @generic(otherwise=None)
 def read_sensor(model: Any, y: np.ndarray) -> None:
-    """Fill the recorded cells that are not part of the state."""
+    """Fill the cells SENSOR, SENSOR_V and SENSOR_A, which are recorded but not part of the state."""
 
 
 @generic(inline="late")
@@ -64,8 +67,9 @@ def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
 
 
 @generic
-def monitored(model: Any) -> int:
-    """Return the number of bodies with a monitored step limit: the rollers (by lane), or the ring alone."""
+def monitored_bodies(model: Any) -> int:
+    """Return the number of bodies whose step limit is monitored: the rollers, in their lanes, or the ring
+    alone."""
 
 
 @generic
@@ -90,6 +94,6 @@ def linearise(model: Any, t: float, y: np.ndarray) -> None:
 def register_solved_model(parameters: type) -> None:
     """Register a model that is solved, not integrated: ``begin`` does nothing, and no body limits the step."""
     begin.register(parameters)(lambda model, t, y: None)
-    monitored.register(parameters)(lambda model: 0)
+    monitored_bodies.register(parameters)(lambda model: 0)
     stiffness_per_mass.register(parameters)(lambda model, y, j: 0.0)
     damping_per_mass.register(parameters)(lambda model, y, j: 0.0)

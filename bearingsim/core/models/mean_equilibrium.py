@@ -19,19 +19,20 @@ from bearingsim.core.models.equilibrium import (
 )
 from bearingsim.core.parts.bending import Bending, NoSprings, supported_position
 
-# a prime, so that no two triples of angles agree modulo a ball pass; of all generators, 109 lets the smallest of a
-# smooth function's squared Fourier coefficients alias to its mean
+# of a rank-1 lattice: a prime number of points, so that no two have equal angles modulo a ball pass; of all
+# generators, 109 gives the smallest sum of squared Fourier coefficients of a smooth function that alias to its
+# mean
 LATTICE_POINTS, LATTICE_GENERATOR = 509, 109.0
-MAX_RESIDUAL = 1e-8  # of an equilibrium, relative to the load
+MAX_RESIDUAL = 1e-8  # largest residual force of an accepted equilibrium, relative to the load
 
 
 class MeanEquilibrium(NamedTuple):
     """Static equilibrium of a bearing, averaged over a ball pass.
 
-    x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load, inner_load:
-    largest force of the outer race on a roller, and that of the inner race on it (N); approach: sum of the
-    approaches of its two contacts under these forces (m); K_x, K_y: mean stiffness (N/m) of the rollers for the
-    ring.
+    x, y: mean position (m) of the body supported by the bracket, which is the ring or the carrier around it; load,
+    inner_load: largest force of the outer race on a roller, and that of the inner race on the same roller (N);
+    approach: sum of the approaches of its two contacts under these forces (m); K_x, K_y: mean stiffness (N/m) of
+    the rollers for the ring.
     """
 
     x: float
@@ -58,12 +59,12 @@ def ring_damping(Z, outer, inner, y):
 
 @jit
 def fill_equilibria(model, springs, times, tolerance, y, rows):
-    """Find the static equilibrium at each of ``times`` (n,) s, the first from scratch, each from the one before.
+    """Find the static equilibrium at each of ``times`` (n,) s, each with the previous one as initial guess.
 
-    Fills a row of ``rows`` (n, 7) for each: the position of the body held by the bracket (m, m), the stiffness of
-    the rollers for the ring along x and y (N/m), the forces of outer and inner race on the most loaded roller (N),
-    and the sum of the approaches of its contacts (m). Ends at the first residual above ``tolerance`` (N). Returns
-    the last residual (N).
+    Fills a row of ``rows`` (n, 7) for each: the position of the body supported by the bracket (m, m), the
+    stiffness of the rollers for the ring along x and y (N/m), the forces of outer and inner race on the most
+    loaded roller (N), and the sum of the approaches of its contacts (m). Ends at the first residual above
+    ``tolerance`` (N). Returns the last residual (N).
     """
     residual = 0.0
     for n in range(len(times)):
@@ -73,22 +74,22 @@ def fill_equilibria(model, springs, times, tolerance, y, rows):
             residual = solve_equilibrium(model, times[n], y)
         if not residual <= tolerance:
             break
-        heaviest = 0
+        most_loaded = 0
         for j in range(model.bearing.Z):
-            if y[lay.Q_I + j] > y[lay.Q_I + heaviest]:
-                heaviest = j
+            if y[lay.Q_I + j] > y[lay.Q_I + most_loaded]:
+                most_loaded = j
         rows[n, 0], rows[n, 1] = supported_position(springs, y)
         rows[n, 2], _, rows[n, 3] = ring_stiffness(model, y)
-        rows[n, 4] = y[lay.Q_O + heaviest]
-        rows[n, 5] = y[lay.Q_I + heaviest]
-        rows[n, 6] = y[lay.DELTA_O + heaviest] + y[lay.DELTA_I + heaviest]
+        rows[n, 4] = y[lay.Q_O + most_loaded]
+        rows[n, 5] = y[lay.Q_I + most_loaded]
+        rows[n, 6] = y[lay.DELTA_O + most_loaded] + y[lay.DELTA_I + most_loaded]
     return residual
 
 
 def equilibria(model, times, y):
     """Return the rows (n, 7) of ``fill_equilibria`` at ``times`` (n,) s.
 
-    Raises ``NoEquilibrium`` like ``refuse_unbalanced``.
+    Raises ``NoEquilibrium`` if a residual is over ``MAX_RESIDUAL``.
     """
     load, rows = load_magnitude(model), np.empty((len(times), 7))
     springs = model.bending.springs if isinstance(model.bending, Bending) else NoSprings()
@@ -114,15 +115,16 @@ def times_of_pass(model, samples):
 
 
 def mean_position(model, y):
-    """Return the mean position (m, m) of the body held by the bracket, over all angles of cage, shaft and rollers.
+    """Return the mean position (m, m) of the body supported by the bracket, over all angles of cage, shaft and
+    rollers.
 
-    The three angles turn independently, because with slip no two of them stay in step. The mean is over a lattice
-    of ``LATTICE_POINTS`` triples, 2 pi n (1, g, g^2)/N. Raises ``NoEquilibrium``.
+    The three angles are independent, because with slip no two of them have a fixed ratio. The mean is over a
+    lattice of ``LATTICE_POINTS`` triples, 2 pi n (1, g, g^2)/N. Raises ``NoEquilibrium``.
     """
     b, g, N = model.bearing, LATTICE_GENERATOR, LATTICE_POINTS
-    turning = model._replace(bearing=b._replace(omega_i=g * b.omega_c, omega_b=g * g % N * b.omega_c))
+    lattice_model = model._replace(bearing=b._replace(omega_i=g * b.omega_c, omega_b=g * g % N * b.omega_c))
     times = 2.0 * pi / b.omega_c * np.arange(N) / N
-    x, y_mean = np.mean(equilibria(turning, times, y)[:, :2], axis=0)
+    x, y_mean = np.mean(equilibria(lattice_model, times, y)[:, :2], axis=0)
     return float(x), float(y_mean)
 
 

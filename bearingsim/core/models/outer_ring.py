@@ -43,7 +43,7 @@ def ring_motion(model, t, y):
 
 @inlined
 def fill_roller_angle(common, y, j):
-    """Fill and return cosine and sine of the angle of roller ``j``."""
+    """Fill the rows COS and SIN of roller ``j``, the cosine and sine of its angle, and return both."""
     c = common.C * y[lay.COS_0 + j] - common.S * y[lay.SIN_0 + j]
     s = common.S * y[lay.COS_0 + j] + common.C * y[lay.SIN_0 + j]
     y[lay.COS + j], y[lay.SIN + j] = c, s
@@ -52,14 +52,15 @@ def fill_roller_angle(common, y, j):
 
 @inlined
 def load_ring(y, j):
-    """Fill the load of roller ``j`` on the ring, along a normal through the bearing's centre."""
+    """Fill the load of roller ``j`` on the ring, along e_r."""
     y[lay.roller_load(lay.F_X) + j] = y[lay.Q_O + j] * y[lay.COS + j]
     y[lay.roller_load(lay.F_Y) + j] = y[lay.Q_O + j] * y[lay.SIN + j]
 
 
 @inlined
 def static_force(support, f_x, f_y, y):
-    """Return ``f_x``, ``f_y`` (N) plus load and spring force of the bracket: the force on a ring at rest."""
+    """Return ``f_x``, ``f_y`` (N) plus the applied load and the spring force of the bracket: the force on a ring
+    at rest."""
     f_x = f_x - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
     f_y = f_y - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0)
     return f_x, f_y
@@ -77,7 +78,7 @@ def dynamic_force(support, f_x, f_y, y):
 
 @inlined
 def accelerate(m_o, f_x, f_y, y):
-    """Write the ring's acceleration under the total force (N)."""
+    """Write the ring's acceleration under the total force ``f_x``, ``f_y`` (N)."""
     y[lay.ACCELERATION + lay.X] = f_x / m_o
     y[lay.ACCELERATION + lay.Y] = f_y / m_o
 
@@ -94,9 +95,9 @@ def accelerate_ring(model, common, y):
 
 @jit
 def accelerate_outer_ring(model, y):
-    """Fill the ring's acceleration under the forces of the rollers and of a guided cage.
+    """Fill the ring's acceleration under the forces of the rollers and of the cage that it guides.
 
-    Their sums are stored in ``y[lay.F_X]`` and ``y[lay.F_Y]`` (N).
+    The cells F_X and F_Y must contain the sums of these forces (N).
     """
     f_x, f_y = dynamic_force(model.support, y[lay.F_X], y[lay.F_Y], y)
     accelerate(model.bearing.m_o, f_x, f_y, y)

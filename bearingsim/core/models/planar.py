@@ -1,6 +1,6 @@
-"""``planar``: rings, rollers and cage move freely in the plane. Friction drives the rollers; slip is a result.
+"""``planar``: rings, rollers and cage move freely in the plane. Friction drives the rollers, so slip is computed.
 
-The coordinates are each roller's radial displacement q, angle eps from the middle of its pocket, and spin; the
+The coordinates are each roller's radial displacement q, angle eps from the centre of its pocket, and spin; the
 outer ring's x and y (and its rotation against a torsion spring); the cage's rotation and centre; and the centre of
 the inner ring on its shaft. With rho = |c_j - u| the distance of a roller's centre from the ring's, n the unit
 vector from the ring's centre to the roller's, and tau perpendicular to n,
@@ -8,7 +8,7 @@ vector from the ring's centre to the roller's, and tau perpendicular to n,
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
 where g = -h'(s) R_o/rho, because a defect tilts the normal of the contact and its edge pushes the roller along the
-race. The inner race is treated likewise. The slip at a contact is the velocity of the roller's surface relative to
+race. The inner contact is analogous. The slip at a contact is the velocity of the roller's surface relative to
 the race, perpendicular to the tilted normal, with the arm R_w - delta/2 on the roller; the friction force is
 -mu(slip) Q. The approach is not linearised in u, because the linear approach q - u.e_r would do work on a closed
 path. Angles are stored relative to their kinematic values, to avoid loss of digits.
@@ -42,14 +42,14 @@ from bearingsim.core.models.by_roller import (
     accelerate_shared,
     load_roller,
     register_roller_model,
-    shared,
+    shared_quantities,
 )
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, accelerations
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
-from bearingsim.core.models.planar_derivatives import planar_jacobian
-from bearingsim.core.models.planar_forces import roller_forces
-from bearingsim.core.models.planar_form import add_form, load_contacts, load_formed_contacts
+from bearingsim.core.models.planar_derivatives import fill_planar_jacobian
+from bearingsim.core.models.planar_forces import compute_roller_forces
+from bearingsim.core.models.planar_form import add_form, load_contacts, load_contacts_with_form
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import accelerate_cage, cage_constraint, pocket_stiffness, sum_pocket_forces
 from bearingsim.core.parts.form import Smooth
@@ -68,7 +68,8 @@ class Planar(NamedTuple):
     outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: law of friction at the races
     (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
     e_0, acting on rollers and cage (a ring's weight is part of its load); lag: time after which the slip of
-    the implicit friction is evaluated, s (``friction/lag.py``); form: form of the surfaces (``parts/form.py``).
+    the implicit friction is evaluated, s (``laws/friction/lag.py``); form: form of the surfaces
+    (``parts/form.py``).
     """
 
     bearing: Bearing
@@ -92,8 +93,8 @@ def _state_width(model):
     return 2 * lay.ROW + lay.FIRST_LANE + lanes(model.bearing)
 
 
-@interface.monitored.register(Planar)
-def _monitored(model):
+@interface.monitored_bodies.register(Planar)
+def _monitored_bodies(model):
     return model.bearing.Z
 
 
@@ -102,7 +103,7 @@ next_jump.register(Planar)(next_jump_with_slip)
 
 @roller_at_defect.register(Planar)
 def _roller_at_defect(model, d, t, y):
-    """Find the roller from the positions of rollers, rings and cage and from the rows filled by ``approach``."""
+    """Return the roller from the positions of rollers, rings and cage and from the rows filled by ``approach``."""
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
     cage_angle = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
@@ -117,12 +118,12 @@ def _roller_at_defect(model, d, t, y):
     )
 
 
-class Plane(NamedTuple):
+class PlanarMotion(NamedTuple):
     """Pocket angle, body speeds and centres, computed once per evaluation.
 
     time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); theta_c, C, S: the first
     pocket's angle (rad), its cosine and sine; omega_cage, omega_i, omega_o: speeds of the cage, the inner and the
-    outer ring (rad/s); spin: nominal spin of a roller (rad/s).
+    outer ring (rad/s); spin: nominal spin of a roller (rad/s); outer, inner, cage: centres of rings and cage.
     """
 
     time: float
@@ -142,13 +143,13 @@ class Plane(NamedTuple):
 register_roller_model(Planar)
 
 
-@shared.register(Planar)
-def _shared(model, t, y):
+@shared_quantities.register(Planar)
+def _shared_quantities(model, t, y):
     b = model.bearing
     time, rate, ramp_rate = kinematic_time(model.motion, t)
     theta_c = b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C]
     C, S = cos_sin(theta_c)
-    return Plane(
+    return PlanarMotion(
         time=time,
         ramp_rate=ramp_rate,
         theta_c=theta_c,
@@ -174,7 +175,7 @@ def _load_roller(model, common, y, j):
 
 @inlined
 def correct_for_defects(model, common, t, y):
-    """Correct each roller over a defect; return the torque (N m) of the defects on the outer ring."""
+    """Correct each roller over a defect; return the torque (N m) on the outer ring due to the defects."""
     torque = 0.0
     for d in range(len(model.defects.head)):
         j, s = roller_at_defect(model, d, t, y)
@@ -185,17 +186,18 @@ def correct_for_defects(model, common, t, y):
 
 @jit
 def correct_for_defect(model, common, d, j, s, t, y):
-    """Correct force, tilt of the normal and torque of roller ``j`` over pair ``d``, and all dependent quantities.
+    """Correct force, tilt of the normal and torque of roller ``j`` over roller-defect pair ``d``, and all
+    dependent quantities.
 
-    Returns the torque (N m) of the defect on the outer ring.
+    s: distance from the centre of the defect (m). Returns the torque (N m) on the outer ring due to the defect.
 
     Equations (P3) and (P4) of docs/planar.md.
     """
     if is_masked(model, d, j, s, t, y):
         return 0.0
-    defects, on = model.defects, model.defects.head[d, CARRIER]
-    on_roller, outer = on >= 0.0, defects.head[d, SIDE] == OUTER
-    omega_defect = common.omega_i if on == ON_INNER else common.omega_o
+    defects, carrier = model.defects, model.defects.head[d, CARRIER]
+    on_roller, outer = carrier >= 0.0, defects.head[d, SIDE] == OUTER
+    omega_defect = common.omega_i if carrier == ON_INNER else common.omega_o
     omega_defect = common.spin + y[lay.SPIN_V + j] if on_roller else omega_defect
     Q_o, Q_i = y[lay.Q_O + j], y[lay.Q_I + j]
     if outer:
@@ -208,7 +210,7 @@ def correct_for_defect(model, common, d, j, s, t, y):
     y[lay.DEFECT_TORQUE + j] -= torque if on_roller else 0.0
     normal_slope_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
     normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
-    roller_forces(model, common, normal_slope_o, normal_slope_i, y, j)
+    compute_roller_forces(model, common, normal_slope_o, normal_slope_i, y, j)
     return (-torque if outer and not on_roller else 0.0) + (form_torque if outer else 0.0)
 
 
@@ -234,7 +236,7 @@ def tilt_contact(side, law, defects, d, j, s, omega_defect, y):
 def _accelerate_shared(model, common, t, y):
     b = model.bearing
     n, alpha_kinematic = lanes(b), b.omega_c * common.ramp_rate
-    form_torque = load_formed_contacts(model.form, model, common, y)
+    form_torque = load_contacts_with_form(model.form, model, common, y)
     torque = correct_for_defects(model, common, t, y) + form_torque
     sum_loads(lay.F_X, lay.M_RING, y, n)
     sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
@@ -252,7 +254,8 @@ def _accelerate_shared(model, common, t, y):
 
 @accelerate_roller.register(Planar)
 def _accelerate_roller(model, common, alpha_cage, y, j):
-    """Compute q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I.
+    """Implement ``accelerate_roller``: q'' = r theta'^2 + F_r/m, theta'' = (F_theta/m - 2 q' theta')/r, spin'' =
+    M/I.
 
     Equation (P2) of docs/planar.md.
     """
@@ -289,8 +292,8 @@ def _stiffness_per_mass(model, y, j):
 def _damping_per_mass(model, y, j):
     """Return the largest damping over mass of the contacts and the rings' supports.
 
-    Friction is left out: it acts along the race, not on the radial motion, and lags by a step where it would limit
-    an explicit method (``laws/friction/lag.py``).
+    Friction is left out, because it acts along the race, not on the radial motion, and because explicit methods
+    evaluate it implicitly if it would limit the step (``laws/friction/lag.py``).
     """
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
@@ -305,7 +308,7 @@ def _degrees_of_freedom(model):
 
 @interface.linearise.register(Planar)
 def _linearise(model, t, y):
-    planar_jacobian(model, t, y)
+    fill_planar_jacobian(model, t, y)
 
 
 KIND = ModelKind(Planar, per_crossing=100)

@@ -3,7 +3,7 @@
 Rows of the buffer that are read: COS, SIN, and the contacts' DELTA_*, RHO_*, RHO_V_*, TANGENTIAL_V_*, Q_*,
 NORMAL_*, DEFECT_FORCE_* and DEFECT_TORQUE. Rows that are written: SLIP_* (without ``SLIP_OFFSET``), FRICTION_*,
 FORCE_R, FORCE_T, TORQUE, the roller's loads on the rings (F_X, F_Y, M_RING, F_X_I, F_Y_I), and those of
-``pocket_force``.
+``add_pocket_force``.
 """
 
 from math import sqrt
@@ -12,28 +12,29 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import inlined
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import lagged_friction
-from bearingsim.core.parts.cage import orbit_drag, pocket_force
+from bearingsim.core.parts.cage import add_pocket_force, orbit_drag
 
-SLIP_OFFSET = 1e-12  # m/s, far below any resolved slip; keeps friction/slip finite at zero slip (chosen)
+SLIP_OFFSET = 1e-12  # m/s, far below any resolved slip; keeps friction/slip finite at zero slip
 
 
 @inlined
-def roller_forces(model, common, normal_slope_o, normal_slope_i, y, j):
+def compute_roller_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     """Compute slip, friction, forces and torque of roller ``j``, and its reactions on the rings.
 
-    common: ``planar.Plane``; normal_slope_o, normal_slope_i: tangent of the angle between the contact normal and
-    the line through the centres of ring and roller, 0 without a defect. Equations (P4) and (P5) of docs/planar.md,
-    over a defect (P6); friction is evaluated implicitly, at the slip after the time ``model.lag`` (P9).
+    common: ``planar.PlanarMotion``; normal_slope_o, normal_slope_i: tangent of the angle between the contact
+    normal and the line through the centres of ring and roller, 0 without a defect. Equations (P4) and (P5) of
+    docs/planar.md, over a defect (P6); friction is evaluated implicitly, at the slip after the time ``model.lag``
+    (P9).
     """
     bearing, friction, drag, R_w = model.bearing, model.friction, model.drag, model.bearing.R_w
     inverse_mass, inverse_spin_mass = 1.0 / bearing.m_r, R_w * R_w / bearing.I_r  # 1/kg
     a = model.lag * (inverse_mass + inverse_spin_mass)  # s/kg, in (P8)
     b = model.lag * (inverse_mass - inverse_spin_mass)
     c, s = y[lay.COS + j], y[lay.SIN + j]
-    mask = bearing.m_r * y[lay.INVERSE_MASS + j]  # 1; 0 in a padded lane, where c = s = 0 removes the other loads
+    mask = bearing.m_r * y[lay.INVERSE_MASS + j]  # 0 in a padded lane, where c = s = 0 removes the other loads
     beta_v = common.spin + y[lay.SPIN_V + j]
     theta_v = common.omega_cage + y[lay.EPS_V + j]
-    u = R_w * abs(theta_v - beta_v)  # mean speed (m/s) of both surfaces through the contact
+    u = R_w * abs(theta_v - beta_v)  # rolling speed (m/s): mean speed of both surfaces relative to the contact
 
     arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
     cos_o = 1.0 / sqrt(1.0 + normal_slope_o * normal_slope_o)
@@ -56,6 +57,7 @@ def roller_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     slip_o += SLIP_OFFSET if slip_o > 0.0 else -SLIP_OFFSET
     slip_i += SLIP_OFFSET if slip_i > 0.0 else -SLIP_OFFSET
     inverse = 1.0 / (slip_o * slip_i)  # one division for both contacts
+    # k_o, k_i: friction over slip (N s/m)
     k_o = mu(friction, slip_o, u) * y[lay.Q_O + j] * slip_i * inverse
     k_i = mu(friction, slip_i, u) * y[lay.Q_I + j] * slip_o * inverse
     f_o, f_i = lagged_friction(k_o, k_i, slip_o, slip_i, a, b)
@@ -77,4 +79,4 @@ def roller_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     y[lay.roller_load(lay.M_RING) + j] = mask * f_o * ring_arm_o
     y[lay.roller_load(lay.F_X_I) + j] = -force_i_r * c + force_i_t * s
     y[lay.roller_load(lay.F_Y_I) + j] = -force_i_r * s - force_i_t * c
-    pocket_force(model.cage, model, common, y, j)
+    add_pocket_force(model.cage, model, common, y, j)

@@ -1,7 +1,7 @@
 """Contacts of ``planar`` between smooth surfaces, and between surfaces with form.
 
-Forces between smooth surfaces are computed in the vectorised loop over rollers. Heights are read from tables for
-one roller at a time, so forces between surfaces with form are computed after that loop.
+Forces between smooth surfaces are computed in the vectorised loop over rollers. Recesses are read from tables, one
+roller at a time, so forces between surfaces with form are computed after that loop.
 """
 
 from math import pi
@@ -14,7 +14,7 @@ from bearingsim.core.geometry.plane import small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import generic, inlined
 from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.models.planar_forces import roller_forces
+from bearingsim.core.models.planar_forces import compute_roller_forces
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.form import (
     RACE_I,
@@ -32,20 +32,20 @@ from bearingsim.core.parts.form import (
     locate_on_roller,
     race_on,
     read_surface,
-    stored,
+    surface_entry,
 )
 from bearingsim.core.sums import sum_addends
 
 
 @generic(inline="late")
 def load_contacts(form: Any, model: Any, common: Any, y: np.ndarray, j: int) -> None:
-    """Compute the forces on roller ``j`` whose contacts need no table, those between smooth surfaces."""
+    """Compute the forces on roller ``j`` if all surfaces are smooth, so that no table is read."""
 
 
 @generic(inline="late", absent=0.0)
-def load_formed_contacts(form: Any, model: Any, common: Any, y: np.ndarray) -> float:
-    """Compute the forces on all rollers between surfaces with form; return the torque (N m) of the outer race's
-    form on the outer ring."""
+def load_contacts_with_form(form: Any, model: Any, common: Any, y: np.ndarray) -> float:
+    """Compute the forces on all rollers if a surface has form; return the torque (N m) on the outer ring due to
+    the form of its race."""
 
 
 @load_contacts.register(Smooth)
@@ -53,16 +53,16 @@ def _load_contacts_smooth(form, model, common, y, j):
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     y[lay.DEFECT_TORQUE + j] = 0.0
-    roller_forces(model, common, 0.0, 0.0, y, j)
+    compute_roller_forces(model, common, 0.0, 0.0, y, j)
 
 
 @load_contacts.register(Form)
-def _load_contacts_form(form, model, common, y, j):
+def _load_contacts_of_form(form, model, common, y, j):
     """Do nothing, because tables are read roller by roller, after the vectorised loop."""
 
 
-@load_formed_contacts.register(Form)
-def _load_formed_contacts(form, model, common, y):
+@load_contacts_with_form.register(Form)
+def _load_contacts_with_form(form, model, common, y):
     b, n = model.bearing, lanes(model.bearing)
     angle_o = common.theta_c - y[lay.POSITION + lay.PSI]
     angle_i = common.theta_c - b.omega_i * common.time
@@ -76,26 +76,26 @@ def _load_formed_contacts(form, model, common, y):
     read_surface(form.rollers, b.Z, ROLLER_I, ROLLER_SLOPE_I, y, n)
     for j in range(n):
         spin_v = common.spin + y[lay.SPIN_V + j]
-        tilt_o = recede(OuterSide(), form.outer, form.rollers, common.omega_o, spin_v, y, j)
-        tilt_i = recede(InnerSide(), form.inner, form.rollers, common.omega_i, spin_v, y, j)
+        tilt_o = subtract_recesses(OuterSide(), form.outer, form.rollers, common.omega_o, spin_v, y, j)
+        tilt_i = subtract_recesses(InnerSide(), form.inner, form.rollers, common.omega_i, spin_v, y, j)
         Q_o = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         Q_i = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
         y[lay.Q_O + j], y[lay.Q_I + j] = Q_o, Q_i
         y[lay.DEFECT_FORCE_O + j], y[lay.DEFECT_FORCE_I + j] = tilt_o * Q_o, tilt_i * Q_i
-        roller_o = stored(form.rollers, ROLLER_SLOPE_O, y, j)
-        roller_i = stored(form.rollers, ROLLER_SLOPE_I, y, j)
+        roller_o = surface_entry(form.rollers, ROLLER_SLOPE_O, y, j)
+        roller_i = surface_entry(form.rollers, ROLLER_SLOPE_I, y, j)
         y[lay.DEFECT_TORQUE + j] = -(roller_o * Q_o + roller_i * Q_i)
-        y[lay.ADDENDS + j] = -stored(form.outer, RACE_SLOPE_O, y, j) * Q_o
-        roller_forces(model, common, tilt_o, tilt_i, y, j)
+        y[lay.ADDENDS + j] = -surface_entry(form.outer, RACE_SLOPE_O, y, j) * Q_o
+        compute_roller_forces(model, common, tilt_o, tilt_i, y, j)
     return sum_addends(y, n)
 
 
 @inlined
 def locate_on_surfaces(side, race, rollers, race_angle, roll, Z, y, j):
-    """Fill the places of one contact of roller ``j`` in the tables of race and roller.
+    """Fill the positions of one contact of roller ``j`` in the tables of race and roller.
 
-    race_angle: of pocket 0 on the race (rad); roll: angle on the roller (rad) in contact if it were in the middle
-    of its pocket, had not slipped, and the normal pointed along e_r.
+    race_angle: position of pocket 0 on the race (rad); roll: angle (rad) in contact on the surface of a roller
+    that is centred in its pocket, has not slipped and whose normal points along e_r.
     """
     _, normal_t, _, _, _ = normal_rows(side)
     of_race, race_slope, of_roller, roller_slope, _ = form_rows(side)
@@ -105,9 +105,10 @@ def locate_on_surfaces(side, race, rollers, race_angle, roll, Z, y, j):
 
 
 @inlined
-def recede(side, race, rollers, omega_race, spin_v, y, j):
-    """Subtract the recesses at one contact of roller ``j`` from its approach, and their rates; return the tangent
-    of the tilt of the normal.
+def subtract_recesses(side, race, rollers, omega_race, spin_v, y, j):
+    """Subtract the recesses at one contact of roller ``j`` from its approach, and their rates from its rate.
+
+    Returns the tangent of the normal's tilt.
 
     omega_race, spin_v: speed of the race and spin of the roller (rad/s). Equation (F2) of docs/form.md.
     """
@@ -115,19 +116,23 @@ def recede(side, race, rollers, omega_race, spin_v, y, j):
     _, _, distance, transverse_speed, rho_v = normal_rows(side)
     of_race, race_slope, of_roller, roller_slope, rates = form_rows(side)
     omega = y[transverse_speed + j] / y[distance + j]
-    slope_of_race, slope_of_roller = stored(race, race_slope, y, j), stored(rollers, roller_slope, y, j)
+    slope_of_race, slope_of_roller = (
+        surface_entry(race, race_slope, y, j),
+        surface_entry(rollers, roller_slope, y, j),
+    )
     y[rho_v + j] = sign(side) * y[rate + j]
     y[rates + j] = slope_of_race * (omega - omega_race) + slope_of_roller * (omega - spin_v)
-    y[approach + j] -= stored(race, of_race, y, j) + stored(rollers, of_roller, y, j)
+    y[approach + j] -= surface_entry(race, of_race, y, j) + surface_entry(rollers, of_roller, y, j)
     y[rate + j] -= y[rates + j]
     return (slope_of_race + slope_of_roller) / y[distance + j]
 
 
 @generic(absent=0.0)
 def add_form(form: Any, side: Any, Q: float, y: np.ndarray, j: int) -> float:
-    """Add tilt and torques of the form to a contact over a defect, whose force was ``Q`` (N) without the defect.
+    """Add the normal's tilt and the torques due to form at a contact over a defect.
 
-    Returns the change of the torque (N m) of the race's form on its ring.
+    Q: contact force without the defect (N). Returns the change of the torque (N m) on the ring due to the form of
+    its race.
     """
 
 
@@ -136,8 +141,8 @@ def _add_form(form, side, Q, y, j):
     _, _, rho, _, rho_v = normal_rows(side)
     force, _, _, _, tilt_row = contact_rows(side)
     _, race_slope, _, roller_slope, rates = form_rows(side)
-    slope_of_race = stored(race_on(side, form), race_slope, y, j)
-    slope_of_roller = stored(form.rollers, roller_slope, y, j)
+    slope_of_race = surface_entry(race_on(side, form), race_slope, y, j)
+    slope_of_roller = surface_entry(form.rollers, roller_slope, y, j)
     change = y[force + j] - Q
     y[rho_v + j] += sign(side) * y[rates + j]
     y[tilt_row + j] += (slope_of_race + slope_of_roller) / y[rho + j] * y[force + j]

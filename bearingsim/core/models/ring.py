@@ -1,7 +1,7 @@
-"""``ring``: the ring moves in x and y; rollers are massless, so a roller's two contacts are in series.
+"""``ring``: the ring moves in x and y; the rollers are massless, so that a roller's two contacts are in series.
 
-The contacts share the approach in elastic balance, and its rate so that their damping forces are equal, too. With
-the same law at both races, over undamaged races,
+The contacts share the approach in elastic balance, and its rate such that their damping forces are also equal.
+With the same law at both races, over undamaged races,
 
     Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate.
 
@@ -49,7 +49,7 @@ from bearingsim.core.models.by_roller import (
     accelerate_shared,
     load_roller,
     register_roller_model,
-    shared,
+    shared_quantities,
 )
 from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_defects, roller_balance
 from bearingsim.core.models.extremes import update_forces
@@ -80,7 +80,7 @@ class DampedRates(NamedTuple):
 class Ring(NamedTuple):
     """Parameters of the model; ``bearing.m_r`` must be 0. form: form of the surfaces (``parts/form.py``).
 
-    rate_division: ``HalfRates`` is faster and the same, to rounding, for equal laws.
+    rate_division: for equal laws ``HalfRates`` is faster and gives the same result, to rounding.
     """
 
     bearing: Bearing
@@ -97,8 +97,8 @@ def _state_width(model):
     return lay.FIRST_LANE
 
 
-@interface.monitored.register(Ring)
-def _monitored(model):
+@interface.monitored_bodies.register(Ring)
+def _monitored_bodies(model):
     return 1
 
 
@@ -107,13 +107,13 @@ next_jump.register(Ring)(next_jump_without_slip)
 register_roller_model(Ring)
 
 
-@shared.register(Ring)
-def _shared(model, t, y):
+@shared_quantities.register(Ring)
+def _shared_quantities(model, t, y):
     fill_recesses(model.form, model.bearing, t, y)
     return ring_motion(model, t, y)
 
 
-TINY = 1e-300  # in denominators (SI): without damping, each contact has half of the rate
+TINY = 1e-300  # added to denominators (SI): without damping, each contact has half of the rate
 
 
 @generic(inline="late")
@@ -126,12 +126,12 @@ def outer_rate_part(rate_division: Any, model: Ring, outer: float, inner: float)
 
 
 @outer_rate_part.register(HalfRates)
-def _half(rate_division, model, outer, inner):
+def _half_rate(rate_division, model, outer, inner):
     return 0.5
 
 
 @outer_rate_part.register(DampedRates)
-def _part_of_damping(rate_division, model, outer, inner):
+def _damped_rate_part(rate_division, model, outer, inner):
     c_o = damping_bound(model.outer, max(outer, 0.0), 0.0) + TINY
     c_i = damping_bound(model.inner, max(inner, 0.0), 0.0) + TINY
     return c_i / (c_o + c_i)
@@ -166,8 +166,8 @@ def _load_roller(model, common, y, j):
 def outer_rate_part_over_defect(model, d_i, s_i, inner):
     """Return ``outer_rate_part`` of a roller in roller-defect pair ``d_i`` of the inner race (-1: none).
 
-    s_i: distance (m) from the defect's middle; inner: approach (m) to the undamaged inner race. The mean approach
-    of the inner contact is that of an undamaged race if the defect is as long as the roller.
+    s_i: distance (m) from the centre of the defect; inner: approach (m) to the undamaged inner race. The mean
+    approach of the inner contact is that of an undamaged race if the defect is as long as the roller.
     """
     _, _, mean = elastic_over_defect(model.inner.stiffness, model.defects, d_i, s_i, inner)
     share = series_share(model.outer.stiffness, model.inner.stiffness, 2.0 * mean)
@@ -276,12 +276,12 @@ def _degrees_of_freedom(model):
 
 
 @jit
-def derivatives_in_series(model, y, n):
+def fill_derivatives_in_series(model, y, n):
     """Fill tangent stiffness and damping of every roller over undamaged races, with two contacts in series.
 
     By the elastic balance E_o(delta_o) = E_i(delta_i) the outer contact has the share E_i'/(E_o' + E_i') of a
     change in approach, and by equal damping forces the part ``outer_rate_part`` of one in the rate. These forces
-    remain equal as the approach changes, so that K is the mean of both contacts weighted by their parts.
+    remain equal as the approach changes, so K is the mean of the two contacts' values, weighted by their parts.
     """
     for j in range(n):
         part = outer_rate_part(model.rate_division, model, y[lay.DELTA_O + j], y[lay.DELTA_I + j])
@@ -325,10 +325,10 @@ def derivatives_over_defect_in_series(model, y, j):
 
 @interface.linearise.register(Ring)
 def _linearise(model, t, y):
-    n, common = lanes(model.bearing), shared(model, t, y)
+    n, common = lanes(model.bearing), shared_quantities(model, t, y)
     for j in range(n):
         share_approach(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
-    derivatives_in_series(model, y, n)
+    fill_derivatives_in_series(model, y, n)
     if len(model.defects.head) > 0:
         locate_defects(model, t, y)
         for j in range(model.bearing.Z):

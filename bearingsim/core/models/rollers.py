@@ -6,8 +6,8 @@
     m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 
 A defect of a roller is included in h at each of its contacts, which it passes at R_w omega_b. The position of a
-roller is stored as its displacement q from the middle of the clearance, r = d_m/2 + q, because r of about 0.03 m
-would cost 2 of 16 digits. Neglected: friction, tangential motion, tilt, bending of the rings. Bending of the outer
+roller is stored as its displacement q from the pitch circle, r = d_m/2 + q, because r of about 0.03 m would cost 2
+of 16 digits. Neglected: friction, tangential motion, tilt, bending of the rings. Bending of the outer
 ring can be included (``parts/bending.py``), which subtracts w(theta_j) from delta_o and its rate from v_o.
 """
 
@@ -32,7 +32,7 @@ from bearingsim.core.models.by_roller import (
     accelerate_shared,
     load_roller,
     register_roller_model,
-    shared,
+    shared_quantities,
 )
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, accelerations, harmonics, linearise, read_sensor
@@ -77,8 +77,8 @@ def _harmonics(model):
     return bending.harmonics(model.bending)
 
 
-@interface.monitored.register(Rollers)
-def _monitored(model):
+@interface.monitored_bodies.register(Rollers)
+def _monitored_bodies(model):
     return model.bearing.Z
 
 
@@ -87,8 +87,8 @@ next_jump.register(Rollers)(next_jump_without_slip)
 register_roller_model(Rollers)
 
 
-@shared.register(Rollers)
-def _shared(model, t, y):
+@shared_quantities.register(Rollers)
+def _shared_quantities(model, t, y):
     common = ring_motion(model, t, y)
     bending.bend_race(model.bending, common.C, common.S, model.bearing.omega_c, y, lanes(model.bearing))
     fill_recesses(model.form, model.bearing, t, y)
@@ -103,8 +103,8 @@ def approach_races(model, common, c, s, y, j):
     docs/form.md.
     """
     gap, r, v, form = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j], model.form
-    delta = r - (common.u_x * c + common.u_y * s) - gap - bending.bend(model.bending, y, j)
-    rate = v - (common.w_x * c + common.w_y * s) - bending.bend_rate(model.bending, y, j)
+    delta = r - (common.u_x * c + common.u_y * s) - gap - bending.race_bend(model.bending, y, j)
+    rate = v - (common.w_x * c + common.w_y * s) - bending.race_bend_rate(model.bending, y, j)
     y[lay.DELTA_O + j], y[lay.V_O + j] = (
         delta - recess(form, RECESS_O, y, j),
         rate - recess(form, RECESS_V_O, y, j),
@@ -126,7 +126,7 @@ def _load_roller(model, common, y, j):
 
 @inlined
 def correct_for_defects(model, t, y):
-    """Correct the contact of each roller over a defect (its force is the sum over the defect's groups)."""
+    """Correct the contact of each roller over a defect, whose force is the sum over the defect's groups."""
     for d in range(len(model.defects.head)):
         j, s = roller_at_defect(model, d, t, y)
         if abs(s) < model.defects.head[d, HALF_WIDTH]:
@@ -171,7 +171,7 @@ interface.update_extremes.register(Rollers)(update_forces)
 
 @interface.bend_at.register(Rollers)
 def _bend_at(model, y, j):
-    return bending.bend(model.bending, y, j)
+    return bending.race_bend(model.bending, y, j)
 
 
 @read_sensor.register(Rollers)
@@ -201,8 +201,8 @@ def _degrees_of_freedom(model):
 
 
 @jit
-def derivatives_over_defects(model, t, y):
-    """Correct the derivatives of each contact over a defect, whose position depends on time only."""
+def correct_derivatives_over_defects(model, t, y):
+    """Correct the derivatives of each contact over a defect; its position on the defect depends on time only."""
     defects, bearing = model.defects, model.bearing
     for d in range(len(defects.head)):
         j, s = roller_at_defect(model, d, t, y)
@@ -219,29 +219,29 @@ def derivatives_over_defects(model, t, y):
 @linearise.register(Rollers)
 def _linearise(model, t, y):
     bearing = model.bearing
-    n, common = lanes(bearing), shared(model, t, y)
+    n, common = lanes(bearing), shared_quantities(model, t, y)
     for j in range(n):
         approach_races(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
         y[K_O + j], y[C_O + j] = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         y[K_I + j], y[C_I + j] = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    derivatives_over_defects(model, t, y)
+    correct_derivatives_over_defects(model, t, y)
 
-    omega_c, omega_2, per_ring = bearing.omega_c, bearing.omega_c * bearing.omega_c, 1.0 / bearing.m_o
+    omega_c, omega_c_squared, per_ring_mass = bearing.omega_c, bearing.omega_c * bearing.omega_c, 1.0 / bearing.m_o
     for j in range(n):
         c, s, per_mass = y[lay.COS + j], y[lay.SIN + j], y[lay.INVERSE_MASS + j]
         K, C = y[K_O + j], y[C_O + j]
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0) + j] = per_mass * (
-            bearing.m_r * omega_2 - K - y[K_I + j]
+            bearing.m_r * omega_c_squared - K - y[K_I + j]
         )
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0) + j] = per_mass * (-C - y[C_I + j])
         y[lay.border_column(lay.POSITION_JACOBIAN, 0, lay.X) + j] = per_mass * (K * c - C * omega_c * s)
         y[lay.border_column(lay.POSITION_JACOBIAN, 0, lay.Y) + j] = per_mass * (K * s + C * omega_c * c)
         y[lay.border_column(lay.VELOCITY_JACOBIAN, 0, lay.X) + j] = per_mass * C * c
         y[lay.border_column(lay.VELOCITY_JACOBIAN, 0, lay.Y) + j] = per_mass * C * s
-        y[lay.border_row(lay.POSITION_JACOBIAN, lay.X, 0) + j] = per_ring * K * c
-        y[lay.border_row(lay.POSITION_JACOBIAN, lay.Y, 0) + j] = per_ring * K * s
-        y[lay.border_row(lay.VELOCITY_JACOBIAN, lay.X, 0) + j] = per_ring * C * c
-        y[lay.border_row(lay.VELOCITY_JACOBIAN, lay.Y, 0) + j] = per_ring * C * s
+        y[lay.border_row(lay.POSITION_JACOBIAN, lay.X, 0) + j] = per_ring_mass * K * c
+        y[lay.border_row(lay.POSITION_JACOBIAN, lay.Y, 0) + j] = per_ring_mass * K * s
+        y[lay.border_row(lay.VELOCITY_JACOBIAN, lay.X, 0) + j] = per_ring_mass * C * c
+        y[lay.border_row(lay.VELOCITY_JACOBIAN, lay.Y, 0) + j] = per_ring_mass * C * s
     linearise_ring(model, K_O, C_O, y, n)
 
 

@@ -1,6 +1,6 @@
 """Residual forces on rings and rollers of a bearing in space in static equilibrium, and their derivatives.
 
-The unknowns are radial position and tilt of every roller, and eight coordinates of the rings (``CELLS``).
+The unknowns are radial position and tilt of every roller, and eight coordinates of the rings (``RING_CELLS``).
 Residuals are minus the gradient of an energy; stiffnesses are minus the derivatives of the residuals. The slices
 of a roller lie at zeta along its axis, so their stiffness k enters only in the sums of k, k zeta and k zeta^2.
 """
@@ -20,21 +20,24 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.models.equilibrium import solve_2x2
-from bearingsim.core.models.spatial import race_contacts, roller_axes
+from bearingsim.core.models.spatial import compute_race_contacts, fill_roller_axes
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.flanges import axial_position
 from bearingsim.core.parts.mounts import mount_load, mount_spring_rates
-from bearingsim.core.parts.races_in_space import side_loads
+from bearingsim.core.parts.races_in_space import add_side_loads
 from bearingsim.core.sums import sum_loads
 
-ADDED_STIFFNESS = 1e-3  # relative to a contact's stiffness; keeps Newton's step of an unloaded roller finite
-CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
-"""Coordinates of the rings: position and tilt of the outer, axial position and tilt of the inner."""
-COORDINATES, FIRST_INNER = len(CELLS), 5  # number of coordinates, and index of the first of the inner ring
+# stiffness added to a roller's, relative to a contact's; keeps Newton's step of an unloaded roller finite
+ADDED_STIFFNESS = 1e-3
+RING_CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
+"""Cells of the rings' coordinates in a block of the state: position and tilt of the outer ring, axial position and
+tilt of the inner."""
+RING_DOF, FIRST_INNER = len(RING_CELLS), 5  # number of these coordinates, and index of the first of the inner ring
 
 
 class WorkArrays(NamedTuple):
-    """Work arrays of the search: one row per roller, in m and rad or N and N m; rings in the order of ``CELLS``.
+    """Work arrays of the search: one row per roller, in m and rad or N and N m; rings in the order of
+    ``RING_CELLS``.
 
     roller_residuals, roller_step (Z, 2), roller_work (Z,): residuals, a step and its work (N m); roller_stiffness
     (Z, 3): symmetric stiffness of radial position and tilt; coupling (Z, 2, 8): stiffness between rollers and
@@ -57,24 +60,24 @@ class WorkArrays(NamedTuple):
     ring_system: np.ndarray
 
 
-def work_arrays(Z: int) -> WorkArrays:
+def make_work_arrays(Z: int) -> WorkArrays:
     """Allocate the work arrays for a bearing of ``Z`` rollers."""
     shapes = (
         (Z, 2),
         (Z, 2),
         (Z,),
         (Z, 3),
-        (Z, 2, COORDINATES),
+        (Z, 2, RING_DOF),
         (Z, 2),
         (Z, 2),
-        *3 * [(COORDINATES,)],
-        (COORDINATES, COORDINATES + 1),
+        *3 * [(RING_DOF,)],
+        (RING_DOF, RING_DOF + 1),
     )
     return WorkArrays(*map(np.zeros, shapes))
 
 
 class Scales(NamedTuple):
-    """Scales of the search for an equilibrium.
+    """Scales of a bearing for the search for its equilibrium, constant during the search.
 
     half_length: half a roller's length, m; load: N; centrifugal: centrifugal force of a roller over its distance
     from the axis, N/m; gyroscopic: gyroscopic moment over its tilt, N m/rad; added_stiffness: stiffness added to
@@ -89,7 +92,7 @@ class Scales(NamedTuple):
 
 
 @jit
-def scales(model, t):
+def make_scales(model, t):
     """Return ``Scales`` at time ``t`` (s)."""
     b, rate = model.bearing, kinematic_time(model.motion, t)[1]
     orbit, spin = b.omega_c * rate, (b.omega_c - b.omega_b) * rate
@@ -106,8 +109,8 @@ def scales(model, t):
 
 
 @jit
-def contacts_at_rest(model, t, y, n):
-    """Compute the loads on rollers and rings from all contacts at zero velocity at time ``t`` (s)."""
+def compute_contacts_at_rest(model, t, y, n):
+    """Compute the loads on rollers and rings from the race contacts at zero velocity at time ``t`` (s)."""
     b, R_mean = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = kinematic_time(model.motion, t)
     outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
@@ -120,25 +123,25 @@ def contacts_at_rest(model, t, y, n):
         r = R_mean + y[lay.RADIAL + j]
         y[lay.AXIAL + j] = axial_position(model.flanges, b, outer, inner, c, s, r, tilt)
         y[lay.FORCE_R + j], y[lay.MOMENT_T + j] = 0.0, 0.0
-    roller_axes(0.0, 0.0, b.R_w, y, n)
-    race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)
-    side_loads(OuterSide(), b, outer, y, n)
-    side_loads(InnerSide(), b, inner, y, n)
+    fill_roller_axes(0.0, 0.0, b.R_w, y, n)
+    compute_race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)
+    add_side_loads(OuterSide(), b, outer, y, n)
+    add_side_loads(InnerSide(), b, inner, y, n)
     sum_loads(lay.F_X, lay.M_INNER, y, n)
 
 
 @jit
-def fill_residuals(model, t, y, s, arrays):
+def fill_residuals(model, t, y, scales, arrays):
     """Fill ``arrays.roller_residuals`` and ``arrays.ring_residuals``; return the rollers' largest residual (N)."""
-    contacts_at_rest(model, t, y, lanes(model.bearing))
+    compute_contacts_at_rest(model, t, y, lanes(model.bearing))
     b, support, largest = model.bearing, model.support, 0.0
     for j in range(b.Z):
-        arrays.roller_residuals[j, 0] = y[lay.FORCE_R + j] + s.centrifugal * (
+        arrays.roller_residuals[j, 0] = y[lay.FORCE_R + j] + scales.centrifugal * (
             0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j]
         )
-        arrays.roller_residuals[j, 1] = y[lay.MOMENT_T + j] - s.gyroscopic * y[lay.TILT + j]
+        arrays.roller_residuals[j, 1] = y[lay.MOMENT_T + j] - scales.gyroscopic * y[lay.TILT + j]
         largest = max(
-            largest, abs(arrays.roller_residuals[j, 0]), abs(arrays.roller_residuals[j, 1]) / s.half_length
+            largest, abs(arrays.roller_residuals[j, 0]), abs(arrays.roller_residuals[j, 1]) / scales.half_length
         )
     f = arrays.ring_residuals
     f[0] = y[lay.F_X] - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
@@ -162,17 +165,17 @@ def fill_residuals(model, t, y, s, arrays):
 
 
 @jit
-def arm(i, half_length):
-    """Return half a roller's length (m) if coordinate ``i`` of the rings is an angle, else 1."""
+def lever_arm(i, half_length):
+    """Return the lever arm of coordinate ``i`` of the rings: half a roller's length (m) for an angle, else 1."""
     return half_length if i in (3, 4, 6, 7) else 1.0
 
 
 @jit
-def largest_force(s, arrays):
-    """Return the largest residual (N) of the rings, moments divided by half a roller's length."""
+def largest_ring_residual(scales, arrays):
+    """Return the largest residual (N) of the rings, with moments divided by half a roller's length."""
     largest = 0.0
-    for i in range(COORDINATES):
-        largest = max(largest, abs(arrays.ring_residuals[i]) / arm(i, s.half_length))
+    for i in range(RING_DOF):
+        largest = max(largest, abs(arrays.ring_residuals[i]) / lever_arm(i, scales.half_length))
     return largest
 
 
@@ -195,24 +198,29 @@ def stiffness_moments(model, y, j):
 
 
 @jit
-def added_moments(model, s):
+def added_moments(model, scales):
     """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) of the stiffness added to every roller."""
     moment, moment_2, count = 0.0, 0.0, len(model.slices.table)
     for k in range(count):
         zeta = model.slices.table[k, ZETA]
         moment, moment_2 = moment + zeta, moment_2 + zeta * zeta
-    return s.added_stiffness, s.added_stiffness * moment / count, s.added_stiffness * moment_2 / count
+    return (
+        scales.added_stiffness,
+        scales.added_stiffness * moment / count,
+        scales.added_stiffness * moment_2 / count,
+    )
 
 
 @jit
-def fill_roller_stiffness(model, y, s, arrays):
-    """Fill ``arrays.roller_stiffness``."""
-    s_0, s_1, s_2 = added_moments(model, s)
+def fill_roller_stiffness(model, y, scales, arrays):
+    """Fill ``arrays.roller_stiffness`` from the approaches of the slices and the centrifugal and gyroscopic
+    terms."""
+    s_0, s_1, s_2 = added_moments(model, scales)
     for j in range(model.bearing.Z):
         o_0, o_1, o_2, i_0, i_1, i_2 = stiffness_moments(model, y, j)
-        arrays.roller_stiffness[j, 0] = o_0 + i_0 + s_0 - s.centrifugal
+        arrays.roller_stiffness[j, 0] = o_0 + i_0 + s_0 - scales.centrifugal
         arrays.roller_stiffness[j, 1] = o_1 + i_1 + s_1
-        arrays.roller_stiffness[j, 2] = o_2 + i_2 + s_2 + s.gyroscopic
+        arrays.roller_stiffness[j, 2] = o_2 + i_2 + s_2 + scales.gyroscopic
 
 
 @jit
@@ -231,9 +239,9 @@ def fill_ring_stiffness(model, y, arrays):
             for m in range(FIRST_INNER):
                 arrays.ring_system[axis, m] -= along * radial[m]
                 arrays.ring_system[3 + axis, m] -= along * tilting[m]
-            for m in range(FIRST_INNER, COORDINATES):
+            for m in range(FIRST_INNER, RING_DOF):
                 arrays.ring_system[6 + axis, m] -= along * tilting[m]
-        for m in range(COORDINATES):
+        for m in range(RING_DOF):
             q, tilt = solve_2x2(
                 arrays.roller_stiffness[j, 0],
                 arrays.roller_stiffness[j, 1],
@@ -241,7 +249,7 @@ def fill_ring_stiffness(model, y, arrays):
                 radial[m],
                 tilting[m],
             )
-            for i in range(COORDINATES):
+            for i in range(RING_DOF):
                 arrays.ring_system[i, m] -= radial[i] * q + tilting[i] * tilt
     add_mount_stiffness(model, arrays)
 
@@ -252,7 +260,7 @@ def add_mount_stiffness(model, arrays):
     k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
     (z_o, tilt_o), (z_i, tilt_i) = mount_spring_rates(model.mount_o), mount_spring_rates(model.mount_i)
     stiffness = (k_b, k_b, z_o, tilt_o, tilt_o, z_i, tilt_i, tilt_i)
-    for i in range(COORDINATES):
+    for i in range(RING_DOF):
         if stiffness[i] == 0.0:
             arrays.ring_system[i, :], arrays.ring_system[:, i] = 0.0, 0.0
             arrays.ring_system[i, i] = 1.0

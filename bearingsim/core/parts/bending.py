@@ -37,7 +37,7 @@ class Bending(NamedTuple):
 
     harmonic_table: (10, H), rows as named below; shapes: (2, harmonics of the ring, lanes) cos(n phi_j) and
     sin(n phi_j); transposed_shapes: (2, Z, H), the same; breathing_index: index of harmonic n = 0; mobility:
-    largest eigenvalue (1/kg) of the matrix from forces at the rollers to the accelerations of the race there;
+    largest eigenvalue (1/kg) of the matrix that maps forces at the rollers to accelerations of the race there;
     max_stiffness, max_damping: largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring
     with its springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: magnitude of
     the load (N); springs: springs around the ring.
@@ -56,10 +56,21 @@ class Bending(NamedTuple):
     springs: Any
 
 
-# rows: number; stiffness of an amplitude (N/m), and over its mass (1/s^2); damping over mass (1/s); 1/mass (1/kg)
-# of cosines and sines, 0 for amplitudes that do not exist; generalised force of the load (N); cos and sin of n
-# times the sensor's angle
-N, K, K_M, C_M, PER_MASS_C, PER_MASS_S, LOAD_C, LOAD_S, SENSOR_C, SENSOR_S = range(10)
+# rows of ``Bending.harmonic_table``: n; stiffness of an amplitude (N/m), and over its mass (1/s^2); damping over
+# mass (1/s); 1/mass (1/kg) of cosines and sines, 0 for amplitudes that do not exist; generalised force of the load
+# (N); cos and sin of n times the sensor's angle
+(
+    ORDER,
+    STIFFNESS,
+    STIFFNESS_PER_MASS,
+    DAMPING_PER_MASS,
+    PER_MASS_C,
+    PER_MASS_S,
+    LOAD_C,
+    LOAD_S,
+    SENSOR_C,
+    SENSOR_S,
+) = range(10)
 
 
 @absent
@@ -70,9 +81,9 @@ class NoSprings(NamedTuple):
 class Springs(NamedTuple):
     """P compression-only springs between the ring and a rigid carrier, whose position is stored as a harmonic.
 
-    spring_table: (5, P padded to a multiple of 8), rows as named below; shapes: (2, n, P padded) compression of a
-    spring per amplitude, n counting the harmonics and the carrier; transposed_shapes: (2, P, H) the same;
-    carrier: index of the carrier in H.
+    spring_table: (5, P padded to a multiple of 8), rows as named below; shapes: (2, N, P padded), compression of a
+    spring per amplitude, for N harmonics including the carrier; transposed_shapes: (2, P, H), the same; carrier:
+    index of the carrier among the H harmonics of ``Bending``.
     """
 
     spring_table: np.ndarray
@@ -81,9 +92,9 @@ class Springs(NamedTuple):
     carrier: int
 
 
-# rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), and its compression (m) with the
-# undeformed ring centred in the carrier
-COS_S, SIN_S, K_S, C_S, FIT = range(5)
+# rows of ``Springs.spring_table``: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), and
+# its compression (m) with the undeformed ring centred in the carrier
+SPRING_COS, SPRING_SIN, SPRING_STIFFNESS, SPRING_DAMPING, SPRING_FIT = range(5)
 
 
 @generic(inline="late", absent=0)
@@ -97,30 +108,31 @@ def _harmonics(bending):
 
 
 @generic(inline="late", absent=None)
-def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, rollers: int) -> None:
+def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, lanes: int) -> None:
     """Fill the rows BEND and BEND_V, the displacement of the race at every roller and its rate.
 
-    C, S: cosine and sine of the first roller's angle; omega_c: speed of the cage, rad/s; rollers: number of lanes.
+    C, S: cosine and sine of the first roller's angle; omega_c: speed of the cage, rad/s; lanes: number of lanes.
 
     Equation (R1) of docs/ring.md: w at every roller.
     """
 
 
 @generic(inline="late", absent=0.0)
-def bend(bending: Any, y: np.ndarray, j: int) -> float:
+def race_bend(bending: Any, y: np.ndarray, j: int) -> float:
     """Return the outward displacement of the race at roller ``j``, m."""
 
 
 @generic(inline="late", absent=0.0)
-def bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
-    """Return the rate of ``bend`` along the roller's path, m/s."""
+def race_bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
+    """Return the rate of ``race_bend`` along the roller's path, m/s."""
 
 
 @generic(inline="late", absent=None)
 def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
-    """Fill the accelerations of the amplitudes, and add the springs' forces over ``m_o`` (kg) to the ring's.
+    """Fill the accelerations of the amplitudes, and add the springs' forces over ``m_o`` (kg) to the ring's
+    acceleration.
 
-    Requires the rows Q_O; call ``bend_race`` first.
+    Requires the rows Q_O and those filled by ``bend_race``.
 
     Equation (R2) of docs/ring.md.
     """
@@ -140,7 +152,7 @@ def ring_position(springs, y):
 
 @generic(absent=ring_position)
 def supported_position(springs: Any, y: np.ndarray) -> tuple[float, float]:
-    """Return the position (m, m) of the body held by the bracket: the ring, or the carrier around it."""
+    """Return the position (m, m) of the body supported by the bracket: the ring, or the carrier around it."""
 
 
 @supported_position.register(Springs)
@@ -158,7 +170,7 @@ def spring_load(springs: Any, row: int, y: np.ndarray, i: int) -> float:
 
 @generic(inline="late", absent=None)
 def read_sensor(bending: Any, y: np.ndarray) -> None:
-    """Fill the cells SENSOR with the radial motion at the sensor."""
+    """Fill the cells SENSOR, SENSOR_V, SENSOR_A with the radial motion at the sensor."""
 
 
 def _rigid_race_bound(bending, K, per_mass, k):
@@ -196,13 +208,13 @@ def _race_damping(bending, c):
     return bending.max_damping + bending.mobility * c
 
 
-@bend.register(Bending)
-def _bend(bending, y, j):
+@race_bend.register(Bending)
+def _race_bend_flexible(bending, y, j):
     return y[lay.BEND + j]
 
 
-@bend_rate.register(Bending)
-def _bend_rate(bending, y, j):
+@race_bend_rate.register(Bending)
+def _race_bend_rate_flexible(bending, y, j):
     return y[lay.BEND_V + j]
 
 
@@ -228,7 +240,7 @@ def fill_phases(bending, C, S, y):
 def rotate_amplitudes(bending, omega_c, y):
     """Fill AMPLITUDE_C to AMPLITUDE_V_S: amplitudes in the frame of the rollers, rates along a roller's path."""
     for i in range(bending.harmonic_table.shape[1]):
-        c, s, n_omega = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.harmonic_table[N, i]
+        c, s, n_omega = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.harmonic_table[ORDER, i]
         a, b = y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
         a_v = y[lay.VELOCITY + lay.MODES_C + i] + n_omega * b
         b_v = y[lay.VELOCITY + lay.MODES_S + i] - n_omega * a
@@ -237,18 +249,18 @@ def rotate_amplitudes(bending, omega_c, y):
 
 
 @bend_race.register(Bending)
-def _bend_race(bending, C, S, omega_c, y, rollers):
+def _bend_race(bending, C, S, omega_c, y, lanes):
     fill_phases(bending, C, S, y)
     rotate_amplitudes(bending, omega_c, y)
-    for lane in range(0, rollers, lay.VECTOR_WIDTH):
-        targets = (lay.BEND + lane, lay.BEND_V + lane)
+    for lane in range(0, lanes, lay.VECTOR_WIDTH):
+        cells = (lay.BEND + lane, lay.BEND_V + lane)
         sum_harmonics(
             bending.shapes,
             (lay.AMPLITUDE_C, lay.AMPLITUDE_V_C),
             (lay.AMPLITUDE_S, lay.AMPLITUDE_V_S),
             y,
             lane,
-            targets,
+            cells,
         )
 
 
@@ -274,8 +286,8 @@ def _load_springs(springs, y):
             (lay.SPRING_FORCE_C + lane, lay.SPRING_FORCE_S + lane),
         )
     for p in range(shape[1]):
-        f_x -= springs.spring_table[COS_S, p] * y[lay.SPRING_FORCE + p]
-        f_y -= springs.spring_table[SIN_S, p] * y[lay.SPRING_FORCE + p]
+        f_x -= springs.spring_table[SPRING_COS, p] * y[lay.SPRING_FORCE + p]
+        f_y -= springs.spring_table[SPRING_SIN, p] * y[lay.SPRING_FORCE + p]
     y[lay.SPRINGS_X], y[lay.SPRINGS_Y] = f_x, f_y
 
 
@@ -290,10 +302,13 @@ def compress_springs(springs, y):
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     for p in range(lanes):
-        c, s = springs.spring_table[COS_S, p], springs.spring_table[SIN_S, p]
-        compression = springs.spring_table[FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
+        c, s = springs.spring_table[SPRING_COS, p], springs.spring_table[SPRING_SIN, p]
+        compression = springs.spring_table[SPRING_FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
         rate = y[lay.COMPRESSION_V + p] + w_x * c + w_y * s
-        force = springs.spring_table[K_S, p] * compression + springs.spring_table[C_S, p] * rate
+        force = (
+            springs.spring_table[SPRING_STIFFNESS, p] * compression
+            + springs.spring_table[SPRING_DAMPING, p] * rate
+        )
         y[lay.COMPRESSION + p] = compression
         y[lay.SPRING_FORCE + p] = max(force, 0.0) if compression > 0.0 else 0.0
 
@@ -305,12 +320,12 @@ def _spring_load(springs, row, y, i):
 
 @inlined
 def force_on_harmonic(bending, y, i):
-    """Return the forces (N) of rollers, load and springs on the amplitudes of cosine and sine of harmonic
+    """Return the forces (N) of rollers, load and springs on the cosine and the sine amplitude of harmonic
     ``i``."""
     c, s = y[lay.PHASE_C + i], y[lay.PHASE_S + i]
-    push_c, push_s = y[lay.ROLLER_FORCE_C + i], y[lay.ROLLER_FORCE_S + i]
-    f_c = bending.harmonic_table[LOAD_C, i] + push_c * c - push_s * s
-    f_s = bending.harmonic_table[LOAD_S, i] + push_c * s + push_s * c
+    roller_c, roller_s = y[lay.ROLLER_FORCE_C + i], y[lay.ROLLER_FORCE_S + i]
+    f_c = bending.harmonic_table[LOAD_C, i] + roller_c * c - roller_s * s
+    f_s = bending.harmonic_table[LOAD_S, i] + roller_c * s + roller_s * c
     return f_c - spring_load(bending.springs, lay.SPRING_FORCE_C, y, i), f_s - spring_load(
         bending.springs, lay.SPRING_FORCE_S, y, i
     )
@@ -324,7 +339,7 @@ def _accelerate_harmonics(bending, m_o, y):
     y[lay.ACCELERATION + lay.Y] += spring_load(bending.springs, lay.SPRINGS_Y, y, 0) / m_o
     for i in range(bending.harmonic_table.shape[1]):
         f_c, f_s = force_on_harmonic(bending, y, i)
-        k, c = bending.harmonic_table[K_M, i], bending.harmonic_table[C_M, i]
+        k, c = bending.harmonic_table[STIFFNESS_PER_MASS, i], bending.harmonic_table[DAMPING_PER_MASS, i]
         y[lay.ACCELERATION + lay.MODES_C + i] = (
             bending.harmonic_table[PER_MASS_C, i] * f_c
             - k * y[lay.POSITION + lay.MODES_C + i]
@@ -346,7 +361,7 @@ def rigid_motion_at_sensor(bending, block, y):
 @read_sensor.register(Bending)
 def _read_sensor(bending, y):
     n = harmonics(bending)
-    for i in range(n):  # AMPLITUDE rows serve as work space: they are not needed after the evaluation
+    for i in range(n):  # the AMPLITUDE rows, not needed after the evaluation, serve as work space
         c, s = bending.harmonic_table[SENSOR_C, i], bending.harmonic_table[SENSOR_S, i]
         y[lay.AMPLITUDE_C + i] = c * y[lay.POSITION + lay.MODES_C + i] + s * y[lay.POSITION + lay.MODES_S + i]
         y[lay.AMPLITUDE_S + i] = c * y[lay.VELOCITY + lay.MODES_C + i] + s * y[lay.VELOCITY + lay.MODES_S + i]

@@ -21,14 +21,14 @@ from bearingsim.core.sums import sum_loads
 
 @absent
 class KinematicCage(NamedTuple):
-    """Cage at its kinematic speed about the bearing's centre, with every roller in the middle of its pocket."""
+    """Cage at its kinematic speed about the bearing's centre, with every roller centred in its pocket."""
 
 
 class FreeCage(NamedTuple):
     """Cage that rotates and moves under the forces of rollers and guide.
 
     m: kg; inertia: kg m^2 about its axis; play: half of the pocket's clearance (m); pocket: contact law of a
-    pocket's wall; friction: between roller and wall; guide: guidance of its centre.
+    pocket's wall; friction: friction law of roller and wall; guide: guidance of its centre.
     """
 
     m: float
@@ -55,7 +55,7 @@ class RingGuided(NamedTuple):
     """Guidance by a land of a ring with the radial ``play`` (m).
 
     land: radius of the land (m); outer: 1.0 on the outer ring, 0.0 on the inner; law, friction: contact law and
-    friction between cage and land.
+    friction law of cage and land.
     """
 
     play: float
@@ -73,8 +73,8 @@ class NoDrag(NamedTuple):
 class OilDrag(NamedTuple):
     """Oil drag on the orbiting rollers, and on the cage at the land of a ring.
 
-    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the land is on the outer ring, which does
-    not rotate, else 0.0.
+    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the land is on the outer ring, whose
+    rotation is neglected here, else 0.0.
     """
 
     roller: float
@@ -84,12 +84,12 @@ class OilDrag(NamedTuple):
 
 @generic(absent=0.0)
 def orbit_drag(drag: Any, speed: float) -> float:
-    """Return the force (N) on a roller along its orbit at ``speed`` (m/s)."""
+    """Return the drag (N) on a roller along its orbit at ``speed`` (m/s)."""
 
 
 @generic(absent=0.0)
 def land_drag(drag: Any, omega_cage: float, omega_i: float) -> float:
-    """Return the torque (N m) of oil on the cage at the speeds (rad/s) of the cage and the inner ring."""
+    """Return the drag torque (N m) on the cage at the speeds (rad/s) of the cage and the inner ring."""
 
 
 @orbit_drag.register(OilDrag)
@@ -106,7 +106,7 @@ def _land_drag_oil(drag, omega_cage, omega_i):
 def radial_stop(guide: Any, offset: float, speed: float) -> float:
     """Return the force (N) of a pocket on its roller along e_r.
 
-    offset, speed: displacement from the middle (m) and its rate (m/s), outwards.
+    offset, speed: displacement from the pocket's centre (m) and its rate (m/s), outwards.
     """
 
 
@@ -137,49 +137,49 @@ def _cage_centre_acceleration_ring(guide, m, y):
 
 
 @generic(absent=None)
-def land_contact(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+def add_land_contact(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
     """Add the force between cage and guiding land to the load cells of cage and ring."""
 
 
-@land_contact.register(RollerGuided)
-def _land_contact_rollers(guide, omega_cage, omega_i, y):
+@add_land_contact.register(RollerGuided)
+def _add_land_contact_rollers(guide, omega_cage, omega_i, y):
     return None
 
 
-@land_contact.register(RingGuided)
-def _land_contact_ring(guide, omega_cage, omega_i, y):
-    """Compute the contact of cage and land, active if the centres of cage and ring are off by more than the play.
+@add_land_contact.register(RingGuided)
+def _add_land_contact_ring(guide, omega_cage, omega_i, y):
+    """Compute the contact of cage and land, which closes when the eccentricity of cage and ring exceeds the play.
 
-    The point of contact lies in the direction of this offset.
+    The point of contact lies on the line through both centres.
     """
-    o, i = guide.outer, 1.0 - guide.outer
-    d_x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
-    d_y = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
-    v_x = y[lay.VELOCITY + lay.X_C] - o * y[lay.VELOCITY + lay.X] - i * y[lay.VELOCITY + lay.X_I]
-    v_y = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
-    distance = max(hypot(d_x, d_y), 1e-30)
-    c, s = d_x / distance, d_y / distance
-    N = normal_force(guide.law, distance - guide.play, v_x * c + v_y * s)
-    omega_ring = i * omega_i + o * y[lay.VELOCITY + lay.PSI]
-    # the cage touches an outer land on the side to which it is displaced, an inner land on the opposite side; arms
-    # from the centres of cage and ring
-    cage_arm = (o - i) * guide.land
-    ring_arm = cage_arm + distance
+    outer, inner = guide.outer, 1.0 - guide.outer  # 1 for the guiding ring, 0 for the other
+    e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
+    e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
+    v_x = y[lay.VELOCITY + lay.X_C] - outer * y[lay.VELOCITY + lay.X] - inner * y[lay.VELOCITY + lay.X_I]
+    v_y = y[lay.VELOCITY + lay.Y_C] - outer * y[lay.VELOCITY + lay.Y] - inner * y[lay.VELOCITY + lay.Y_I]
+    eccentricity = max(hypot(e_x, e_y), 1e-30)
+    c, s = e_x / eccentricity, e_y / eccentricity
+    N = normal_force(guide.law, eccentricity - guide.play, v_x * c + v_y * s)
+    omega_ring = inner * omega_i + outer * y[lay.VELOCITY + lay.PSI]
+    # arms from the centres of cage and ring to the point of contact: the cage touches an outer land on the side to
+    # which it is displaced, an inner land on the opposite side
+    cage_arm = (outer - inner) * guide.land
+    ring_arm = cage_arm + eccentricity
     slip = -v_x * s + v_y * c + cage_arm * omega_cage - ring_arm * omega_ring
     f = mu(guide.friction, slip, guide.land * abs(omega_cage)) * N
     f_x, f_y = -N * c + f * s, -N * s - f * c
     y[lay.F_X_C] += f_x
     y[lay.F_Y_C] += f_y
     y[lay.M_C] -= cage_arm * f
-    y[lay.F_X] -= o * f_x
-    y[lay.F_Y] -= o * f_y
-    y[lay.M_RING] += o * ring_arm * f
-    y[lay.F_X_I] -= i * f_x
-    y[lay.F_Y_I] -= i * f_y
+    y[lay.F_X] -= outer * f_x
+    y[lay.F_Y] -= outer * f_y
+    y[lay.M_RING] += outer * ring_arm * f
+    y[lay.F_X_I] -= inner * f_x
+    y[lay.F_Y_I] -= inner * f_y
 
 
 @generic(inline="late", absent=None)
-def pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
+def add_pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
     """Add the pocket's force to the rows FORCE_R, FORCE_T, TORQUE of roller ``j``; fill its loads on the cage.
 
     common: fields ``cage`` (a ``Centre``), ``omega_cage`` (speed of the cage, rad/s) and ``spin`` (nominal spin of
@@ -187,33 +187,32 @@ def pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
     """
 
 
-@pocket_force.register(FreeCage)
-def _pocket_force_free(cage, model, common, y, j):
-    """Implement ``pocket_force`` by equation (P10) of docs/planar.md."""
+@add_pocket_force.register(FreeCage)
+def _add_pocket_force_free(cage, model, common, y, j):
+    """Implement ``add_pocket_force`` by equation (P10) of docs/planar.md."""
     b, omega_cage = model.bearing, common.omega_cage
-    R_mean, R_w, mask = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+    R_mean, R_w, mask = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # mask: 0 in a padded lane
     pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
     r, v = R_mean + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
     w = r * (omega_cage + y[lay.EPS_V + j])
     e = r * se + common.cage.x * ps - common.cage.y * pc
     rho = r * ce - common.cage.x * pc - common.cage.y * ps
-    v_r = (
-        v * ce - w * se - common.cage.v_x * pc - common.cage.v_y * ps
-    )  # relative to the cage's centre, in the pocket's frame
+    # velocity relative to the cage's centre, along the pocket's e_r and e_theta
+    v_r = v * ce - w * se - common.cage.v_x * pc - common.cage.v_y * ps
     v_t = v * se + w * ce + common.cage.v_x * ps - common.cage.v_y * pc
     side = 1.0 if e > 0.0 else -1.0
     N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
     slip = v_r - side * R_w * (common.spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
     f = mu(cage.friction, slip, R_w * abs(common.spin)) * N
     stop = radial_stop(cage.guide, rho - R_mean, v_r + omega_cage * e)
-    push_r, push_t = mask * (stop - f), -mask * side * N  # on the roller, in the pocket's frame
-    y[lay.Q_P + j] = push_t
-    y[lay.FORCE_R + j] += push_r * ce + push_t * se
-    y[lay.FORCE_T + j] += push_t * ce - push_r * se
+    force_r, force_t = mask * (stop - f), -mask * side * N  # on the roller, along the pocket's e_r and e_theta
+    y[lay.Q_P + j] = force_t
+    y[lay.FORCE_R + j] += force_r * ce + force_t * se
+    y[lay.FORCE_T + j] += force_t * ce - force_r * se
     y[lay.TORQUE + j] += mask * side * R_w * f
-    y[lay.roller_load(lay.F_X_C) + j] = -push_r * pc + push_t * ps
-    y[lay.roller_load(lay.F_Y_C) + j] = -push_r * ps - push_t * pc
-    y[lay.roller_load(lay.M_C) + j] = e * push_r - rho * push_t - mask * side * R_w * f
+    y[lay.roller_load(lay.F_X_C) + j] = -force_r * pc + force_t * ps
+    y[lay.roller_load(lay.F_Y_C) + j] = -force_r * ps - force_t * pc
+    y[lay.roller_load(lay.M_C) + j] = e * force_r - rho * force_t - mask * side * R_w * f
 
 
 @generic(inline="late", absent=None)
@@ -230,7 +229,8 @@ def _sum_pocket_forces_free(cage, y, n):
 def accelerate_cage(cage: Any, model: Any, omega_cage: float, omega_i: float, alpha: float, y: Any) -> float:
     """Return the cage's angular acceleration (rad/s^2); write the acceleration of its centre into the state.
 
-    alpha: kinematic acceleration (rad/s^2). Adds the forces of the cage's guide to the load cells of the rings.
+    alpha: acceleration of the kinematic angle (rad/s^2). Adds the forces of the cage's guide to the load cells of
+    the rings.
     """
 
 
@@ -242,16 +242,17 @@ def _accelerate_cage_kinematic(cage, model, omega_cage, omega_i, alpha, y):
 @accelerate_cage.register(FreeCage)
 def _accelerate_cage_free(cage, model, omega_cage, omega_i, alpha, y):
     y[lay.F_X_C] += cage.m * model.gravity
-    land_contact(cage.guide, omega_cage, omega_i, y)
+    add_land_contact(cage.guide, omega_cage, omega_i, y)
     y[lay.ACCELERATION + lay.X_C], y[lay.ACCELERATION + lay.Y_C] = cage_centre_acceleration(cage.guide, cage.m, y)
     return (y[lay.M_C] + land_drag(model.drag, omega_cage, omega_i)) / cage.inertia
 
 
 @generic(absent=0.0)
 def pocket_stiffness(cage: Any, per_mass: float) -> float:
-    """Return the stiffness of a pocket's wall over the reduced mass (1/s^2) of roller and cage.
+    """Return the stiffness of a pocket's wall over the effective mass (1/s^2) of roller and cage.
 
-    per_mass: inverse mass of a roller (1/kg).
+    per_mass: inverse mass of a roller (1/kg). That of the cage is 1/m + r^2/I = 2/m, because the wall's force also
+    rotates the cage, whose moment of inertia I is m r^2.
     """
 
 
@@ -261,10 +262,11 @@ def _pocket_stiffness_free(cage, per_mass):
 
 
 @generic(absent=0.0)
-def cage_constraint(cage: Any, theta_a: float) -> float:
-    """Return ``theta_a``, an acceleration of a roller, or 0 if a kinematic cage prevents it."""
+def cage_constraint(cage: Any, acceleration: float) -> float:
+    """Return ``acceleration`` of a roller along a coordinate that a kinematic cage prescribes; 0 with such a
+    cage."""
 
 
 @cage_constraint.register(FreeCage)
-def _cage_constraint_free(cage, theta_a):
-    return theta_a
+def _cage_constraint_free(cage, acceleration):
+    return acceleration

@@ -1,4 +1,8 @@
-"""Analytic derivatives of the forces of ``parts/cage.py`` between cage, rollers and rings."""
+"""Analytic derivatives of the forces of ``parts/cage.py`` between cage, rollers and rings.
+
+A name with the prefix ``d_`` is the change of a quantity per unit of one coordinate or of its rate
+(``models/planar_derivatives.py``).
+"""
 
 from math import hypot
 from typing import Any
@@ -18,9 +22,10 @@ from bearingsim.core.parts.cage import (
     radial_stop,
 )
 
-# rows of a roller in its pocket: position and velocity relative to the cage's centre, along the pocket's
-# directions; side of the nearer wall (1 or -1); tangent stiffness and damping of the wall and of the stop; mu, and
-# its derivative with respect to slip times the force; force on the roller along the pocket's directions
+# rows of a roller in its pocket: position and velocity relative to the cage's centre, along the pocket's e_r and
+# e_theta; side of the nearer wall (1 or -1); tangent stiffness and damping of the wall; derivatives of the force
+# of ``radial_stop`` with respect to position and velocity; mu, and its derivative with respect to slip times the
+# wall's force; force on the roller along the pocket's e_r and e_theta
 (
     OFFSET_R,
     OFFSET_T,
@@ -93,8 +98,8 @@ def _radial_stop_derivatives_rollers(guide, offset, speed):
 
 @generic
 def cage_mobility(cage: Any) -> tuple[float, float]:
-    """Return the inverse of the cage's moment of inertia (1/(kg m^2)) and that of its mass (1/kg), each 0 where
-    the motion is prescribed."""
+    """Return the inverse of the cage's moment of inertia (1/(kg m^2)) and that of its mass (1/kg), each 0 if
+    that motion is prescribed."""
 
 
 @generic
@@ -131,29 +136,32 @@ def _cage_mobility_free(cage):
 
 
 @generic
-def pocket_derivatives(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
-    """Fill the rows OFFSET_R to POCKET_FORCE_T for every roller's contact with its pocket."""
+def fill_pocket_derivatives(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
+    """Fill the rows OFFSET_R to POCKET_FORCE_T for every roller's contact with its pocket.
+
+    omega_cage, spin: speed of the cage, and nominal spin of a roller (rad/s).
+    """
 
 
-@pocket_derivatives.register(KinematicCage)
-def _pocket_derivatives_kinematic(cage, model, omega_cage, spin, y, n):
+@fill_pocket_derivatives.register(KinematicCage)
+def _fill_pocket_derivatives_kinematic(cage, model, omega_cage, spin, y, n):
     return None
 
 
-@pocket_derivatives.register(FreeCage)
-def _pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
+@fill_pocket_derivatives.register(FreeCage)
+def _fill_pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
     b = model.bearing
     R_mean, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
-    d_x = y[lay.POSITION + lay.X_C]
-    d_y = y[lay.POSITION + lay.Y_C]
+    x_c = y[lay.POSITION + lay.X_C]
+    y_c = y[lay.POSITION + lay.Y_C]
     v_x = y[lay.VELOCITY + lay.X_C]
     v_y = y[lay.VELOCITY + lay.Y_C]
     for j in range(n):
-        mask = b.m_r * y[lay.INVERSE_MASS + j]
+        mask = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
         r, v = R_mean + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
         w = r * (omega_cage + y[lay.EPS_V + j])
-        e, rho = r * se + d_x * ps - d_y * pc, r * ce - d_x * pc - d_y * ps
+        e, rho = r * se + x_c * ps - y_c * pc, r * ce - x_c * pc - y_c * ps
         v_r, v_t = v * ce - w * se - v_x * pc - v_y * ps, v * se + w * ce + v_x * ps - v_y * pc
         side = 1.0 if e > 0.0 else -1.0
         depth, rate = abs(e) - cage.play, side * (v_t - omega_cage * rho)
@@ -161,160 +169,171 @@ def _pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
         slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
         mu_v, _ = mu_derivative(cage.friction, slip, R_w * abs(spin))
         mu_value, offset, offset_v = mu(cage.friction, slip, R_w * abs(spin)), rho - R_mean, v_r + omega_cage * e
-        stop_d, stop_v = radial_stop_derivatives(cage.guide, offset, offset_v)
+        stop_k, stop_c = radial_stop_derivatives(cage.guide, offset, offset_v)
         y[OFFSET_R + j] = rho
         y[OFFSET_T + j] = e
         y[OFFSET_V_R + j] = v_r
         y[OFFSET_V_T + j] = v_t
         y[WALL_SIDE + j] = side
         y[WALL_K + j], y[WALL_C + j], y[MU + j], y[MU_V + j] = mask * K, mask * C, mu_value, mask * N * mu_v
-        y[STOP_K + j], y[STOP_C + j] = mask * stop_d, mask * stop_v
+        y[STOP_K + j], y[STOP_C + j] = mask * stop_k, mask * stop_c
         y[POCKET_FORCE_R + j] = mask * (radial_stop(cage.guide, offset, offset_v) - mu_value * N)
         y[POCKET_FORCE_T + j] = -mask * side * N
 
 
 @generic
-def pocket_change(
-    cage: Any, R_w: float, omega_cage: float, roll_v: float, turn: float, turn_v: float, y, n
+def add_pocket_changes(
+    cage: Any, R_w: float, omega_cage: float, d_spin: float, d_cage_angle: float, d_cage_omega: float, y, n
 ) -> None:
     """Add the changes of the pocket forces to the rows D_FORCE, for the changes in the rows D_POSITION and
     D_VELOCITY and for rotation of rollers and cage.
 
-    roll_v: change of the rollers' spin (rad/s); turn, turn_v: of the cage's angle (rad) and speed (rad/s).
+    d_spin: change of the rollers' spin (rad/s); d_cage_angle, d_cage_omega: changes of the cage's angle (rad) and
+    speed (rad/s).
     """
 
 
-@pocket_change.register(KinematicCage)
-def _pocket_change_kinematic(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
+@add_pocket_changes.register(KinematicCage)
+def _add_pocket_changes_kinematic(cage, R_w, omega_cage, d_spin, d_cage_angle, d_cage_omega, y, n):
     return None
 
 
-@pocket_change.register(FreeCage)
-def _pocket_change_free(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
+@add_pocket_changes.register(FreeCage)
+def _add_pocket_changes_free(cage, R_w, omega_cage, d_spin, d_cage_angle, d_cage_omega, y, n):
     for j in range(n):
         pc = y[lay.COS_POCKET + j]
         ps = y[lay.SIN_POCKET + j]
         ce = y[lay.COS_EPS + j]
         se = y[lay.SIN_EPS + j]
         side = y[WALL_SIDE + j]
-        rho, e, on_r, on_t = y[OFFSET_R + j], y[OFFSET_T + j], y[POCKET_FORCE_R + j], y[POCKET_FORCE_T + j]
-        p_r = ce * y[lay.D_POSITION_R + j] - se * y[lay.D_POSITION_T + j] + e * turn
-        p_t = se * y[lay.D_POSITION_R + j] + ce * y[lay.D_POSITION_T + j] - rho * turn
-        w_r = ce * y[lay.D_VELOCITY_R + j] - se * y[lay.D_VELOCITY_T + j] + y[OFFSET_V_T + j] * turn
-        w_t = se * y[lay.D_VELOCITY_R + j] + ce * y[lay.D_VELOCITY_T + j] - y[OFFSET_V_R + j] * turn
-        closing = side * (w_t - omega_cage * p_r - rho * turn_v)
-        N = y[WALL_K + j] * (side * p_t) + y[WALL_C + j] * closing
-        slip = w_r + omega_cage * p_t + (e + side * R_w) * turn_v - side * R_w * roll_v
-        f = y[MU + j] * N + y[MU_V + j] * slip
-        stop = y[STOP_K + j] * p_r + y[STOP_C + j] * (w_r + omega_cage * p_t + e * turn_v)
-        f_r, f_t = stop - f, -side * N
-        y[lay.D_TORQUE + j] += side * R_w * f
-        torque = e * f_r + p_t * on_r - rho * f_t - p_r * on_t - side * R_w * f
-        y[lay.D_FORCE_SHARED + lay.PHI_C * lay.ROW + j] += torque
-        f_r, f_t = f_r - on_t * turn, f_t + on_r * turn  # the pocket's directions rotate, too
-        y[lay.D_FORCE_R + j] += ce * f_r + se * f_t
-        y[lay.D_FORCE_T + j] += ce * f_t - se * f_r
-        y[lay.D_FORCE_SHARED + lay.X_C * lay.ROW + j] += ps * f_t - pc * f_r
-        y[lay.D_FORCE_SHARED + lay.Y_C * lay.ROW + j] -= ps * f_r + pc * f_t
+        rho, e, force_r, force_t = y[OFFSET_R + j], y[OFFSET_T + j], y[POCKET_FORCE_R + j], y[POCKET_FORCE_T + j]
+        d_rho = ce * y[lay.D_POSITION_R + j] - se * y[lay.D_POSITION_T + j] + e * d_cage_angle
+        d_e = se * y[lay.D_POSITION_R + j] + ce * y[lay.D_POSITION_T + j] - rho * d_cage_angle
+        d_v_r = ce * y[lay.D_VELOCITY_R + j] - se * y[lay.D_VELOCITY_T + j] + y[OFFSET_V_T + j] * d_cage_angle
+        d_v_t = se * y[lay.D_VELOCITY_R + j] + ce * y[lay.D_VELOCITY_T + j] - y[OFFSET_V_R + j] * d_cage_angle
+        d_rate = side * (d_v_t - omega_cage * d_rho - rho * d_cage_omega)
+        d_N = y[WALL_K + j] * (side * d_e) + y[WALL_C + j] * d_rate
+        d_slip = d_v_r + omega_cage * d_e + (e + side * R_w) * d_cage_omega - side * R_w * d_spin
+        d_f = y[MU + j] * d_N + y[MU_V + j] * d_slip
+        d_stop = y[STOP_K + j] * d_rho + y[STOP_C + j] * (d_v_r + omega_cage * d_e + e * d_cage_omega)
+        d_force_r, d_force_t = d_stop - d_f, -side * d_N
+        y[lay.D_TORQUE + j] += side * R_w * d_f
+        d_torque = e * d_force_r + d_e * force_r - rho * d_force_t - d_rho * force_t - side * R_w * d_f
+        y[lay.D_FORCE_SHARED + lay.PHI_C * lay.ROW + j] += d_torque
+        # e_r and e_theta of the pocket rotate with the cage
+        d_force_r, d_force_t = d_force_r - force_t * d_cage_angle, d_force_t + force_r * d_cage_angle
+        y[lay.D_FORCE_R + j] += ce * d_force_r + se * d_force_t
+        y[lay.D_FORCE_T + j] += ce * d_force_t - se * d_force_r
+        y[lay.D_FORCE_SHARED + lay.X_C * lay.ROW + j] += ps * d_force_t - pc * d_force_r
+        y[lay.D_FORCE_SHARED + lay.Y_C * lay.ROW + j] -= ps * d_force_r + pc * d_force_t
 
 
-# Guides
-
-
-@jit
-def add_to_border(matrix, k, m, value, y):
-    """Add the acceleration of shared coordinate ``k`` under a force (N) or torque (N m) to column ``m``."""
-    y[lay.corner_block(matrix, k, m)] += y[lay.MOBILITY_SHARED + k] * value
-
-
-@generic
-def guide_change(cage: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add the derivatives of the forces between cage and guiding ring to the corners of both arrow matrices."""
-
-
-@generic
-def land_change(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add the derivatives of ``land_contact`` to the corners of both arrow matrices."""
-
-
-@land_change.register(Centred)
-def _land_change_centred(guide, omega_cage, omega_i, y):
-    return None
-
-
-@land_change.register(RollerGuided)
-def _land_change_rollers(guide, omega_cage, omega_i, y):
-    return None
+# Guidance by a ring
 
 
 @jit
-def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, y):
-    """Add one column of ``land_change``.
+def add_to_corner(matrix, k, m, d_force, y):
+    """Add to entry (``k``, ``m``) of the corner block the derivative of the acceleration of shared coordinate
+    ``k``.
 
-    p, w: changes of the cage's position (m) and velocity (m/s) relative to the ring, pairs along e_0 and e_90;
-    cage_v, ring_v: changes of the speeds of cage and ring (rad/s).
+    d_force: derivative of the force (N) or torque (N m) on coordinate k with respect to coordinate m.
     """
-    o, i = guide.outer, 1.0 - guide.outer
-    d_x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
-    d_y = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
-    v_x = y[lay.VELOCITY + lay.X_C] - o * y[lay.VELOCITY + lay.X] - i * y[lay.VELOCITY + lay.X_I]
-    v_y = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
-    distance = max(hypot(d_x, d_y), 1e-30)
-    c, s = d_x / distance, d_y / distance
+    y[lay.corner_block(matrix, k, m)] += y[lay.MOBILITY_SHARED + k] * d_force
+
+
+@generic
+def add_guide_derivatives(cage: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+    """Add the derivatives of the forces between cage and guiding ring to the corner blocks of both arrow
+    matrices."""
+
+
+@generic
+def add_land_derivatives(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+    """Add the derivatives of ``add_land_contact`` to the corner blocks of both arrow matrices."""
+
+
+@add_land_derivatives.register(Centred)
+def _add_land_derivatives_centred(guide, omega_cage, omega_i, y):
+    return None
+
+
+@add_land_derivatives.register(RollerGuided)
+def _add_land_derivatives_rollers(guide, omega_cage, omega_i, y):
+    return None
+
+
+@jit
+def add_land_column(
+    guide, omega_cage, omega_ring, matrix, m, d_position, d_velocity, d_cage_omega, d_ring_omega, y
+):
+    """Add one column of ``add_land_derivatives``.
+
+    d_position, d_velocity: changes of the cage's position (m) and velocity (m/s) relative to the ring, pairs along
+    e_0 and e_90; d_cage_omega, d_ring_omega: changes of the speeds of cage and ring (rad/s).
+    """
+    outer, inner = guide.outer, 1.0 - guide.outer  # 1 for the guiding ring, 0 for the other
+    e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
+    e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
+    v_x = y[lay.VELOCITY + lay.X_C] - outer * y[lay.VELOCITY + lay.X] - inner * y[lay.VELOCITY + lay.X_I]
+    v_y = y[lay.VELOCITY + lay.Y_C] - outer * y[lay.VELOCITY + lay.Y] - inner * y[lay.VELOCITY + lay.Y_I]
+    eccentricity = max(hypot(e_x, e_y), 1e-30)
+    c, s = e_x / eccentricity, e_y / eccentricity
     rate, v_t = v_x * c + v_y * s, v_y * c - v_x * s
-    cage_arm = (o - i) * guide.land
-    ring_arm = cage_arm + distance
+    cage_arm = (outer - inner) * guide.land
+    ring_arm = cage_arm + eccentricity
     slip, rolling = v_t + cage_arm * omega_cage - ring_arm * omega_ring, guide.land * abs(omega_cage)
     N, (K, C) = (
-        normal_force(guide.law, distance - guide.play, rate),
-        derivatives(guide.law, distance - guide.play, rate),
+        normal_force(guide.law, eccentricity - guide.play, rate),
+        derivatives(guide.law, eccentricity - guide.play, rate),
     )
     mu_value, (mu_v, mu_u) = (mu(guide.friction, slip, rolling), mu_derivative(guide.friction, slip, rolling))
     f = mu_value * N
 
-    distance_1, angle_1 = p[0] * c + p[1] * s, (p[1] * c - p[0] * s) / distance
-    N_1 = K * distance_1 + C * (w[0] * c + w[1] * s + v_t * angle_1)
-    slip_1 = w[1] * c - w[0] * s - rate * angle_1 + cage_arm * cage_v - ring_arm * ring_v - distance_1 * omega_ring
-    rolling_1 = guide.land * (cage_v if omega_cage > 0.0 else -cage_v)
-    f_1 = mu_value * N_1 + N * (mu_v * slip_1 + mu_u * rolling_1)
-    f_along, f_across = -N_1 + f * angle_1, -f_1 - N * angle_1
-    f_x, f_y = f_along * c - f_across * s, f_along * s + f_across * c
-    add_to_border(matrix, lay.X_C, m, f_x, y)
-    add_to_border(matrix, lay.Y_C, m, f_y, y)
-    add_to_border(matrix, lay.PHI_C, m, -cage_arm * f_1, y)
-    add_to_border(matrix, lay.X, m, -o * f_x, y)
-    add_to_border(matrix, lay.Y, m, -o * f_y, y)
-    add_to_border(matrix, lay.PSI, m, o * (ring_arm * f_1 + distance_1 * f), y)
-    add_to_border(matrix, lay.X_I, m, -i * f_x, y)
-    add_to_border(matrix, lay.Y_I, m, -i * f_y, y)
+    d_eccentricity = d_position[0] * c + d_position[1] * s
+    d_angle = (d_position[1] * c - d_position[0] * s) / eccentricity
+    d_N = K * d_eccentricity + C * (d_velocity[0] * c + d_velocity[1] * s + v_t * d_angle)
+    d_slip = d_velocity[1] * c - d_velocity[0] * s - rate * d_angle
+    d_slip = d_slip + cage_arm * d_cage_omega - ring_arm * d_ring_omega - d_eccentricity * omega_ring
+    d_rolling = guide.land * (d_cage_omega if omega_cage > 0.0 else -d_cage_omega)
+    d_f = mu_value * d_N + N * (mu_v * d_slip + mu_u * d_rolling)
+    d_f_n, d_f_t = -d_N + f * d_angle, -d_f - N * d_angle
+    d_f_x, d_f_y = d_f_n * c - d_f_t * s, d_f_n * s + d_f_t * c
+    add_to_corner(matrix, lay.X_C, m, d_f_x, y)
+    add_to_corner(matrix, lay.Y_C, m, d_f_y, y)
+    add_to_corner(matrix, lay.PHI_C, m, -cage_arm * d_f, y)
+    add_to_corner(matrix, lay.X, m, -outer * d_f_x, y)
+    add_to_corner(matrix, lay.Y, m, -outer * d_f_y, y)
+    add_to_corner(matrix, lay.PSI, m, outer * (ring_arm * d_f + d_eccentricity * f), y)
+    add_to_corner(matrix, lay.X_I, m, -inner * d_f_x, y)
+    add_to_corner(matrix, lay.Y_I, m, -inner * d_f_y, y)
 
 
-@land_change.register(RingGuided)
-def _land_change_ring(guide, omega_cage, omega_i, y):
-    o, i = guide.outer, 1.0 - guide.outer
-    d_x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
-    d_y = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
-    if hypot(d_x, d_y) <= guide.play:
+@add_land_derivatives.register(RingGuided)
+def _add_land_derivatives_ring(guide, omega_cage, omega_i, y):
+    outer, inner = guide.outer, 1.0 - guide.outer
+    e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
+    e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
+    if hypot(e_x, e_y) <= guide.play:
         return
-    omega_ring, zero = i * omega_i + o * y[lay.VELOCITY + lay.PSI], (0.0, 0.0)
-    for m, sign in ((lay.X_C, 1.0), (lay.X, -o), (lay.X_I, -i)):
+    omega_ring, zero = inner * omega_i + outer * y[lay.VELOCITY + lay.PSI], (0.0, 0.0)
+    for m, sign in ((lay.X_C, 1.0), (lay.X, -outer), (lay.X_I, -inner)):
         for axis in range(2):
             direction = (sign * (1.0 - axis), sign * axis)
-            land_column(
+            add_land_column(
                 guide, omega_cage, omega_ring, lay.POSITION_JACOBIAN, m + axis, direction, zero, 0.0, 0.0, y
             )
-            land_column(
+            add_land_column(
                 guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, m + axis, zero, direction, 0.0, 0.0, y
             )
-    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PHI_C, zero, zero, 1.0, 0.0, y)
-    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PSI, zero, zero, 0.0, o, y)
+    add_land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PHI_C, zero, zero, 1.0, 0.0, y)
+    add_land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PSI, zero, zero, 0.0, outer, y)
 
 
-@guide_change.register(KinematicCage)
-def _guide_change_kinematic(cage, omega_cage, omega_i, y):
+@add_guide_derivatives.register(KinematicCage)
+def _add_guide_derivatives_kinematic(cage, omega_cage, omega_i, y):
     return None
 
 
-@guide_change.register(FreeCage)
-def _guide_change_free(cage, omega_cage, omega_i, y):
-    land_change(cage.guide, omega_cage, omega_i, y)
+@add_guide_derivatives.register(FreeCage)
+def _add_guide_derivatives_free(cage, omega_cage, omega_i, y):
+    add_land_derivatives(cage.guide, omega_cage, omega_i, y)

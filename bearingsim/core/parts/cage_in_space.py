@@ -1,11 +1,11 @@
 """Cage in space: tilt and axial motion, and contacts of the rollers' slices with the pockets.
 
 The walls of a pocket are planes fixed to the cage. With r the pocket's radial direction (perpendicular to the
-cage's axis b), w = b x r normal to the walls, p the middle of a slice and c_c the cage's centre,
+cage's axis b), w = b x r normal to the walls, p the centre of a slice and c_c the cage's centre,
 
-    e = (p - c_c).w      N = pocket(|e| - c_p/2, d|e|/dt)  against e, at p
+    e = (p - c_c).w,     N = pocket(|e| - c_p/2, d|e|/dt)  at p, opposite to e
 
-where each slice has its share of the pocket's law. Friction between roller and wall acts along r and b. Axially a
+where each slice has its share of the pocket's law. Friction between roller and wall acts along r and b. Axially, a
 pocket stops its roller by the law applied to |(c - c_c).b| - play_z, with the force at c along b.
 """
 
@@ -75,7 +75,7 @@ def _cage_body_space(cage_z, omega_cage, y):
 def axial_stop(cage_z: Any, offset: float, speed: float) -> float:
     """Return the force (N) of a pocket on its roller along the cage's axis.
 
-    offset, speed: axial displacement from the pocket's middle (m) and its rate (m/s).
+    offset, speed: axial displacement from the pocket's centre (m) and its rate (m/s).
     """
 
 
@@ -103,7 +103,7 @@ def _accelerate_cage_axis_space(cage_z, cage, body, y):
 
 @generic(absent=0.0)
 def axial_stiffness(cage_z: Any, cage: Any, per_mass: float) -> float:
-    """Return the stiffness of a pocket's end over the reduced mass (1/s^2) of roller and cage.
+    """Return the stiffness of a pocket's end over the effective mass (1/s^2) of roller and cage.
 
     per_mass: inverse mass of a roller (1/kg).
     """
@@ -115,7 +115,7 @@ def _axial_stiffness_space(cage_z, cage, per_mass):
 
 
 @generic(absent=None)
-def pocket_forces_in_space(
+def add_pocket_forces_in_space(
     cage: Any, model: Any, body: Body, omega_cage: float, spin: float, y: Any, n: int
 ) -> None:
     """Add the pocket forces to the FORCE and MOMENT rows of the rollers; fill Q_P and the loads on the cage.
@@ -124,23 +124,23 @@ def pocket_forces_in_space(
     """
 
 
-@pocket_forces_in_space.register(FreeCage)
-def _pockets_free(cage, model, body, omega_cage, spin, y, n):
-    pocket_kinematics(model.bearing, body, omega_cage, y, n)
+@add_pocket_forces_in_space.register(FreeCage)
+def _add_pocket_forces_free(cage, model, body, omega_cage, spin, y, n):
+    fill_pocket_kinematics(model.bearing, body, omega_cage, y, n)
     if any_pocket_contact(cage.play, 0.5 * model.L_w, y, n):
         for k in range(len(model.slices.table)):
             table = model.slices.table
-            pocket_slice_force(
+            add_pocket_slice_force(
                 cage, model.bearing, abs(spin), table[k, ZETA], table[k, WEIGHT], table[k, DROP], y, n
             )
-    pocket_loads(cage, model, body, omega_cage, y, n)
+    add_pocket_loads(cage, model, body, omega_cage, y, n)
 
 
 @jit
 def pocket_axes(body, pc, ps, ce, se):
-    """Return r and w of a pocket along the roller's e_r, e_theta, e_z; the cage's axis along e_r, e_theta; and its
-    component along the pocket's e_theta over (1 + a_z)."""
-    p_r, p_t = body.a_x * pc + body.a_y * ps, body.a_y * pc - body.a_x * ps  # the axis in the pocket's frame
+    """Return r and w of a pocket along the roller's e_r, e_theta, e_z; the cage's axis b along e_r, e_theta; and
+    the component of b along the pocket's e_theta over (1 + b_z)."""
+    p_r, p_t = body.a_x * pc + body.a_y * ps, body.a_y * pc - body.a_x * ps  # b along the pocket's e_r, e_theta
     b_r, b_t = p_r * ce + p_t * se, p_t * ce - p_r * se
     h = 1.0 / (1.0 + body.a_z)
     u, q = p_r * h, p_t * h
@@ -155,15 +155,18 @@ def motion_in_cage(bearing, body, omega_cage, y, j):
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
     d_r, d_t, d_z = r - body.x * c - body.y * s, body.x * s - body.y * c, y[lay.AXIAL + j] - body.z
     O_r, O_t, O_z = angular_velocity(body, c, s)
-    x_r, x_t, x_z = cross_components(O_r, O_t, O_z, d_r, d_t, d_z)
+    x_r, x_t, x_z = cross_components(O_r, O_t, O_z, d_r, d_t, d_z)  # velocity of the cage at the roller's centre
     v_r = y[lay.RADIAL_V + j] - body.v_x * c - body.v_y * s - x_r
     v_t = r * (omega_cage + y[lay.EPS_V + j]) + body.v_x * s - body.v_y * c - x_t
     return d_r, d_t, d_z, v_r, v_t, y[lay.AXIAL_V + j] - body.v_z - x_z
 
 
 @jit
-def pocket_kinematics(bearing, body, omega_cage, y, n):
-    """Fill each roller's position in its pocket and slip along the wall as linear functions along its axis."""
+def fill_pocket_kinematics(bearing, body, omega_cage, y, n):
+    """Fill each roller's position in its pocket and slip along the wall as linear functions along its axis.
+
+    Set the sums over slices to zero.
+    """
     for j in range(n):
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
         radial, w, b, q = pocket_axes(body, pc, ps, ce, se)
@@ -173,6 +176,7 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
         g_r, g_t, g_z = y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j]
         x_r, x_t, x_z = cross_components(O_r, O_t, O_z, a_r, a_t, a_z)
         o_r, o_t, o_z = cross_components(a_r, a_t, a_z, g_r, g_t, g_z)
+        # rate of the roller's axis and angular velocity of the roller, relative to the cage
         g_r, g_t, g_z = g_r - x_r, g_t - x_t, g_z - x_z
         omega = y[lay.OMEGA + j]
         o_r, o_t, o_z = o_r + omega * a_r - O_r, o_t + omega * a_t - O_t, o_z + omega * a_z - O_z
@@ -201,7 +205,7 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
 
 @jit
 def any_pocket_contact(play, half_length, y, n):
-    """Check if any roller of half length ``half_length`` (m) touches its pocket."""
+    """Check if any roller touches its pocket; half_length: of a roller (m)."""
     contacts = 0
     for j in range(n):
         max_offset = abs(y[lay.POCKET_OFFSET + j]) + half_length * abs(y[lay.POCKET_OFFSET_SLOPE + j])
@@ -210,8 +214,10 @@ def any_pocket_contact(play, half_length, y, n):
 
 
 @jit
-def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
+def add_pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
     """Add normal force and friction of the pocket's wall on one slice of every roller to the sums.
+
+    spin: magnitude of the nominal spin of a roller (rad/s); zeta, drop: m; weight: share of the contact.
 
     Equation (S5) of docs/spatial.md.
     """
@@ -278,7 +284,7 @@ def pocket_load(cage, model, body, omega_cage, y, j):
 
 
 @jit
-def pocket_loads(cage, model, body, omega_cage, y, n):
+def add_pocket_loads(cage, model, body, omega_cage, y, n):
     """Add force and moment of the pockets to the rollers, and fill the reactions in the loads on the cage."""
     f_x, f_y, f_z = lay.roller_load(lay.F_X_C), lay.roller_load(lay.F_Y_C), lay.roller_load(lay.F_Z_C)
     m_x, m_y, m_z = lay.roller_load(lay.M_X_C), lay.roller_load(lay.M_Y_C), lay.roller_load(lay.M_C)
@@ -293,6 +299,6 @@ def pocket_loads(cage, model, body, omega_cage, y, n):
         y[lay.MOMENT_Z + j] += M[2]
         c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
         s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
-        N = combine(1.0, M, 1.0, cross(d, F))  # about the cage's centre
+        N = combine(1.0, M, 1.0, cross(d, F))  # moment about the cage's centre
         y[f_x + j], y[f_y + j], y[f_z + j] = -F[0] * c + F[1] * s, -F[0] * s - F[1] * c, -F[2]
         y[m_x + j], y[m_y + j], y[m_z + j] = -N[0] * c + N[1] * s, -N[0] * s - N[1] * c, -N[2]

@@ -3,7 +3,7 @@
 The flat end of a roller, at c + sigma (L_w/2) a, touches the face of the flange, at sigma (L_w/2 + play) along the
 ring's axis b, at two points of the chord of the end's circle at half of the flange's height above the race:
 
-    X = u + sigma (L_w/2 + play) b + rho_f n +- t tau      approach = L_w/2 - sigma (X - c).a
+    X = u + sigma (L_w/2 + play) b + rho_f n +- t tau,     approach = L_w/2 - sigma (X - c).a
 
 n points from the ring's axis to the roller's centre, tau = b x n, and rho_f is the radius at half of the height.
 Half of the chord is T = sqrt(R_w^2 - (R_w - height/2)^2), and t = T/sqrt(3): these two Gauss points have the same
@@ -36,9 +36,9 @@ class NoFlanges(NamedTuple):
 class Flanges(NamedTuple):
     """Flanges of the two rings; the flat end of a roller touches one at two points along the race.
 
-    inner_minus, inner_plus, outer_minus, outer_plus: 1.0 if this flange exists, else 0.0 (minus: at -z); play:
-    from the end of a centred roller to the flange (m); height: of the flange above its race (m), with contact at
-    half of it; law: contact law of one point; friction: between roller end and flange.
+    inner_minus, inner_plus, outer_minus, outer_plus: 1.0 if this flange exists, else 0.0 (minus: at -z); play: gap
+    between the end of a centred roller and the flange (m); height: of the flange above its race (m), with contact
+    at half of it; law: contact law of one point; friction: friction law of roller end and flange.
     """
 
     inner_minus: float
@@ -52,30 +52,30 @@ class Flanges(NamedTuple):
 
 
 @generic(absent=None)
-def flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
+def add_flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
     """Add the flange forces to the contact sums of both sides of every roller; outer, inner: the rings."""
 
 
-@flange_forces.register(Flanges)
-def _flange_forces(flanges, model, outer, inner, y, n):
+@add_flange_forces.register(Flanges)
+def _add_flange_forces(flanges, model, outer, inner, y, n):
     for j in range(n):
         y[lay.Q_F + j], y[lay.KAPPA_F + j] = 0.0, 0.0
     if flanges.outer_minus + flanges.outer_plus > 0.0 and any_roller_near_flange(
         OuterSide(), flanges, model, outer, y, n
     ):
-        side_flange_forces(OuterSide(), flanges, flanges.outer_minus, flanges.outer_plus, model, outer, y, n)
+        add_side_flange_forces(OuterSide(), flanges, flanges.outer_minus, flanges.outer_plus, model, outer, y, n)
     if flanges.inner_minus + flanges.inner_plus > 0.0 and any_roller_near_flange(
         InnerSide(), flanges, model, inner, y, n
     ):
-        side_flange_forces(InnerSide(), flanges, flanges.inner_minus, flanges.inner_plus, model, inner, y, n)
+        add_side_flange_forces(InnerSide(), flanges, flanges.inner_minus, flanges.inner_plus, model, inner, y, n)
 
 
 @jit
 def any_roller_near_flange(side, flanges, model, ring, y, n):
-    """Check if any roller may touch a flange of this ring; usually none does, and the flange is skipped.
+    """Check if any roller may touch a flange of this ring; usually none does, and the ring's flanges are skipped.
 
-    The approach at the point X is half (1 - a.b) - play a.b + sigma w a.b - sigma (X - c).(a - (a.b) b). It is
-    at most |w| + (R_w + t + half) tilt - play (1 - tilt), with w the axial offset and tilt the sine of the angle
+    The approach at the point X is L_w/2 (1 - a.b) - play a.b + sigma w a.b - sigma (X - c).(a - (a.b) b). It is
+    at most |w| + (R_w + t + L_w/2) tilt - play (1 - tilt), with w the axial offset and tilt the sine of the angle
     between the axes.
     """
     base, R_mean = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
@@ -93,30 +93,30 @@ def any_roller_near_flange(side, flanges, model, ring, y, n):
 
 
 @jit
-def side_flange_forces(side, flanges, minus, plus, model, ring, y, n):
-    """Add the forces of the flanges of one ring."""
+def add_side_flange_forces(side, flanges, minus, plus, model, ring, y, n):
+    """Add the forces of the flanges of one ring; minus, plus: 1.0 for a flange at this end, else 0.0."""
     if minus > 0.0:
-        flange_force(side, flanges, model, ring, -1.0, y, n)
+        add_flange_force(side, flanges, model, ring, -1.0, y, n)
     if plus > 0.0:
-        flange_force(side, flanges, model, ring, 1.0, y, n)
+        add_flange_force(side, flanges, model, ring, 1.0, y, n)
 
 
 @jit
-def half_chord(R_w, height):
-    """Return the distance (m) of each of the two contact points from the middle of the chord."""
+def gauss_offset(R_w, height):
+    """Return t, the distance (m) of each of the two contact points from the centre of the chord."""
     return sqrt(R_w * R_w - (R_w - 0.5 * height) ** 2) / sqrt(3.0)
 
 
 @jit
-def flange_force(side, flanges, model, ring, sigma, y, n):
-    """Compute both points of one flange, on the side ``sigma`` (1 or -1) of the middle."""
-    t = half_chord(model.bearing.R_w, flanges.height)
-    flange_point_force(side, flanges, model, ring, sigma, t, y, n)
-    flange_point_force(side, flanges, model, ring, sigma, -t, y, n)
+def add_flange_force(side, flanges, model, ring, sigma, y, n):
+    """Add the forces at both points of one flange, at the +z (``sigma`` 1) or the -z end (-1) of the rollers."""
+    t = gauss_offset(model.bearing.R_w, flanges.height)
+    add_flange_point_force(side, flanges, model, ring, sigma, t, y, n)
+    add_flange_point_force(side, flanges, model, ring, sigma, -t, y, n)
 
 
 @jit
-def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
+def add_flange_point_force(side, flanges, model, ring, sigma, t, y, n):
     """Add force, friction and moment at one point, ``t`` (m) along the race, of every roller.
 
     Equation (S4) of docs/spatial.md.
@@ -126,10 +126,8 @@ def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
     for j in range(n):
         roller = roller_in_ring(side, b, ring, y, j)
         q = face - roller.rho
-        # X - c
-        Y = combine_three(
-            sigma * (half + flanges.play) - roller.axial_offset, roller.b, q, roller.n, t, roller.tau
-        )
+        z = sigma * (half + flanges.play) - roller.axial_offset
+        Y = combine_three(z, roller.b, q, roller.n, t, roller.tau)  # X - c
         g, axis_rate = approach_gradient(roller, sigma, q, t)
         rate = dot(g, roller.velocity) - sigma * dot(Y, axis_rate)
         N = b.m_r * y[lay.INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, roller.a), rate)
@@ -159,7 +157,7 @@ class RollerInRing(NamedTuple):
 
 @jit
 def roller_in_ring(side, bearing, ring, y, j):
-    """Return ``RollerInRing`` of roller ``j``, from the rows filled by ``race_frame`` of
+    """Return ``RollerInRing`` of roller ``j``, from the rows filled by ``fill_race_frame`` of
     ``parts/races_in_space.py``."""
     base = side_rows(side)
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
@@ -205,14 +203,18 @@ def contact_slip(roller, ring, Y, axis_rate, omega):
     """
     roll_speed = omega - dot(roller.a, cross(roller.b, roller.b_v))
     rotation = combine_three(1.0, cross(roller.a, axis_rate), roll_speed, roller.a, -ring.omega, roller.b)
-    x = combine_three(1.0, cross(rotation, Y), 1.0, roller.velocity, -ring.omega * roller.rho, roller.tau)
-    x = combine(1.0, x, -dot(x, roller.a), roller.a)
-    return (x[0], x[1], x[2], sqrt(dot(x, x) + SLIP_OFFSET * SLIP_OFFSET)), abs(roll_speed)
+    v = combine_three(1.0, cross(rotation, Y), 1.0, roller.velocity, -ring.omega * roller.rho, roller.tau)
+    v = combine(1.0, v, -dot(v, roller.a), roller.a)
+    return (v[0], v[1], v[2], sqrt(dot(v, v) + SLIP_OFFSET * SLIP_OFFSET)), abs(roll_speed)
 
 
 @jit
 def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
-    """Add force and friction at ``Y`` (m) to the sums of roller ``j``; g: gradient of the approach, a: axis."""
+    """Add the normal force ``N`` (N) and the friction at ``Y`` to the sums of roller ``j``.
+
+    kappa: friction over slip (N s/m); g: gradient of the approach (1); Y: contact point relative to the roller's
+    centre (m); a: axis of the roller; slip: m/s.
+    """
     base = side_rows(side)
     G = combine(-kappa, slip, -N, g)
     M = cross(Y, combine(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
@@ -232,9 +234,9 @@ def axial_position(
 ) -> float:
     """Return the axial position (m) of a centred roller at radius ``r`` (m) and the angle of cosine c, sine s.
 
-    It is the mean of the middles between the rings' flanges there, weighted by their numbers of flanges, but
-    within the play of every flange; one of the two contact points is nearer where the flange is skewed to the
-    roller. If tilted rings leave no such position, it is the middle between the two flanges that hold the roller,
+    The position is the mean of both rings' ``flange_centre``, weighted by their numbers of flanges and limited to
+    the play of every flange, which is smaller at one of the two contact points if the flange is skewed to the
+    roller. If tilted rings leave no such position, it is halfway between the two flanges that touch the roller,
     whose forces are then about equal. tilt: of the roller (1).
     """
 
@@ -242,12 +244,12 @@ def axial_position(
 @axial_position.register(Flanges)
 def _axial_position(flanges, bearing, outer, inner, c, s, r, tilt):
     n_outer, n_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
-    z_outer = flange_middle(outer, bearing.R_o - 0.5 * flanges.height, c, s, r, tilt)
-    z_inner = flange_middle(inner, bearing.R_i + 0.5 * flanges.height, c, s, r, tilt)
-    middle = (n_outer * z_outer + n_inner * z_inner) / max(n_outer + n_inner, 1.0)
-    chord = half_chord(bearing.R_w, flanges.height)
-    play_outer = flanges.play - chord * abs(outer.a_y * c - outer.a_x * s)
-    play_inner = flanges.play - chord * abs(inner.a_y * c - inner.a_x * s)
+    z_outer = flange_centre(outer, bearing.R_o - 0.5 * flanges.height, c, s, r, tilt)
+    z_inner = flange_centre(inner, bearing.R_i + 0.5 * flanges.height, c, s, r, tilt)
+    centre = (n_outer * z_outer + n_inner * z_inner) / max(n_outer + n_inner, 1.0)
+    t = gauss_offset(bearing.R_w, flanges.height)
+    play_outer = flanges.play - t * abs(outer.a_y * c - outer.a_x * s)
+    play_inner = flanges.play - t * abs(inner.a_y * c - inner.a_x * s)
     low, high = -inf, inf
     if flanges.outer_minus > 0.0:
         low = z_outer - play_outer
@@ -257,15 +259,15 @@ def _axial_position(flanges, bearing, outer, inner, c, s, r, tilt):
         high = z_outer + play_outer
     if flanges.inner_plus > 0.0:
         high = min(high, z_inner + play_inner)
-    return 0.5 * (low + high) if low > high else min(max(middle, low), high)
+    return 0.5 * (low + high) if low > high else min(max(centre, low), high)
 
 
 @jit
-def flange_middle(ring, face, c, s, r, tilt):
+def flange_centre(ring, face, c, s, r, tilt):
     """Return the axial position (m) of a roller whose ends have the same approach to both flanges of a ring.
 
-    From the approach to first order in the tilts; face: radius (m) at half of the flanges' height; r: of the
-    roller's centre (m); tilt: of the roller (1).
+    It follows from the approach to first order in the tilts. face: radius (m) at half of the flanges' height; r:
+    of the roller's centre (m); tilt: of the roller (1).
     """
     ring_tilt = ring.a_x * c + ring.a_y * s
     return ring.z - r * ring_tilt + (face - r) * (tilt - ring_tilt)
@@ -275,7 +277,8 @@ def flange_middle(ring, face, c, s, r, tilt):
 def flange_stiffness(flanges: Any, per_mass: float, per_inertia: float, R_w: float) -> float:
     """Return the stiffness of a flange over the effective mass (1/s^2) of a roller.
 
-    per_mass, per_inertia: inverse mass (1/kg) and inverse inertia across the axis (1/(kg m^2)) of the roller.
+    per_mass, per_inertia: inverse of a roller's mass (1/kg) and of its moment of inertia about a diameter
+    (1/(kg m^2)).
     """
 
 

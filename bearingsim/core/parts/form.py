@@ -3,11 +3,12 @@
 The recess of a surface is its depth (m) below the nominal one, so a contact's approach is smaller by the recesses
 of race and roller at their common point. Its rate is dw/dphi times the speed at which the contact point travels
 along that surface: on the outer race that of the roller about the ring's centre, on the inner race that minus the
-ring's, on a roller its speed of rolling. (The sliding speed is zero in rolling.) Equation (F1) of docs/form.md.
+ring's, on a roller its speed of rolling. (It is not the sliding speed, which is zero in pure rolling.) Equation
+(F1) of docs/form.md.
 
 A recess is stored in cubic pieces with continuous slope, from values and slopes at their ends. A race has a whole
-number of pieces in each of Z sectors. Evenly spaced rollers are at the same point of their pieces, whose
-coefficients lie side by side.
+number of pieces in each of Z sectors. Evenly spaced rollers are at the same point of their pieces, so the
+coefficients of these pieces are stored next to each other.
 """
 
 from math import floor, pi
@@ -24,13 +25,14 @@ from bearingsim.core.parameters import kinematic_angles, lanes
 RECESS_O, RECESS_V_O, RECESS_I, RECESS_V_I = lay.rows(
     lay.WORK + 9 * lay.ROW, "m, m/s, m, m/s", "ring rollers rest bent", "evaluation"
 )
-# with slip, at the outer and at the inner contact: recess of the race and its derivative with respect to the
-# angle (first index of the coefficients and position in the piece); the same of the roller; rate of both
+# with slip, at the outer and at the inner contact: recess of the race and its derivative with respect to the angle
+# (before ``read_surface`` replaces them: index of the first coefficient, and position in the piece); the same for
+# the roller; rate of both recesses
 RACE_O, RACE_SLOPE_O, ROLLER_O, ROLLER_SLOPE_O, RATE_O, RACE_I, RACE_SLOPE_I, ROLLER_I, ROLLER_SLOPE_I, RATE_I = (
     lay.rows(lay.JACOBIAN_WORK + lay.FIRST_LANE, "m, m, m, m, m/s", "planar spatial", "evaluation", count=2)
 )
-FULL_TURN = 2.0 * pi
-OUT_OF_REACH = 1.0  # m, recess at the padding lanes after the last roller: no contact closes there
+REVOLUTION = 2.0 * pi  # rad
+OUT_OF_REACH = 1.0  # m, recess in padded lanes, where no contact may close
 
 
 @absent
@@ -42,8 +44,8 @@ class Race(NamedTuple):
     """Form of a race.
 
     pieces: (M, 4, 1 + Z + lanes), coefficients of 1, x, x^2, x^3 (m) in piece m of each sector, x from 0 to 1 on
-    the piece; sector s is in columns s + 1, s + 1 + Z ..., and the last one in column 0, too. table: the same,
-    flat. padding: (lanes,), ``OUT_OF_REACH`` in the lanes after the last roller, where the columns go on, else 0.
+    the piece; sector s is in columns s + 1, s + 1 + Z ..., and the last one also in column 0. table: the same,
+    flat. padding: (lanes,), ``OUT_OF_REACH`` in padded lanes, whose columns contain further sectors, else 0.
     """
 
     pieces: np.ndarray
@@ -74,16 +76,17 @@ class Form(NamedTuple):
 
 
 @inlined
-def fraction_of_turn(angle):
-    """Return ``angle`` (rad) in turns, from 0 to below 1; 0 for an angle that is not finite."""
-    turn = angle * (1.0 / FULL_TURN)
-    turn = turn - floor(turn)
-    return turn if 0.0 <= turn < 1.0 else 0.0
+def fraction_of_revolution(angle):
+    """Return ``angle`` (rad) as a fraction of a revolution, from 0 to below 1; 0 for an angle that is not
+    finite."""
+    revolutions = angle * (1.0 / REVOLUTION)
+    fraction = revolutions - floor(revolutions)
+    return fraction if 0.0 <= fraction < 1.0 else 0.0
 
 
 @inlined
-def split(position, count):
-    """Return the whole part of a ``position`` from 0 to ``count``, below ``count``, and the rest; both floats."""
+def split_position(position, count):
+    """Return the integer part of ``position`` (0 to ``count``), at most ``count`` - 1, and the rest, as floats."""
     whole = min(floor(position), count - 1.0)
     return whole, position - whole
 
@@ -91,30 +94,32 @@ def split(position, count):
 # rollers at kinematic angles
 
 
-def clear_rows(race, angle, omega, Z, recess, rate, y, n):
-    """Implement ``set_race`` of a smooth race."""
+def clear_recesses(race, angle, omega, Z, recess, rate, y, n):
+    """Implement ``fill_race_recesses`` of a smooth race."""
     for j in range(n):
         y[recess + j], y[rate + j] = 0.0, 0.0
 
 
-@generic(inline="late", absent=clear_rows)
-def set_race(race: Any, angle: float, omega: float, Z: int, recess: int, rate: int, y: np.ndarray, n: int) -> None:
+@generic(inline="late", absent=clear_recesses)
+def fill_race_recesses(
+    race: Any, angle: float, omega: float, Z: int, recess: int, rate: int, y: np.ndarray, n: int
+) -> None:
     """Fill the rows ``recess`` and ``rate`` of ``n`` lanes with the recess of a race.
 
-    angle: of roller 0 on the race (rad); omega: its rate (rad/s).
+    angle: position of roller 0 on the race (rad); omega: its rate (rad/s).
     """
 
 
-@set_race.register(Race)
-def _set_race(race, angle, omega, Z, recess, rate, y, n):
+@fill_race_recesses.register(Race)
+def _fill_race_recesses(race, angle, omega, Z, recess, rate, y, n):
     per_sector = race.pieces.shape[0]
-    # sector and piece are computed independently of each other, in parallel
-    position, whole = angle * (Z * per_sector / FULL_TURN), floor(angle * (Z / FULL_TURN))
+    # sector and piece are computed independently, so that the processor computes both at the same time
+    position, whole = angle * (Z * per_sector / REVOLUTION), floor(angle * (Z / REVOLUTION))
     sector_start = whole * per_sector
     m = min(max(floor(position) - sector_start, 0.0), per_sector - 1.0)
     x = position - sector_start - m
     column = int(whole - Z * floor((whole + 0.5) / Z)) + 1
-    piece, padding, speed = race.pieces[int(m)], race.padding, omega * (Z * per_sector / FULL_TURN)
+    piece, padding, speed = race.pieces[int(m)], race.padding, omega * (Z * per_sector / REVOLUTION)
     c_0, c_1, c_2, c_3 = piece[0, column:], piece[1, column:], piece[2, column:], piece[3, column:]
     for j in range(n):
         y[recess + j] = padding[j] + (c_0[j] + x * (c_1[j] + x * (c_2[j] + x * c_3[j])))
@@ -122,23 +127,25 @@ def _set_race(race, angle, omega, Z, recess, rate, y, n):
 
 
 @generic(inline="late", absent=None)
-def add_rollers(rollers: Any, angle: float, omega: float, recess: int, rate: int, y: np.ndarray, n: int) -> None:
+def add_roller_recesses(
+    rollers: Any, angle: float, omega: float, recess: int, rate: int, y: np.ndarray, n: int
+) -> None:
     """Add the recess of the rollers, in contact at ``angle`` (rad) of their surface, to two rows."""
 
 
-@add_rollers.register(WavyRollers)
-def _add_wavy_rollers(rollers, angle, omega, recess, rate, y, n):
+@add_roller_recesses.register(WavyRollers)
+def _add_wavy_roller_recesses(rollers, angle, omega, recess, rate, y, n):
     count = rollers.pieces.shape[0]
-    m, x = split(fraction_of_turn(angle) * count, count)
-    piece, speed = rollers.pieces[int(m)], omega * (count / FULL_TURN)
+    m, x = split_position(fraction_of_revolution(angle) * count, count)
+    piece, speed = rollers.pieces[int(m)], omega * (count / REVOLUTION)
     c_0, c_1, c_2, c_3 = piece[0], piece[1], piece[2], piece[3]
     for j in range(n):
         y[recess + j] += c_0[j] + x * (c_1[j] + x * (c_2[j] + x * c_3[j]))
         y[rate + j] += speed * (c_1[j] + x * (2.0 * c_2[j] + x * (3.0 * c_3[j])))
 
 
-@add_rollers.register(UnequalRollers)
-def _add_unequal_rollers(rollers, angle, omega, recess, rate, y, n):
+@add_roller_recesses.register(UnequalRollers)
+def _add_unequal_roller_recesses(rollers, angle, omega, recess, rate, y, n):
     for j in range(n):
         y[recess + j] += rollers.recess[j]
 
@@ -152,15 +159,17 @@ def fill_recesses(form: Any, bearing: Any, t: float, y: np.ndarray) -> None:
 def _fill_recesses(form, bearing, t, y):
     theta_c, theta_i, roll = kinematic_angles(bearing, t)
     n, omega_c, omega_b = lanes(bearing), bearing.omega_c, bearing.omega_b
-    set_race(form.outer, theta_c, omega_c, bearing.Z, RECESS_O, RECESS_V_O, y, n)
-    set_race(form.inner, theta_c - theta_i, omega_c - bearing.omega_i, bearing.Z, RECESS_I, RECESS_V_I, y, n)
-    add_rollers(form.rollers, roll, omega_b, RECESS_O, RECESS_V_O, y, n)
-    add_rollers(form.rollers, roll + pi, omega_b, RECESS_I, RECESS_V_I, y, n)
+    fill_race_recesses(form.outer, theta_c, omega_c, bearing.Z, RECESS_O, RECESS_V_O, y, n)
+    fill_race_recesses(
+        form.inner, theta_c - theta_i, omega_c - bearing.omega_i, bearing.Z, RECESS_I, RECESS_V_I, y, n
+    )
+    add_roller_recesses(form.rollers, roll, omega_b, RECESS_O, RECESS_V_O, y, n)
+    add_roller_recesses(form.rollers, roll + pi, omega_b, RECESS_I, RECESS_V_I, y, n)
 
 
 @generic(inline="late", absent=0.0)
 def recess(form: Any, row: int, y: np.ndarray, j: int) -> float:
-    """Return the entry of roller ``j`` in one of the rows that ``fill_recesses`` fills."""
+    """Return the recess or rate of roller ``j`` in a row that ``fill_recesses`` fills; 0 for smooth surfaces."""
 
 
 @recess.register(Form)
@@ -168,12 +177,13 @@ def _recess(form, row, y, j):
     return y[row + j]
 
 
-# rollers with slip: the index in the table is computed in a vectorised loop, and the table read in a second one
+# rollers with slip: a vectorised loop computes the indices in the table, a second loop reads the table
 
 
 @generic(inline="early")
 def form_rows(side: Any) -> tuple[int, int, int, int, int]:
-    """Return the rows of one side: recess and slope of the race, of the roller, and rate of both."""
+    """Return the rows of one side: recess and slope of the race, the same of the roller, and the rate of both
+    recesses."""
 
 
 @form_rows.register(OuterSide)
@@ -207,21 +217,21 @@ def locate_on_race(
 ) -> None:
     """Fill the rows ``index`` and ``position`` of roller ``j`` on a race.
 
-    angle: of the middle of pocket 0 on the race (rad); offset: of the contact from the middle of its own pocket
-    (rad), less than their spacing.
+    angle: position of the centre of pocket 0 on the race (rad); offset: angle (rad) of the contact from the centre
+    of its own pocket, less than the roller spacing.
     """
 
 
 @locate_on_race.register(Race)
 def _locate_on_race(race, angle, offset, Z, index, position, y, j):
     per_sector, columns = race.pieces.shape[0], race.pieces.shape[2]
-    sector, rest = split(fraction_of_turn(angle) * Z, Z)
-    rest = rest + offset * (Z / FULL_TURN)
+    sector, rest = split_position(fraction_of_revolution(angle) * Z, Z)
+    rest = rest + offset * (Z / REVOLUTION)
     shift = floor(rest)
     shift = shift if -1.0 <= shift <= 1.0 else 0.0
     rest = rest - shift
     rest = rest if 0.0 <= rest <= 1.0 else 0.0
-    m, x = split(rest * per_sector, per_sector)
+    m, x = split_position(rest * per_sector, per_sector)
     y[index + j], y[position + j] = m * (4 * columns) + (sector + shift + (j + 1)), x
 
 
@@ -233,7 +243,7 @@ def locate_on_roller(rollers: Any, angle: float, index: int, position: int, y: n
 @locate_on_roller.register(WavyRollers)
 def _locate_on_roller(rollers, angle, index, position, y, j):
     count, columns = rollers.pieces.shape[0], rollers.pieces.shape[2]
-    m, x = split(fraction_of_turn(angle) * count, count)
+    m, x = split_position(fraction_of_revolution(angle) * count, count)
     y[index + j], y[position + j] = m * (4 * columns) + j, x
 
 
@@ -244,12 +254,13 @@ def _locate_on_unequal_roller(rollers, angle, index, position, y, j):
 
 @generic(inline="late", absent=None)
 def read_surface(surface: Any, Z: int, index: int, position: int, y: np.ndarray, n: int) -> None:
-    """Replace the rows ``index`` and ``position`` by recess (m) and its derivative by the angle (m)."""
+    """Replace the rows ``index`` and ``position`` by the recess (m) and its derivative with respect to the angle
+    (m)."""
 
 
 @read_surface.register(Race)
 def _read_race(surface, Z, index, position, y, n):
-    per_angle = Z * surface.pieces.shape[0] / FULL_TURN
+    per_angle = Z * surface.pieces.shape[0] / REVOLUTION
     read_pieces(surface.table, surface.pieces.shape[2], per_angle, index, position, y, n)
     for j in range(n):
         y[index + j] += surface.padding[j]
@@ -257,7 +268,7 @@ def _read_race(surface, Z, index, position, y, n):
 
 @read_surface.register(WavyRollers)
 def _read_wavy_rollers(surface, Z, index, position, y, n):
-    per_angle = surface.pieces.shape[0] / FULL_TURN
+    per_angle = surface.pieces.shape[0] / REVOLUTION
     read_pieces(surface.table, surface.pieces.shape[2], per_angle, index, position, y, n)
 
 
@@ -278,13 +289,13 @@ def read_pieces(table, columns, per_angle, index, position, y, n):
 
 
 @generic(inline="late", absent=0.0)
-def stored(surface: Any, row: int, y: np.ndarray, j: int) -> float:
-    """Return the entry of roller ``j`` in a row that ``read_surface`` has filled."""
+def surface_entry(surface: Any, row: int, y: np.ndarray, j: int) -> float:
+    """Return the entry of roller ``j`` in a row that ``read_surface`` fills; 0 for a smooth surface."""
 
 
-def _stored(surface, row, y, j):
+def _surface_entry(surface, row, y, j):
     return y[row + j]
 
 
 for surface_type in (Race, WavyRollers, UnequalRollers):
-    stored.register(surface_type)(_stored)
+    surface_entry.register(surface_type)(_surface_entry)

@@ -1,8 +1,8 @@
 """Form of the surfaces under the slices of the rollers: each slice meets a race at its own angle about the ring.
 
-A slice's n is at the angle phi of its roller, plus the angle of n from e_r about the ring's axis. The heights are
-those of ``parts/form.py``; waviness is the same along a roller's length, so a skewed roller meets the crest of a
-race's wave slice by slice. The angle on a roller is measured about the ring's axis, as for defects
+The angle of a slice's n is that of its roller plus the angle from e_r to n about the ring's axis. Recesses are
+read as in ``parts/form.py``; waviness is the same along a roller's length, so a skewed roller meets the crest of a
+race's undulation slice by slice. The angle on a roller is measured about the ring's axis, as for defects
 (``defects/on_slices.py``).
 """
 
@@ -24,7 +24,7 @@ from bearingsim.core.parts.form import (
     locate_on_roller,
     race_on,
     read_surface,
-    stored,
+    surface_entry,
 )
 
 
@@ -39,10 +39,10 @@ def read_form(
     y: np.ndarray,
     n: int,
 ) -> None:
-    """Read heights and slopes of the surfaces at the slices at ``zeta`` (m) of all rollers, on both sides.
+    """Read recesses and slopes of the surfaces at the slices at ``zeta`` (m) of all rollers, on both sides.
 
-    tilt_factor: 0.0 to leave out the slopes, as for defects; b_z: third components of the rings' axes, outer and
-    inner. Call it after ``race_frame``.
+    tilt_factor: 1.0, or 0.0 to leave out the slopes, as for defects; b_z: axial components of the axes of outer
+    and inner ring. Requires the rows filled by ``fill_race_frame``.
     """
 
 
@@ -60,8 +60,8 @@ def _read_form(form, model, t, tilt_factor, zeta, b_z, y, n):
 def read_side(side, form, bearing, race_angle, roll, tilt_factor, zeta, b_z, y, n):
     """Implement ``read_form`` on one side.
 
-    race_angle: of pocket 0 on the race (rad); roll: angle (rad) on a roller that is in the middle of its pocket,
-    has not slipped and whose n points along e_r.
+    race_angle: position of pocket 0 on the race (rad); roll: angle (rad) in contact on the surface of a roller
+    that is centred in its pocket, has not slipped and whose n points along e_r.
     """
     base, R_mean, race, rollers = (
         side_rows(side),
@@ -72,9 +72,9 @@ def read_side(side, form, bearing, race_angle, roll, tilt_factor, zeta, b_z, y, 
     of_race, race_slope, of_roller, roller_slope, _ = form_rows(side)
     for j in range(n):
         r = R_mean + y[lay.RADIAL + j] + y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
-        across = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
+        t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
         z = y[base + lay.OFFSET_Z + j] + zeta * y[base + lay.DIRECTION_Z + j]
-        sine = (across - y[base + lay.RING_AXIS_T + j] * (z / (1.0 + b_z))) / sqrt(r * r + across * across + z * z)
+        sine = (t - y[base + lay.RING_AXIS_T + j] * (z / (1.0 + b_z))) / sqrt(r * r + t * t + z * z)
         offset = y[lay.EPS + j] + small_angle(sine)
         locate_on_race(race, race_angle, offset, bearing.Z, of_race, race_slope, y, j)
         locate_on_roller(rollers, roll + offset - y[lay.SPIN + j], of_roller, roller_slope, y, j)
@@ -92,26 +92,29 @@ def recess_of_slice(form: Any, side: Any, y: np.ndarray, j: int) -> float:
 @recess_of_slice.register(Form)
 def _recess_of_slice(form, side, y, j):
     of_race, _, of_roller, _, _ = form_rows(side)
-    return stored(race_on(side, form), of_race, y, j) + stored(form.rollers, of_roller, y, j)
+    return surface_entry(race_on(side, form), of_race, y, j) + surface_entry(form.rollers, of_roller, y, j)
 
 
 @inlined
-def rises(form, side, inverse_rho, y, j):
-    """Return the slopes of the heights of race and roller, per length along the race at the distance rho."""
+def height_slopes(form, side, inverse_rho, y, j):
+    """Return the slopes (1) of the heights of race and roller with respect to the arc length along the race.
+
+    inverse_rho: inverse of the distance from the ring's axis (1/m).
+    """
     _, race_slope, _, roller_slope, _ = form_rows(side)
-    race_rise = -stored(race_on(side, form), race_slope, y, j) * inverse_rho
-    return race_rise, -stored(form.rollers, roller_slope, y, j) * inverse_rho
+    slope_of_race = -surface_entry(race_on(side, form), race_slope, y, j) * inverse_rho
+    return slope_of_race, -surface_entry(form.rollers, roller_slope, y, j) * inverse_rho
 
 
 @generic(inline="late", absent=0.0)
-def rise_of_slice(form: Any, side: Any, inverse_rho: float, y: np.ndarray, j: int) -> float:
-    """Return the slope of the heights of both surfaces at the current slice: minus the tilt of the normal."""
+def height_slope_of_slice(form: Any, side: Any, inverse_rho: float, y: np.ndarray, j: int) -> float:
+    """Return the summed height slope (1) of both surfaces at the current slice, minus the tilt of the normal."""
 
 
-@rise_of_slice.register(Form)
-def _rise_of_slice(form, side, inverse_rho, y, j):
-    race_rise, roller_rise = rises(form, side, inverse_rho, y, j)
-    return race_rise + roller_rise
+@height_slope_of_slice.register(Form)
+def _height_slope_of_slice(form, side, inverse_rho, y, j):
+    slope_of_race, slope_of_roller = height_slopes(form, side, inverse_rho, y, j)
+    return slope_of_race + slope_of_roller
 
 
 @generic(inline="late", absent=0.0)
@@ -126,8 +129,8 @@ def recess_rate_of_slice(
 
 @recess_rate_of_slice.register(Form)
 def _recess_rate_of_slice(form, side, inverse_rho, past_race, past_roller, y, j):
-    race_rise, roller_rise = rises(form, side, inverse_rho, y, j)
-    return -(race_rise * past_race + roller_rise * past_roller)
+    slope_of_race, slope_of_roller = height_slopes(form, side, inverse_rho, y, j)
+    return -(slope_of_race * past_race + slope_of_roller * past_roller)
 
 
 @generic(inline="late", absent=0.0)
@@ -137,12 +140,12 @@ def torque_of_roller_form(form: Any, side: Any, force: float, y: np.ndarray, j: 
 
 @torque_of_roller_form.register(Form)
 def _torque_of_roller_form(form, side, force, y, j):
-    return -stored(form.rollers, form_rows(side)[3], y, j) * force
+    return -surface_entry(form.rollers, form_rows(side)[3], y, j) * force
 
 
 @generic(inline="late")
 def versine(form: Any, base: int, normal_slope: float, y: np.ndarray, j: int) -> float:
-    """Return 1 - cos of the tilt of the normal, whose tangent is ``normal_slope``."""
+    """Return 1 - cos of the normal's tilt, whose tangent is ``normal_slope``; base: of the rows of the side."""
 
 
 @versine.register(Smooth)
@@ -151,5 +154,5 @@ def _versine_smooth(form, base, normal_slope, y, j):
 
 
 @versine.register(Form)
-def _versine(form, base, normal_slope, y, j):
+def _versine_form(form, base, normal_slope, y, j):
     return 1.0 - 1.0 / sqrt(1.0 + normal_slope * normal_slope)

@@ -30,7 +30,7 @@ class ElasticMount(NamedTuple):
     k_tilt: N m/rad; c_tilt: N m s/rad; tilt_x, tilt_y: components (1) of the axis as mounted.
 
     The tilting spring has the energy k_tilt/2 ((b_x - tilt_x)^2 + (b_y - tilt_y)^2); the damper dissipates the
-    power c_tilt (b_x'^2 + b_y'^2). For a ring that also rotates on its bracket I_a is the bracket's inertia.
+    power c_tilt (b_x'^2 + b_y'^2). For an outer ring that also rotates, I_a equals ``TorsionSpring.inertia``.
     """
 
     m: float
@@ -46,9 +46,9 @@ class ElasticMount(NamedTuple):
 
 @generic
 def set_mounted_ring(mount: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
-    """Set a ring on a rigid mount to its mounted position, where it stays because it has no acceleration.
+    """Set a ring on a rigid mount to its mounted position, with zero velocity and acceleration.
 
-    z, tilt_x, tilt_y: shared coordinates of the ring.
+    z, tilt_x, tilt_y: cells of the ring's axial position and tilts in a block of the state.
     """
 
 
@@ -79,14 +79,15 @@ def accelerate_mounted_ring(
 ) -> float:
     """Write the axial acceleration of the ring and that of its axis, under a force (N) and a moment (N m).
 
-    Returns the torque (N m) due to the axis' precession, which does not act on the ring's angle.
+    z, tilt_x, tilt_y: as in ``set_mounted_ring``. Returns the torque (N m) due to the axis' precession, which does
+    not accelerate the ring's angle.
     """
 
 
 @accelerate_mounted_ring.register(ElasticMount)
 def _accelerate_mounted_ring_elastic(mount, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
     b = ring
-    tip_x = -mount.k_tilt * (b.a_x - mount.tilt_x) - mount.c_tilt * b.w_x  # force on the tip of b, at 1 m
+    tip_x = -mount.k_tilt * (b.a_x - mount.tilt_x) - mount.c_tilt * b.w_x  # force (N) on the tip of b, at 1 m
     tip_y = -mount.k_tilt * (b.a_y - mount.tilt_y) - mount.c_tilt * b.w_y
     m_x, m_y, m_z = m_x - b.a_z * tip_y, m_y + b.a_z * tip_x, m_z + b.a_x * tip_y - b.a_y * tip_x
     l_x, l_y = axis_acceleration(
@@ -100,12 +101,13 @@ def _accelerate_mounted_ring_elastic(mount, ring, f_z, m_x, m_y, m_z, y, z, tilt
 @generic(absent=(0.0, 0.0, 0.0))
 def mount_mobility(mount: Any) -> tuple[float, float, float]:
     """Return the inverse of the ring's mass (1/kg) and of its transverse moment of inertia (1/(kg m^2)), and its
-    axial moment of inertia I_a (kg m^2)."""
+    moment of inertia I_a about its axis (kg m^2); zero if the mount is rigid."""
 
 
 @generic(absent=(0.0, 0.0, 0.0, 0.0))
 def mount_springs(mount: Any) -> tuple[float, float, float, float]:
-    """Return stiffness and damping over inertia: axial (1/s^2, 1/s), then tilting (1/s^2, 1/s)."""
+    """Return stiffness (1/s^2) and damping (1/s) over inertia, axial and then tilting; zero if the mount is
+    rigid."""
 
 
 @mount_mobility.register(ElasticMount)
@@ -127,7 +129,8 @@ def mount_spring_rates(mount: Any) -> tuple[float, float]:
 def mount_load(
     mount: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
 ) -> tuple[float, float, float]:
-    """Return the net axial force (N) and the net moments (N m) that drive b_x and b_y, without dampers."""
+    """Return the net axial force (N) and the net moments (N m) along b_x and b_y, without dampers; zero if
+    rigid."""
 
 
 @mount_spring_rates.register(ElasticMount)

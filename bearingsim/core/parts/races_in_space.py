@@ -1,12 +1,13 @@
 """Contacts of the slices of all rollers with one race: geometry, force and friction in space.
 
-The middle of slice k of a roller is p = c + zeta_k a. With the ring's centre u and its axis b,
+The centre of slice k of a roller is p = c + zeta_k a. With the ring's centre u and its axis b,
 
     d = p - u,  w = d.b,  X = d - w b,  rho = |X|,  n = X/rho,  tau = b x n
     delta = sigma (rho - R) + R_w - drop - h(s),     force on the slice  -sigma Q n + g Q tau
 
-sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tilt of the normal at a defect. X and its rate
-are linear along the roller, so only their values at its middle (OFFSET, OFFSET_V) and slopes (DIRECTION,
+sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tangent of the normal's tilt
+towards tau, due to a defect or to form. X and its rate
+are linear along the roller, so only their values at its centre (OFFSET, OFFSET_V) and slopes (DIRECTION,
 DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times the forces, COUPLE_AXIAL and COUPLE
 of the moments about p by friction and by defects of the roller, so that
 
@@ -26,21 +27,21 @@ from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 from bearingsim.core.parts.form_in_space import (
+    height_slope_of_slice,
     recess_of_slice,
     recess_rate_of_slice,
-    rise_of_slice,
     torque_of_roller_form,
     versine,
 )
 
 SLIP_OFFSET = 1e-12  # m/s, added in quadrature to the slip so that friction/slip stays finite at zero slip
-INDEX_MASK = 0x7FFFFFFF  # mask that shows the compiler that a buffer index is not negative
-# mask that shows it the bound on the number of rollers, so that rows of slices cannot overlap others
+INDEX_MASK = 0x7FFFFFFF  # mask by which the compiler knows that a buffer index is not negative
+# mask by which the compiler knows the bound on the number of rollers, so that rows of slices cannot overlap others
 LANE_MASK = 127
 
 
 @jit
-def race_frame(side, bearing, ring, omega_cage, y, n):
+def fill_race_frame(side, bearing, ring, omega_cage, y, n):
     """Fill each roller's position and motion relative to the ring as linear functions along its axis.
 
     Equation (S2) of docs/spatial.md, first line.
@@ -88,12 +89,14 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
 
 @jit
 def clear_sums(side, y, n):
-    """Set the sums over slices to zero; call it after ``race_frame``."""
+    """Set the sums over slices to zero. Requires the rows filled by ``fill_race_frame``."""
     base = side_rows(side)
     force, approach, rate, slip, tangential = contact_rows(side)
     for j in range(n):
         y[force + j], y[approach + j], y[slip + j], y[tangential + j] = 0.0, 0.0, 0.0, 0.0
-        y[rate + j] = sign(side) * y[base + lay.OFFSET_V_R + j]  # at the middle, approximate: for the step monitor
+        y[rate + j] = (
+            sign(side) * y[base + lay.OFFSET_V_R + j]
+        )  # at the roller's centre, approximate, for the step monitor
         y[base + lay.CONTACT_FORCE_R + j] = 0.0
         y[base + lay.CONTACT_FORCE_T + j] = 0.0
         y[base + lay.CONTACT_FORCE_Z + j] = 0.0
@@ -116,8 +119,8 @@ def clear_sums(side, y, n):
 def add_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, k, y, n):
     """Add the forces on slice ``k`` of every roller to the sums of this side; store its loads and approaches.
 
-    zeta, drop: m; weight: share of the contact. The rows ROLLER_DROP to ROLLER_DEFECT of the side contain the
-    effect of a defect on the slice.
+    zeta: position along the roller (m); drop: of the roller's profile (m); weight: share of the contact. The rows
+    ROLLER_DROP to ROLLER_DEFECT of the side contain the effect of a defect on the slice.
     """
     load_row, approach_row = slice_rows(side)
     force_sum, approach_sum, _, slip_sum, tangential_sum = contact_rows(side)
@@ -136,9 +139,9 @@ def add_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, k, y
 
 @inlined
 def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, j):
-    """Compute position, motion, force and friction of a slice of roller ``j``; add its forces to the moments.
+    """Compute position, motion, force and friction of a slice of roller ``j``; add force and moments to the sums.
 
-    Returns the load (N), the approach (m), the force of a defect around the race (N) and the slip (m/s).
+    Returns the load (N), the approach (m), the tangential force due to the normal's tilt (N) and the slip (m/s).
 
     Equations (S2) and (S3) of docs/spatial.md; with form (F1) and (F2) of docs/form.md.
     """
@@ -162,7 +165,7 @@ def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, 
     v_tau = t_r * v_r + t_t * v_t + t_z * v_z
 
     defect_slope = y[base + lay.NORMAL_SLOPE + j]
-    normal_slope = defect_slope - rise_of_slice(form, side, inverse_rho, y, j)
+    normal_slope = defect_slope - height_slope_of_slice(form, side, inverse_rho, y, j)
     cosine = 1.0 - versine(form, base, normal_slope, y, j)
     on_roller, roll_speed = y[base + lay.ROLLER_DEFECT + j], y[base + lay.ROLL_SPEED + j]
     sine = sigma * normal_slope * cosine
@@ -200,8 +203,9 @@ def load_slice(side, law, friction, form, bearing, ring, zeta, weight, drop, y, 
 def add_moments(base, zeta, arm, force, friction, kappa, along, y, j):
     """Add force (N), couple (N m) and kappa (N s/m) of a slice of roller ``j`` and their moments to the sums.
 
-    zeta: axial position (m); arm: lever arm of the friction about the roller's axis (m); force: radial, tangential
-    and axial; friction: around the race and along it (N); along: unit vector around the race.
+    zeta: position along the roller (m); arm: lever arm of the friction about the roller's axis (m); force: radial,
+    tangential and axial; friction: along the rolling direction and along the ring's axis (N); along: unit vector
+    of the rolling direction.
     """
     (g_r, g_t, g_z), (f, f_b), (e_r, e_t, e_z) = force, friction, along
     couple, zeta_kappa = arm * f_b, zeta * kappa
@@ -228,7 +232,7 @@ def add_moments(base, zeta, arm, force, friction, kappa, along, y, j):
 
 @jit
 def update_line_load(row, width, y, n):
-    """Update the largest line load with the loads of a slice of ``width`` (m) whose rows begin at ``row``."""
+    """Update each roller's largest line load with a slice of ``width`` (m) whose rows begin at ``row``."""
     row &= INDEX_MASK
     per_width = 1.0 / width
     for j in range(n):
@@ -237,12 +241,12 @@ def update_line_load(row, width, y, n):
 
 
 @jit
-def slip_relaxation(lag, m_r, I_r, I_t, R_w, y, n):
+def fill_slip_changes(lag, m_r, I_r, I_t, R_w, y, n):
     """Fill SLIP_CHANGE, SLIP_CHANGE_Z and SKEW_V_CHANGE, the changes of every roller's slips within the lag (s).
 
-    The effective lag is ``implicit_fraction`` of it. Along the race the unknowns are the mean slips of both
-    contacts and the rate of skew, which is eliminated. Axially they are the mean slips of both contacts, which
-    change by axial motion and tilting of the roller.
+    The effective lag is the ``implicit_fraction`` of ``lag``. Along the rolling direction the unknowns are the
+    mean slips of both contacts and the rate of skew, which is eliminated. Axially they are the mean slips of both
+    contacts, which change by axial motion and tilting of the roller.
     """
     outer, inner = lay.OUTER_SIDE, lay.INNER_SIDE
     along, across = lag * (1.0 / m_r + R_w * R_w / I_r), lag * (1.0 / m_r - R_w * R_w / I_r)
@@ -285,7 +289,8 @@ def solve_slip_changes(a, b, k_oo, k_oi, k_ii, S_o, S_i):
 
 @jit
 def relax_friction(side, ring, y, n):
-    """Add the change of friction by the change of slip within the lag to the sums, along its mean direction."""
+    """Add to the sums the change of friction due to the change of slip within the lag, along its mean
+    direction."""
     base, b_z = side_rows(side), ring.a_z
     for j in range(n):
         k_0 = y[base + lay.KAPPA_0 + j]
@@ -317,16 +322,17 @@ def relax_friction(side, ring, y, n):
 
 
 @jit
-def side_loads(side, bearing, ring, y, n):
+def add_side_loads(side, bearing, ring, y, n):
     """Add the sums over slices to the loads on each roller, and fill its loads on the ring.
 
-    The latter are force (N) and moment about the ring's centre (N m) along e_0, e_90, e_z: the reaction at the
-    same points.
+    The loads on the ring are force (N) and moment about the ring's centre (N m) along e_0, e_90, e_z: the reaction
+    at the same points of contact.
     """
     base, R_mean = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
-    plane, space, turn = load_cells(side)
-    f_x, f_y, f_z = lay.roller_load(plane), lay.roller_load(plane + 1), lay.roller_load(space)
-    m_x, m_y, m_z = lay.roller_load(space + 1), lay.roller_load(space + 2), lay.roller_load(turn)
+    in_plane, out_of_plane, axial_moment = load_cells(side)
+    f_x, f_y, f_z = lay.roller_load(in_plane), lay.roller_load(in_plane + 1), lay.roller_load(out_of_plane)
+    m_x, m_y = lay.roller_load(out_of_plane + 1), lay.roller_load(out_of_plane + 2)
+    m_z = lay.roller_load(axial_moment)
     for j in range(n):
         c, s, mask = y[lay.COS + j], y[lay.SIN + j], bearing.m_r * y[lay.INVERSE_MASS + j]
         a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]

@@ -31,7 +31,7 @@ class ElasticShaft(NamedTuple):
 def accelerate_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
     """Write the acceleration of the inner ring from the forces in the cells F_X_I, F_Y_I.
 
-    model: its ``support`` has the load; theta_i, omega_i, alpha_i: angle (rad), speed (rad/s) and angular
+    model: its ``support`` contains the load; theta_i, omega_i, alpha_i: angle (rad), speed (rad/s) and angular
     acceleration (rad/s^2) of the ring, positive from e_0 to e_90; y: buffer (``core/layout.py``), updated in
     place.
     """
@@ -84,8 +84,8 @@ def mobility(support: Any) -> float:
     """Return the inverse of the mass (1/kg) or of the moment of inertia (1/(kg m^2)) of a supported ring.
 
     support: of the inner ring (``RigidShaft``, ``ElasticShaft``) or of the outer ring's rotation (``FixedRing``,
-    ``TorsionSpring``). 0 if it is rigid. In the core `mobility` is an inverse inertia, not a velocity over a
-    force.
+    ``TorsionSpring``); the result is 0 if it is rigid. A mobility is here an inverse inertia, not a velocity over
+    a force.
     """
 
 

@@ -106,7 +106,7 @@ def scene(model: Any, Z: int) -> tuple[np.ndarray, np.ndarray]:
     """A buffer with random derivatives that keep I + ... well-conditioned, and I - them, dense."""
     own, shared = degrees_of_freedom(model)
     random, N = np.random.default_rng(1), own * Z
-    y = lay.buffer(Z, 1.0)
+    y = lay.make_buffer(Z, 1.0)
     where = np.full((N + shared, N + shared), -1)
     for j in range(Z):
         at = slice(own * j, own * (j + 1))

@@ -23,7 +23,7 @@ import own_cache  # noqa: F401  (before the core)
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, is_free_coordinate
+from bearingsim.core.models.differences import accelerate_bodies, fill_difference_jacobian, is_free_coordinate
 from bearingsim.core.models.interface import linearise
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.models.planar import Planar
@@ -95,7 +95,7 @@ def take_differences() -> None:
     """From now on ``planar`` is derived by differences."""
     accelerate_bodies.register(Planar)(_accelerate_bodies)
     is_free_coordinate.register(Planar)(lambda model, i: i == 0 or cage_constraint(model.cage, 1.0) > 0.0)
-    linearise.register(Planar)(lambda model, t, y: difference_jacobian(model, t, y))
+    linearise.register(Planar)(lambda model, t, y: fill_difference_jacobian(model, t, y))
 
 
 # The comparison

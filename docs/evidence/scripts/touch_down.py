@@ -56,7 +56,7 @@ def stiffness(m: float) -> float:
 
 def after(name: str, model: Any, t: float, steps: int, q: float, v: float) -> tuple[float, float]:
     """Place (m) and speed (m/s) at ``t`` (s), in even steps; one ends on a touch-down that the model knows."""
-    y, h, out = lay.buffer(1, MASS), t / steps, np.empty((1, 2))
+    y, h, out = lay.make_buffer(1, MASS), t / steps, np.empty((1, 2))
     y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     kind: Any = NAMES[name]
     method = kind(h) if name in FIXED else kind(h, 1e30, 1e30, 1e30, h)
@@ -68,7 +68,7 @@ def after(name: str, model: Any, t: float, steps: int, q: float, v: float) -> tu
 
 def exactly(model: Any, t: float, q: float, v: float) -> tuple[float, float]:
     """The same, the touch-down located, to rounding."""
-    y, out = lay.buffer(1, MASS), np.empty((1, 2))
+    y, out = lay.make_buffer(1, MASS), np.empty((1, 2))
     y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     method = Dop853(t, 1e-14, 1e-20, 1e-16, t / 100)
     start(method, model, 0.0, y)

@@ -76,7 +76,7 @@ def test_run_in_chunks_is_identical(method, model):
     """All states and the buffer are identical, because the buffer contains the complete state of a run."""
     tolerant_method = with_tolerance(method, 0.1, 1e-6)
     expected, y = run(tolerant_method, model, 100)
-    z, chunks = lay.buffer(1, 1.0), np.empty((100, 2))
+    z, chunks = lay.make_buffer(1, 1.0), np.empty((100, 2))
     start(tolerant_method, model, 0.0, 0.5, 0.2, z)
     for begin, end in ((0, 7), (7, 8), (8, 63), (63, 100)):
         take_steps(tolerant_method, model, begin, z, chunks[begin:end])
@@ -109,7 +109,7 @@ def test_order_of_dense_output(method, order):
         for fraction in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
             tolerant_method, y, out = (
                 without_error_control(method, fraction * h, h),
-                lay.buffer(1, 1.0),
+                lay.make_buffer(1, 1.0),
                 np.empty((1, 2)),
             )
             start(tolerant_method, model, 0.0, 0.5, 0.2, y)

@@ -112,7 +112,7 @@ def spring_states(scene: Scene) -> dict[str, np.ndarray]:
     for block in (lay.POSITION, lay.VELOCITY):
         total = y[block + lay.X] * cosines + y[block + lay.Y] * sines
         for i in range(b.breathing_index + 1):
-            n = b.harmonic_table[core.N, i]
+            n = b.harmonic_table[core.ORDER, i]
             total += y[block + lay.MODES_C + i] * np.cos(n * angles) + y[block + lay.MODES_S + i] * np.sin(
                 n * angles
             )
@@ -150,8 +150,8 @@ def test_power_balance(load):
                 for block in (lay.POSITION, lay.VELOCITY, lay.ACCELERATION)
             )
             kinetic += (m * rate * acceleration).sum()
-            stored += (m * modes[core.K_M, present] * q * rate).sum()
-            dissipated += (m * modes[core.C_M, present] * rate**2).sum()
+            stored += (m * modes[core.STIFFNESS_PER_MASS, present] * q * rate).sum()
+            dissipated += (m * modes[core.DAMPING_PER_MASS, present] * rate**2).sum()
             supplied += (modes[f, present] * rate).sum()
         s = model.support
         supplied -= s.F * v[lay.X] + s.F_across * v[lay.Y]
@@ -224,7 +224,7 @@ def race_radial_speed(scene: Scene) -> np.ndarray:
     theta = np.arctan2(y[lay.SIN : lay.SIN + b.Z], y[lay.COS : lay.COS + b.Z])
     slope = -y[lay.X] * np.sin(theta) + y[lay.Y] * np.cos(theta)
     for i in range(ring.breathing_index + 1):
-        n = ring.harmonic_table[core.N, i]
+        n = ring.harmonic_table[core.ORDER, i]
         slope += n * (y[lay.MODES_S + i] * np.cos(n * theta) - y[lay.MODES_C + i] * np.sin(n * theta))
     return b.omega_c * slope
 
@@ -241,7 +241,7 @@ def test_the_sensor_reads_the_sum_of_all_harmonics():
     ):
         total = scene.y[block + lay.X] * np.cos(alpha) + scene.y[block + lay.Y] * np.sin(alpha)
         for i in range(b.breathing_index + 1):
-            n = b.harmonic_table[core.N, i]
+            n = b.harmonic_table[core.ORDER, i]
             total += scene.y[block + lay.MODES_C + i] * np.cos(n * alpha)
             total += scene.y[block + lay.MODES_S + i] * np.sin(n * alpha)
         assert scene.y[cell] == pytest.approx(total, rel=1e-12)
@@ -287,4 +287,4 @@ def test_the_damping_of_springs_does_not_depend_on_their_direction(turn):
     scene = case(load={"by": "points", "at": at + sideways})
     table = bending.build_bending(bending.ring_parameters(scene)).springs.spring_table
     expected = 2.0 * 0.01 * k * np.sqrt(bending.ring_parameters(scene).ring_mass / (2.0 * k))
-    assert table[core.C_S, :2] == pytest.approx([expected, expected], rel=1e-9)
+    assert table[core.SPRING_DAMPING, :2] == pytest.approx([expected, expected], rel=1e-9)

@@ -12,7 +12,13 @@ from bearingsim.core.methods.interface import step
 from bearingsim.core.methods.symplectic_euler import SymplecticEuler
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models import by_roller
-from bearingsim.core.models.by_roller import NoUpdate, accelerate_roller, accelerate_shared, load_roller, shared
+from bearingsim.core.models.by_roller import (
+    NoUpdate,
+    accelerate_roller,
+    accelerate_shared,
+    load_roller,
+    shared_quantities,
+)
 from bearingsim.core.models.interface import accelerations, begin, degrees_of_freedom, state_width
 from bearingsim.core.parameters import Bearing, lanes
 from bearingsim.core.sums import sum_loads
@@ -33,7 +39,7 @@ state_width.register(Beads)(lambda model: lay.FIRST_LANE + lanes(model.bearing))
 degrees_of_freedom.register(Beads)(lambda model: (1, 2))
 
 
-@shared.register(Beads)
+@shared_quantities.register(Beads)
 def _shared(model, t, y):
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
 
@@ -83,7 +89,7 @@ def run_at_once(method, model, count, y):
 
 def beads() -> tuple[Beads, np.ndarray]:
     model = Beads(assemble.model(case(model="rollers")).bearing)
-    y = lay.buffer(model.bearing.Z, model.bearing.m_r)
+    y = lay.make_buffer(model.bearing.Z, model.bearing.m_r)
     y[lay.RADIAL : lay.RADIAL + 13] = 1e-6 * np.arange(13)
     return model, y
 
@@ -127,7 +133,7 @@ def test_one_pass_over_the_rollers_equals_separate_loops(name: str, method: Any)
 @pytest.mark.parametrize("name", ["ring", "rollers", "planar", "beads"])
 def test_both_loops_over_rollers_keep_their_lanes(name: str, motion: Any) -> None:
     model, y = beads() if name == "beads" else model_and_state(name)
-    common, body_acceleration, n = shared(model, 0.0, y), 0.0, lanes(model.bearing)
+    common, body_acceleration, n = shared_quantities(model, 0.0, y), 0.0, lanes(model.bearing)
     assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, common, y, n)
     if name != "ring":  # whose rollers have no mass
         assert keeps_lanes(

@@ -52,7 +52,7 @@ def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **fi
 
 
 def forces(model):
-    y = lay.buffer(model.bearing.Z, model.bearing.m_r)
+    y = lay.make_buffer(model.bearing.Z, model.bearing.m_r)
     assert solve_initial_equilibrium(assemble.static_model(model), 0.0, y) <= 1e-8 * model.support.F
     return y[lay.Q_O : lay.Q_O + model.bearing.Z], y
 
@@ -135,7 +135,7 @@ def test_bracket_carries_no_load():
     model = assemble.model(case(clearance="37 um"))
     pull = []
     for n in range(32):
-        y = lay.buffer(13, model.bearing.m_r)
+        y = lay.make_buffer(13, model.bearing.m_r)
         solve_initial_equilibrium(assemble.static_model(model), (n + 0.5) / 32 / 159.0, y)
         pull.append(model.support.k_b * (y[lay.POSITION + lay.X] - model.support.x_0))
     assert abs(np.mean(pull)) < 0.005 * model.support.F

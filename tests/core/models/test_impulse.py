@@ -42,7 +42,7 @@ def run(method, model, start, y, out):
 
 
 def drive(model, h, steps, start=0, y=None):
-    y = lay.buffer(BEARING.Z, 0.0) if y is None else y
+    y = lay.make_buffer(BEARING.Z, 0.0) if y is None else y
     out = np.empty((6, steps))
     run(Impulses(h), model, start, y, out)
     return out
@@ -138,7 +138,7 @@ def test_velocity_and_acceleration_are_those_of_the_free_motion_between_impulses
 
 def test_a_run_in_chunks_is_the_run_in_one():
     expected = drive(ring(J_y=-STRENGTHS), 5e-6, 300)
-    y = lay.buffer(BEARING.Z, 0.0)
+    y = lay.make_buffer(BEARING.Z, 0.0)
     parts = [
         drive(ring(J_y=-STRENGTHS), 5e-6, n, start, y) for start, n in ((0, 1), (1, 66), (67, 33), (100, 200))
     ]

@@ -78,7 +78,7 @@ def test_a_step_whose_middle_is_skipped_holds_no_larger_force(
     start: list[float], end: list[float], fraction: float, scale: float
 ) -> None:
     """Middles of up to twice the larger end; many examples are skipped, because all their forces are small."""
-    y = lay.buffer(LANES, 0.01)
+    y = lay.make_buffer(LANES, 0.01)
     store_step(alone(*LARGEST), y)
     store_step(scale * scaled(start), y)
     is_needed = store_step(scale * scaled(end), y)
@@ -93,7 +93,7 @@ def test_a_step_whose_middle_is_skipped_holds_no_larger_force(
 
 @pytest.mark.parametrize("kind", range(3))
 def test_the_middle_is_needed_near_the_largest_force_of_each_kind(kind: int) -> None:
-    y, low = lay.buffer(LANES, 0.01), alone(*(0.1 * force for force in LARGEST))
+    y, low = lay.make_buffer(LANES, 0.01), alone(*(0.1 * force for force in LARGEST))
     near = alone(*((0.6 if i == kind else 0.1) * force for i, force in enumerate(LARGEST)))
     assert store_step(alone(*LARGEST), y)
     assert store_step(low, y)  # begins with the largest

@@ -314,7 +314,7 @@ def test_iso16281_with_two_rollers_at_one_position():
     law = model.outer._replace(stiffness=iso16281(0.010))
     model = model._replace(outer=law, inner=law, support=model.support._replace(k_b=0.0))
     angle = np.append(2 * pi * np.arange(12) / 12, 0.0)
-    y = lay.buffer(13, 0.0)
+    y = lay.make_buffer(13, 0.0)
     y[lay.COS_0 : lay.COS_0 + 13], y[lay.SIN_0 : lay.SIN_0 + 13] = np.cos(angle), np.sin(angle)
     assert solve_initial_equilibrium(assemble.static_model(model), 0.0, y) < 1e-5
     assert y[lay.Q_O : lay.Q_O + 13].max() == pytest.approx(967.7, rel=2e-4)

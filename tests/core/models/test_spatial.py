@@ -109,15 +109,17 @@ def test_loops_over_rollers_keep_their_lanes():
     y, n = empty(model), lanes(model.bearing)
     ring, b = Body._make([0.0] * 8 + [1.0] + [0.0] * 4), model.bearing
     for side in (OuterSide(), InnerSide()):
-        assert keeps_lanes(compiled(races_in_space.race_frame.py_func), side, b, ring, 1.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.fill_race_frame.py_func), side, b, ring, 1.0, y, n)
         slice_of = compiled(races_in_space.add_slice.py_func)
         law, friction, form = model.outer, model.friction, model.form
         assert keeps_lanes(slice_of, side, law, friction, form, b, ring, 0.0, 0.5, 0.0, 1, y, n)
-        assert keeps_lanes(compiled(races_in_space.side_loads.py_func), side, b, ring, y, n)
-    assert keeps_lanes(compiled(races_in_space.slip_relaxation.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.add_side_loads.py_func), side, b, ring, y, n)
+    assert keeps_lanes(compiled(races_in_space.fill_slip_changes.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(races_in_space.update_line_load.py_func), lay.slice_row(1, 0), 1e-3, y, n)
-    assert keeps_lanes(compiled(cage_in_space.pocket_slice_force.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
-    assert keeps_lanes(compiled(spatial.roller_axes.py_func), 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(
+        compiled(cage_in_space.add_pocket_slice_force.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n
+    )
+    assert keeps_lanes(compiled(spatial.fill_roller_axes.py_func), 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(spatial.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
 
 
@@ -127,7 +129,7 @@ def test_loops_over_rollers_at_flanges_keep_their_lanes(side):
     model = assemble.model(case(model="spatial", contact={"slices": 8}))
     y, n = empty(model), lanes(model.bearing)
     ring = Body._make([0.0] * 8 + [1.0] + [0.0] * 4)
-    point = compiled(flanges.flange_point_force.py_func)
+    point = compiled(flanges.add_flange_point_force.py_func)
     assert keeps_lanes(point, side, model.flanges, model, ring, 1.0, 1e-3, y, n)
     assert keeps_lanes(compiled(flanges.any_roller_near_flange.py_func), side, model.flanges, model, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.relax_friction.py_func), side, ring, y, n)

@@ -10,7 +10,7 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
-    monitored,
+    monitored_bodies,
     state_width,
     stiffness_per_mass,
     update_extremes,
@@ -56,7 +56,7 @@ def _count_crossings(model, t, y):
     return None
 
 
-@monitored.register(OneMass)
+@monitored_bodies.register(OneMass)
 def _monitored(model):
     return 1
 
