@@ -196,8 +196,8 @@ def compilation_callbacks(on_begin: Callable[[], None], on_end: Callable[[], Non
         yield
 
 
-ABSENT: set[type] = set()
-NO_DEFAULT = object()
+ABSENT: set[type] = set()  # types declared by ``absent``
+NO_DEFAULT = object()  # stands for a default that a generic does not have
 Parameters = TypeVar("Parameters", bound=type)
 
 

@@ -83,7 +83,7 @@ Q_O_MAX, OVERRUN, OVERRUN_MAX, Q_I_MAX, Q_P_MAX = rows(_ROLLER_ROWS + 16 * ROW, 
 
 # WORK: rows of one evaluation of the model
 WORK, WORK_ROWS = _ROLLER_ROWS + 21 * ROW, 21
-PLANE = "planar linearise"
+PLANE = "planar linearise"  # owners of rows of a contact in the plane
 # direction of a roller's pocket; cos and sin of EPS
 COS_POCKET, SIN_POCKET, COS_EPS, SIN_EPS = rows(WORK, "1", f"{PLANE} spatial", "evaluation", count=4)
 # outer and inner contact: normal along e_r, e_theta; distance from the ring's centre; speed perpendicular to the
@@ -261,7 +261,7 @@ KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = side_rows(
     RELATIVE + 30 * ROW, "N s/m, N s, N m s, N, N m, N"
 )
 KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z = side_rows(RELATIVE + 36 * ROW, "N s, N s/m, N s/m, N s/m")
-# changes of the slips within the lag; reach of a defect (``defects/on_slices.py``)
+# changes of the slips within the lag; state of a defect near the current slice (values: ``defects/on_slices.py``)
 SLIP_CHANGE, SLIP_CHANGE_Z, DEFECT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
 # defect at the current slice: drop; tangent of the normal's tilt, and 1 - cosine of the tilt; lost fraction of the
 # stiffness; 1 if the defect is on the roller, else 0

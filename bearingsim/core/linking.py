@@ -64,8 +64,7 @@ OPTIONS: dict[str, Any] = {}
 """Options of ``numba.njit`` for every function of the core."""
 
 if HAS_INTERNALS:
-    # type: ignore[method-assign]
-    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)
+    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
 
     class LinkedLibrary(JITCodeLibrary):
         """Optimised code for linking into callers, without machine code of its own."""
@@ -141,9 +140,8 @@ def compile_on_call(dispatcher: Any) -> Any:
             arguments, _ = sigutils.normalize_signature(signature)
             existing = dispatcher.overloads.get(tuple(arguments))
             if existing is not None and is_linked(existing) != is_callee():
-                del dispatcher.overloads[
-                    tuple(arguments)
-                ]  # calls from Python keep the code already compiled for them
+                # calls from Python keep the code already compiled for them
+                del dispatcher.overloads[tuple(arguments)]
             with rare_collections():
                 return compile_for(signature)
 

@@ -31,8 +31,8 @@ def cache_signatures(resolve: Any) -> Any:
 
     def get_call_type(function: Any, context: Any, arguments: Any, keywords: Any) -> Any:
         key = (function.typing_key, context, tuple(arguments), tuple(keywords.items()))
-        owner, signature = signatures.get(key, (None, None))
-        if owner is function:  # numba makes a new function type when templates are added
+        cached_function, signature = signatures.get(key, (None, None))
+        if cached_function is function:  # numba makes a new function type when templates are added
             return signature
         signature = resolve(function, context, arguments, keywords)
         if is_lowered_by_numba(function, signature):

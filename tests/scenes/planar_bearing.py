@@ -134,9 +134,8 @@ def planar_model(scene: planar_scene.Scene) -> Planar:
     healthy = build_static(
         bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_defects([], Envelope())
     )
-    equilibrium = mean_equilibrium(
-        healthy, lay.make_buffer(scene.Z, scene.m_r), samples=16
-    )  # as many as the reference
+    buffer = lay.make_buffer(scene.Z, scene.m_r)
+    equilibrium = mean_equilibrium(healthy, buffer, samples=16)  # as many as the reference
     wall_law = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
     cage = FreeCage(
         m=scene.cage_mass,

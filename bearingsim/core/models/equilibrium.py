@@ -32,9 +32,7 @@ from bearingsim.core.parts.form import RECESS_I, RECESS_O, fill_recesses, recess
 # roller-defect pair of the outer contact (-1 if none), and its distance from the centre of the defect; those of
 # the inner contact are one row further
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent ring", "evaluation")
-RESIDUAL_TOLERANCE = (
-    1e-10  # of the net force, relative to the load; well under the 1e-8 allowed at the start of a run
-)
+RESIDUAL_TOLERANCE = 1e-10  # relative to the load; well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 200  # iterations of a search; usually a few suffice
 STEPS_PER_CHECK = 16  # steps between two checks of the CPU time and of the rounding error
 ROUNDING = 1e-14  # rounding error of a net force, relative to the largest contact force
@@ -49,13 +47,13 @@ class NoEquilibrium(ArithmeticError):
 
 
 @jit
-def contact_force(contact, side, defects, y, j, delta):
+def contact_force(law, side, defects, y, j, delta):
     """Return force (N), stiffness (N/m) and mean approach (m) of a contact of roller ``j``.
 
-    side: OUTER or INNER; delta: approach to the undamaged race (m).
+    law: contact law; side: OUTER or INNER; delta: approach to the undamaged race (m).
     """
     d, s = int(y[PAIR + side * lay.ROW + j]), y[DISTANCE + side * lay.ROW + j]
-    return elastic_over_defect(contact.stiffness, defects, d, s, delta)
+    return elastic_over_defect(law.stiffness, defects, d, s, delta)
 
 
 @jit
@@ -79,7 +77,7 @@ def roller_balance(model, y, j, u_r, recess_i):
     With deviations of form, ``u_r`` includes the recesses at both contacts, and the roller's radial position is q
     - ``recess_i``, with ``recess_i`` (m) at the inner contact.
 
-    Use Newton's method, started at the position of a massless roller over undamaged races. Outward steps are
+    Uses Newton's method, started at the position of a massless roller over undamaged races. Outward steps are
     limited to a reach that doubles until the outer race supports the roller; then a step is replaced by bisection
     if it leaves the bracket or does not shrink fast. The rows PAIR and DISTANCE give the roller's position over
     defects.
@@ -295,7 +293,7 @@ def balance_along_load_line(model, t, y):
 
 @jit
 def solve_initial_equilibrium(model, t, y):
-    """Run ``solve_equilibrium`` from zero displacements and velocities. Return the residual force (N)."""
+    """Run ``solve_equilibrium`` from zero displacements and velocities. Returns the residual force (N)."""
     y[lay.POSITION : lay.POSITION + lay.STATE] = 0.0
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     balance_along_load_line(model, t, y)

@@ -254,10 +254,9 @@ def _accelerate_shared(model, common, t, y):
 
 @accelerate_roller.register(Planar)
 def _accelerate_roller(model, common, alpha_cage, y, j):
-    """Implement ``accelerate_roller``: q'' = r theta'^2 + F_r/m, theta'' = (F_theta/m - 2 q' theta')/r, spin'' =
-    M/I.
+    """Implement ``accelerate_roller`` by equation (P2) of docs/planar.md.
 
-    Equation (P2) of docs/planar.md.
+    q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I.
     """
     b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
     mask, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.ramp_rate

@@ -6,7 +6,7 @@ With the same law at both races, over undamaged races,
     Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate.
 
 Over a defect of the outer race, divided along the roller into groups k of weight w_k and drop h_k
-(``defects/closed_forms.py``), the elastic balance is solved for the inner approach delta_i,
+(``defects/closed_forms.py``), the balance of the elastic forces E is solved for the inner approach delta_i,
 
     sum_k w_k E(delta - delta_i - h_k) = E(delta_i).
 
@@ -15,7 +15,7 @@ over undamaged races under the same elastic force. This is exact for damping pro
 for one group with any damping proportional to the rate. A massless roller between dashpots would relax to this
 balance within a few microseconds. Neglecting that causes an RMS difference of the force of 0.1 to 0.8 % over
 circular defects, and of 2.7 % over a slot of half the roller's length at chi = 200 s/m. The rollers' inertia and
-centrifugal load are neglected, too.
+centrifugal load are also neglected.
 """
 
 from typing import Any, NamedTuple

@@ -7,8 +7,8 @@
 
 A defect of a roller is included in h at each of its contacts, which it passes at R_w omega_b. The position of a
 roller is stored as its displacement q from the pitch circle, r = d_m/2 + q, because r of about 0.03 m would cost 2
-of 16 digits. Neglected: friction, tangential motion, tilt, bending of the rings. Bending of the outer
-ring can be included (``parts/bending.py``), which subtracts w(theta_j) from delta_o and its rate from v_o.
+of 16 digits. Neglected: friction, tangential motion, tilt, bending of the rings. Bending of the outer ring can be
+included (``parts/bending.py``), which subtracts w(theta_j) from delta_o and its rate from v_o.
 """
 
 from typing import Any, NamedTuple

@@ -40,9 +40,7 @@ from bearingsim.core.models.spatial_residuals import (
     make_work_arrays,
 )
 
-RESIDUAL_TOLERANCE = (
-    1e-10  # of a residual, relative to the load; well under the 1e-8 allowed at the start of a run
-)
+RESIDUAL_TOLERANCE = 1e-10  # relative to the load; well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 100  # iterations of a search
 MAX_HALVINGS = 40  # largest number of halvings of a step
 # tolerance of the rollers' residuals: at the end relative to RESIDUAL_TOLERANCE, before relative to the rings'

@@ -129,8 +129,8 @@ def mount_spring_rates(mount: Any) -> tuple[float, float]:
 def mount_load(
     mount: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
 ) -> tuple[float, float, float]:
-    """Return the net axial force (N) and the net moments (N m) along b_x and b_y, without dampers; zero if
-    rigid."""
+    """Return the net axial force (N) and the net generalised moments (N m) on b_x and b_y, without dampers; zero
+    if rigid."""
 
 
 @mount_spring_rates.register(ElasticMount)

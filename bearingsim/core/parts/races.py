@@ -234,9 +234,8 @@ def add_race_changes(side, spin, omega_ring, d_roll, d_spin, d_orbit, d_ring_ang
             radius * (d_v_tau - v_tau * d_rho / rho) / rho - radius_ring * d_ring_omega - radius_roller * d_spin
         )
         d_Q = y[base + LOAD_D + j] * d_delta + y[base + LOAD_V + j] * d_delta_v
-        d_Q += (
-            y[base + LOAD_S + j] * d_s - y[base + DEFECT_FORCE_V + j] * d_s_v
-        )  # Q_z equals -DEFECT_FORCE_V, group by group
+        # Q_z equals -DEFECT_FORCE_V, group by group
+        d_Q += y[base + LOAD_S + j] * d_s - y[base + DEFECT_FORCE_V + j] * d_s_v
         d_tangential = y[base + DEFECT_FORCE_D + j] * d_delta + y[base + DEFECT_FORCE_V + j] * d_delta_v
         d_tangential += y[base + DEFECT_FORCE_S + j] * d_s + y[base + DEFECT_FORCE_Z + j] * d_s_v
 

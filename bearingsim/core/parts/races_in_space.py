@@ -5,15 +5,14 @@ The centre of slice k of a roller is p = c + zeta_k a. With the ring's centre u 
     d = p - u,  w = d.b,  X = d - w b,  rho = |X|,  n = X/rho,  tau = b x n
     delta = sigma (rho - R) + R_w - drop - h(s),     force on the slice  -sigma Q n + g Q tau
 
-sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tangent of the normal's tilt
-towards tau, due to a defect or to form. X and its rate
-are linear along the roller, so only their values at its centre (OFFSET, OFFSET_V) and slopes (DIRECTION,
-DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times the forces, COUPLE_AXIAL and COUPLE
-of the moments about p by friction and by defects of the roller, so that
+sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tangent of the normal's tilt towards tau, due to
+a defect or to form. X and its rate are linear along the roller, so only their values at its centre (OFFSET,
+OFFSET_V) and slopes (DIRECTION, DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times the
+forces, COUPLE_AXIAL and COUPLE of the moments about p due to friction and to defects of the roller, so that
 
     moment on the roller = a x H + COUPLE_AXIAL b + COUPLE
 
-KAPPA, friction over slip, is evaluated at the present slip and multiplied by the slip predicted one lag later,
+KAPPA, friction over slip, is evaluated at the current slip and multiplied by the slip predicted one lag later,
 from the changes of both mean slips, of tilting and of skewing (``laws/friction/lag.py``, ``relax_friction``).
 """
 
@@ -94,9 +93,8 @@ def clear_sums(side, y, n):
     force, approach, rate, slip, tangential = contact_rows(side)
     for j in range(n):
         y[force + j], y[approach + j], y[slip + j], y[tangential + j] = 0.0, 0.0, 0.0, 0.0
-        y[rate + j] = (
-            sign(side) * y[base + lay.OFFSET_V_R + j]
-        )  # at the roller's centre, approximate, for the step monitor
+        # at the roller's centre, approximate, for the step monitor
+        y[rate + j] = sign(side) * y[base + lay.OFFSET_V_R + j]
         y[base + lay.CONTACT_FORCE_R + j] = 0.0
         y[base + lay.CONTACT_FORCE_T + j] = 0.0
         y[base + lay.CONTACT_FORCE_Z + j] = 0.0
