@@ -64,7 +64,8 @@ OPTIONS: dict[str, Any] = {}
 """Options of ``numba.njit`` for every function of the core."""
 
 if HAS_INTERNALS:
-    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
+    # type: ignore[method-assign]
+    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)
 
     class LinkedLibrary(JITCodeLibrary):
         """Optimised code for linking into callers, without machine code of its own."""

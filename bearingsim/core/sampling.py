@@ -3,8 +3,8 @@
 Three stages. ``decimate`` reduces the recording of one ball pass from thousands of steps to ``M`` fine samples (M
 divides the number of steps, so that spectral lines are computed over whole passes without leakage). ``low_pass``
 removes the content above the band of the user's sampling. ``interpolate`` evaluates the result at the user's
-sample times, anywhere between fine samples. All use Kaiser-windowed sincs (Kaiser 1974); ``pick`` is the
-alternative without filter, in which impacts alias.
+sample times, anywhere between fine samples. All use Kaiser-windowed sincs (Kaiser 1974); ``interpolate_linearly``
+is the alternative without filter, in which impacts alias.
 """
 
 from functools import lru_cache
@@ -106,7 +106,7 @@ def interpolate(fine, origin, ratio, kernel, weights, out, begin, end):
 
 
 @jit
-def pick(raw, origin, ratio, out, begin, end):
+def interpolate_linearly(raw, origin, ratio, out, begin, end):
     """Interpolate raw values linearly: out[:, n] at column origin + n ratio of ``raw`` (C, m), begin <= n < end.
 
     ``out`` is the whole record, because a slice of it would compile a second copy.

@@ -18,9 +18,9 @@ from bearingsim.core.sampling import (
     decimate,
     decimation_kernel,
     interpolate,
+    interpolate_linearly,
     interpolation_kernel,
     low_pass,
-    pick,
     sampling_kernel,
 )
 from bearingsim.simulation import channels
@@ -305,7 +305,7 @@ def _sample_pass(case: Case, grid: Grid, p: int, window: np.ndarray, raw_values:
     begin = 0 if p == 0 else min(begin, raw_values.shape[1])
     end = min(end, raw_values.shape[1])
     if end > begin:
-        pick(window, start - p * steps + tail - 1, ratio, raw_values, begin, end)
+        interpolate_linearly(window, start - p * steps + tail - 1, ratio, raw_values, begin, end)
     return raw_values[:, begin : max(begin, end)]
 
 

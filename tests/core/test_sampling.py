@@ -10,9 +10,9 @@ from bearingsim.core.sampling import (
     decimate,
     decimation_kernel,
     interpolate,
+    interpolate_linearly,
     interpolation_kernel,
     low_pass,
-    pick,
     sampling_kernel,
 )
 
@@ -103,7 +103,7 @@ def test_channels_do_not_mix() -> None:
 def test_pick_interpolates_linearly_within_requested_columns() -> None:
     raw = np.random.default_rng(3).normal(size=(2, 50))
     out = np.full((2, 30), np.nan)
-    pick(raw, -3.7, 2.3, out, 2, 23)
+    interpolate_linearly(raw, -3.7, 2.3, out, 2, 23)
     positions = -3.7 + 2.3 * np.arange(2, 23)
     assert positions[-1] < 49.0
     expected = [np.interp(positions, np.arange(50), row) for row in raw]
@@ -115,5 +115,5 @@ def test_pick_interpolates_linearly_within_requested_columns() -> None:
 def test_pick_reaches_the_last_column() -> None:
     raw = np.arange(10.0)[None]
     out = np.empty((1, 4))
-    pick(raw, 0.0, 3.0, out, 0, 4)
+    interpolate_linearly(raw, 0.0, 3.0, out, 0, 4)
     assert out[0].tolist() == [0.0, 3.0, 6.0, 9.0]

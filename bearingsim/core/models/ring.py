@@ -138,7 +138,7 @@ def _damped_rate_part(rate_division, model, outer, inner):
 
 
 @inlined
-def share_approach(model, common, c, s, y, j):
+def divide_approach(model, common, c, s, y, j):
     """Divide approach and closing rate of roller ``j`` between its two contacts over undamaged races.
 
     Equation (M9) of docs/model.md; with form (F1) of docs/form.md.
@@ -156,7 +156,7 @@ def share_approach(model, common, c, s, y, j):
 @load_roller.register(Ring)
 def _load_roller(model, common, y, j):
     c, s = fill_roller_angle(common, y, j)
-    share_approach(model, common, c, s, y, j)
+    divide_approach(model, common, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = y[lay.Q_O + j]
     load_ring(y, j)
@@ -327,7 +327,7 @@ def derivatives_over_defect_in_series(model, y, j):
 def _linearise(model, t, y):
     n, common = lanes(model.bearing), shared_quantities(model, t, y)
     for j in range(n):
-        share_approach(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
+        divide_approach(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
     fill_derivatives_in_series(model, y, n)
     if len(model.defects.head) > 0:
         locate_defects(model, t, y)

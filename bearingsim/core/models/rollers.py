@@ -96,7 +96,7 @@ def _shared_quantities(model, t, y):
 
 
 @inlined
-def approach_races(model, common, c, s, y, j):
+def fill_race_approaches(model, common, c, s, y, j):
     """Fill the approaches of both contacts of roller ``j`` over undamaged races, and their rates.
 
     Equation (M7) of docs/model.md without h; for a flexible ring (R3) of docs/ring.md; with form (F1) of
@@ -118,7 +118,7 @@ def approach_races(model, common, c, s, y, j):
 @load_roller.register(Rollers)
 def _load_roller(model, common, y, j):
     c, s = fill_roller_angle(common, y, j)
-    approach_races(model, common, c, s, y, j)
+    fill_race_approaches(model, common, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     load_ring(y, j)
@@ -221,7 +221,7 @@ def _linearise(model, t, y):
     bearing = model.bearing
     n, common = lanes(bearing), shared_quantities(model, t, y)
     for j in range(n):
-        approach_races(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
+        fill_race_approaches(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
         y[K_O + j], y[C_O + j] = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         y[K_I + j], y[C_I + j] = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     correct_derivatives_over_defects(model, t, y)

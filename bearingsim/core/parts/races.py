@@ -117,7 +117,7 @@ def fill_defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
         share_s, slope_s = defect_response_gradient(defects.excitation, group, s, head[REDUCED_RADIUS])
-        approach, rate, contact = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
+        approach, rate, contact_mask = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
         K, C = derivatives(law, approach, rate)
         weight, force = share * group[GROUP_WEIGHT], normal_force(law, approach, rate)
         K, C = weight * K, weight * C
@@ -129,8 +129,8 @@ def fill_defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
             tangential_z - C * slope * slope,
         )
         tangential_s += force_s * slope + weight * force * slope_s
-        mean_d += weight * contact
-        mean_s += group[GROUP_WEIGHT] * contact * (share_s * approach - share * slope)
+        mean_d += weight * contact_mask
+        mean_s += group[GROUP_WEIGHT] * contact_mask * (share_s * approach - share * slope)
     y[base + LOAD_D + j], y[base + LOAD_V + j], y[base + LOAD_S + j] = load_d, load_v, load_s
     y[base + DEFECT_FORCE_D + j], y[base + DEFECT_FORCE_V + j], y[base + DEFECT_FORCE_S + j] = (
         tangential_d,

@@ -5,10 +5,10 @@ The centre of slice k of a roller is p = c + zeta_k a. With the ring's centre u 
     d = p - u,  w = d.b,  X = d - w b,  rho = |X|,  n = X/rho,  tau = b x n
     delta = sigma (rho - R) + R_w - drop - h(s),     force on the slice  -sigma Q n + g Q tau
 
-sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tangent of the normal's tilt towards tau, due to
-a defect or to form. X and its rate are linear along the roller, so only their values at its centre (OFFSET,
-OFFSET_V) and slopes (DIRECTION, DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times the
-forces, COUPLE_AXIAL and COUPLE of the moments about p due to friction and to defects of the roller, so that
+sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tangent of the normal's tilt towards tau, due
+to a defect or to form. X and its rate are linear along the roller, so only their values at its centre (OFFSET,
+OFFSET_V) and slopes (DIRECTION, DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times
+the forces, COUPLE_AXIAL and COUPLE of the moments about p due to friction and to defects of the roller, so that
 
     moment on the roller = a x H + COUPLE_AXIAL b + COUPLE
 
