@@ -118,7 +118,7 @@ TINY = 1e-300  # added to denominators (SI): without damping, each contact has h
 
 @generic(inline="late")
 def outer_rate_part(rate_division: Any, model: Ring, outer: float, inner: float) -> float:
-    """Return the outer contact's part of the closing rate of a roller: c_i/(c_o + c_i), for equal damping forces.
+    """Return the outer contact's part of a roller's closing rate: c_i/(c_o + c_i), for equal damping forces.
 
     outer, inner: approaches (m) of the two contacts to undamaged races under the same elastic force. The part is
     exact for damping proportional to the rate, and 1/2 for equal laws.

@@ -12,8 +12,8 @@ cos and sin of n phi_j are tabulated, with theta_j = theta_c + phi_j and
     w(theta_j) = sum_n A_n cos(n phi_j) + B_n sin(n phi_j),   A_n + i B_n = (a_n + i b_n) exp(-i n theta_c).
 
 A roller moves along the deformed race, so the closing rate of its outer contact is w_t + omega_c w_theta less than
-on a rigid race. Virtual work gives the forces on the amplitudes; this rate includes the power that the cage needs
-to move a roller along the deformed race (docs/ring.md).
+on a rigid race. The forces on the amplitudes follow from virtual work. The term omega_c w_theta of the rate
+accounts for the power that the cage supplies to move a roller along the deformed race (docs/ring.md).
 """
 
 from math import sqrt
@@ -293,7 +293,7 @@ def _load_springs(springs, y):
 
 @inlined
 def compress_springs(springs, y):
-    """Fill COMPRESSION, COMPRESSION_V, SPRING_FORCE."""
+    """Fill COMPRESSION, COMPRESSION_V and SPRING_FORCE of every spring; none pulls."""
     lanes = springs.spring_table.shape[1]
     rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
     rows_s = (lay.POSITION + lay.MODES_S, lay.VELOCITY + lay.MODES_S)
@@ -354,7 +354,7 @@ def _accelerate_harmonics(bending, m_o, y):
 
 @inlined
 def rigid_motion_at_sensor(bending, block, y):
-    """Return the rigid motion of the ring at the sensor, from a block of the state."""
+    """Return the radial motion of the rigid ring at the sensor, from a block of the state."""
     return bending.sensor_x * y[block + lay.X] + bending.sensor_y * y[block + lay.Y]
 
 

@@ -310,7 +310,7 @@ def add_land_column(
 
 @add_land_derivatives.register(RingGuided)
 def _add_land_derivatives_ring(guide, omega_cage, omega_i, y):
-    outer, inner = guide.outer, 1.0 - guide.outer
+    outer, inner = guide.outer, 1.0 - guide.outer  # 1 for the guiding ring, 0 for the other
     e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
     e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
     if hypot(e_x, e_y) <= guide.play:

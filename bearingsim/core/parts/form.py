@@ -114,11 +114,11 @@ def fill_race_recesses(
 def _fill_race_recesses(race, angle, omega, Z, recess, rate, y, n):
     per_sector = race.pieces.shape[0]
     # sector and piece are computed independently, so that the processor computes both at the same time
-    position, whole = angle * (Z * per_sector / REVOLUTION), floor(angle * (Z / REVOLUTION))
-    sector_start = whole * per_sector
+    position, sector = angle * (Z * per_sector / REVOLUTION), floor(angle * (Z / REVOLUTION))
+    sector_start = sector * per_sector
     m = min(max(floor(position) - sector_start, 0.0), per_sector - 1.0)
     x = position - sector_start - m
-    column = int(whole - Z * floor((whole + 0.5) / Z)) + 1
+    column = int(sector - Z * floor((sector + 0.5) / Z)) + 1
     piece, padding, speed = race.pieces[int(m)], race.padding, omega * (Z * per_sector / REVOLUTION)
     c_0, c_1, c_2, c_3 = piece[0, column:], piece[1, column:], piece[2, column:], piece[3, column:]
     for j in range(n):
