@@ -66,25 +66,25 @@ def _load_contacts_with_form(form, model, common, y):
     b, n = model.bearing, lanes(model.bearing)
     angle_o = common.theta_c - y[lay.POSITION + lay.PSI]
     angle_i = common.theta_c - b.omega_i * common.time
-    cage_roll = b.omega_b * common.time + y[lay.POSITION + lay.PHI_C]
+    roll = b.omega_b * common.time + y[lay.POSITION + lay.PHI_C]
     for j in range(n):
-        locate_on_surfaces(OuterSide(), form.outer, form.rollers, angle_o, cage_roll, b.Z, y, j)
-        locate_on_surfaces(InnerSide(), form.inner, form.rollers, angle_i, cage_roll + pi, b.Z, y, j)
+        locate_on_surfaces(OuterSide(), form.outer, form.rollers, angle_o, roll, b.Z, y, j)
+        locate_on_surfaces(InnerSide(), form.inner, form.rollers, angle_i, roll + pi, b.Z, y, j)
     read_surface(form.outer, b.Z, RACE_O, RACE_SLOPE_O, y, n)
     read_surface(form.inner, b.Z, RACE_I, RACE_SLOPE_I, y, n)
     read_surface(form.rollers, b.Z, ROLLER_O, ROLLER_SLOPE_O, y, n)
     read_surface(form.rollers, b.Z, ROLLER_I, ROLLER_SLOPE_I, y, n)
     for j in range(n):
-        spin_v = common.spin + y[lay.SPIN_V + j]
-        tilt_o = subtract_recesses(OuterSide(), form.outer, form.rollers, common.omega_o, spin_v, y, j)
-        tilt_i = subtract_recesses(InnerSide(), form.inner, form.rollers, common.omega_i, spin_v, y, j)
+        beta_v = common.spin + y[lay.SPIN_V + j]
+        tilt_o = subtract_recesses(OuterSide(), form.outer, form.rollers, common.omega_o, beta_v, y, j)
+        tilt_i = subtract_recesses(InnerSide(), form.inner, form.rollers, common.omega_i, beta_v, y, j)
         Q_o = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         Q_i = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
         y[lay.Q_O + j], y[lay.Q_I + j] = Q_o, Q_i
         y[lay.DEFECT_FORCE_O + j], y[lay.DEFECT_FORCE_I + j] = tilt_o * Q_o, tilt_i * Q_i
-        roller_o = surface_entry(form.rollers, ROLLER_SLOPE_O, y, j)
-        roller_i = surface_entry(form.rollers, ROLLER_SLOPE_I, y, j)
-        y[lay.DEFECT_TORQUE + j] = -(roller_o * Q_o + roller_i * Q_i)
+        slope_o = surface_entry(form.rollers, ROLLER_SLOPE_O, y, j)
+        slope_i = surface_entry(form.rollers, ROLLER_SLOPE_I, y, j)
+        y[lay.DEFECT_TORQUE + j] = -(slope_o * Q_o + slope_i * Q_i)
         y[lay.ADDENDS + j] = -surface_entry(form.outer, RACE_SLOPE_O, y, j) * Q_o
         compute_roller_forces(model, common, tilt_o, tilt_i, y, j)
     return sum_addends(y, n)
@@ -105,12 +105,12 @@ def locate_on_surfaces(side, race, rollers, race_angle, roll, Z, y, j):
 
 
 @inlined
-def subtract_recesses(side, race, rollers, omega_race, spin_v, y, j):
+def subtract_recesses(side, race, rollers, omega_race, beta_v, y, j):
     """Subtract the recesses at one contact of roller ``j`` from its approach, and their rates from its rate.
 
     Returns the tangent of the normal's tilt.
 
-    omega_race, spin_v: speed of the race and spin of the roller (rad/s). Equation (F2) of docs/form.md.
+    omega_race, beta_v: speeds of the race and of the roller about its axis (rad/s). Equation (F2) of docs/form.md.
     """
     _, approach, rate, _, _ = contact_rows(side)
     _, _, distance, transverse_speed, rho_v = normal_rows(side)
@@ -121,7 +121,7 @@ def subtract_recesses(side, race, rollers, omega_race, spin_v, y, j):
         surface_entry(rollers, roller_slope, y, j),
     )
     y[rho_v + j] = sign(side) * y[rate + j]
-    y[rates + j] = slope_of_race * (omega - omega_race) + slope_of_roller * (omega - spin_v)
+    y[rates + j] = slope_of_race * (omega - omega_race) + slope_of_roller * (omega - beta_v)
     y[approach + j] -= surface_entry(race, of_race, y, j) + surface_entry(rollers, of_roller, y, j)
     y[rate + j] -= y[rates + j]
     return (slope_of_race + slope_of_roller) / y[distance + j]
