@@ -24,7 +24,7 @@ from bearingsim.text.files_read import digest
 Value = TypeVar("Value")
 TOLERANCE = 0.02
 """Largest relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
-MIN_PROMINENCE = 4.0
+MIN_MEDIAN_RATIO = 4.0
 """Minimum ratio of a line to the local median; white noise alone reaches 3 to 4."""
 MIN_RATIO = 1.2
 """Minimum ratio of the measured to the simulated sampling rate at which the low-pass of the simulated record is
@@ -201,4 +201,4 @@ def _amplitude(frequency: np.ndarray, amplitude: np.ndarray, expected: float) ->
     if not MIN_BINS * step < expected * (1.0 + TOLERANCE) < float(frequency[-1]):
         return float("nan")
     line = pick_from(frequency, amplitude, expected, TOLERANCE)
-    return float("nan") if line is None or line.prominence < MIN_PROMINENCE else line.amplitude
+    return float("nan") if line is None or line.median_ratio < MIN_MEDIAN_RATIO else line.amplitude

@@ -40,7 +40,7 @@ def test_a_turning_defect_has_its_line_and_sidebands(name: str, line: float, sid
         result = picked(name, hertz)
         assert result is not None, hertz
         assert result.frequency == pytest.approx(hertz, rel=5e-4)
-        assert result.prominence > 10.0
+        assert result.median_ratio > 10.0
 
 
 def test_a_defect_on_a_roller_has_no_line_at_the_outer_race_frequency() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.runner.variations import MEANING, variation_effects
+from bearingsim.runner.variations import CHANGE_MEANING, variation_effects
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.study import StudyError, load_study
 from tests.scenes.study_text import BASE, Write
@@ -101,7 +101,7 @@ def test_effect_on_a_single_job_is_no_maximum() -> None:
     plan, frame = synthetic_plan(**CHAOTIC)
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
     changes = "velocity@BPFO by 37 %, velocity.rms by 24 %, outer_force.max by 10 %"
-    text = f"damping 1 to 10 us changes {changes} {MEANING}"
+    text = f"damping 1 to 10 us changes {changes} {CHANGE_MEANING}"
     chaotic = "1 of 2 damping variations are chaotic; the change includes their standard errors"
     assert list(variation_effects(plan, frame)) == [text, chaotic]
     frame["features/chaotic"] = 0.0
@@ -120,7 +120,7 @@ DRAWN = CHAOTIC | {"acceleration.rms": [100.0, 90.0, 105.0]}
 def test_effect_is_that_on_the_features_of_the_figures() -> None:
     plan, frame = synthetic_plan(**DRAWN)
     text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO", "velocity@FTF"])
-    assert text == f"damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 % {MEANING}"
+    assert text == f"damping 1 to 10 us changes acceleration.rms by 24 %, velocity@BPFO by 37 % {CHANGE_MEANING}"
 
 
 def test_effect_counts_the_cases_of_unknown_range() -> None:
@@ -128,9 +128,9 @@ def test_effect_counts_the_cases_of_unknown_range() -> None:
     plan, frame = synthetic_plan(**DRAWN | {"rms_scatter": [0.0, math.inf, 0.0]})
     text, _ = variation_effects(plan, frame, ["acceleration.rms", "velocity@BPFO"])
     changes = "acceleration.rms by an unknown amount, velocity@BPFO by 37 %"
-    assert text == f"damping 1 to 10 us changes {changes} {MEANING}"
+    assert text == f"damping 1 to 10 us changes {changes} {CHANGE_MEANING}"
     frame.loc["d"], frame.loc["e"] = frame.loc["a"], frame.loc["a"] * 1.5
     plan["variations"].append({"of": "d", "what": "damping", "value": 1e-5, "job": "e"})
     text, _ = variation_effects(plan, frame, ["acceleration.rms"])
     changes = "acceleration.rms by up to 50 % (range unknown in 1 of 2 cases)"
-    assert text == f"damping 1 to 10 us changes {changes} {MEANING}"
+    assert text == f"damping 1 to 10 us changes {changes} {CHANGE_MEANING}"
