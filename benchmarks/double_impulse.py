@@ -3,7 +3,7 @@
     python -m benchmarks.double_impulse [--csv FILE]
 
 Events are detected in the contact forces. Their spacing is also determined from the motion of the ring, as from a
-measured signal (`signals.spacing`). About 2 minutes of CPU time.
+measured signal (`signals.entry_to_exit_time`). About 2 minutes of CPU time.
 """
 
 import argparse
@@ -16,7 +16,7 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.signals import spacing
+from bearingsim.signals import entry_to_exit_time
 from bearingsim.simulation.record import Record
 from bearingsim.simulation.simulate import simulate
 from benchmarks.rows import write_csv
@@ -122,7 +122,7 @@ def spacing_of_ring(case: Case, quantity: str) -> float:
         "record": (f"ring.{quantity}",),
     }
     series = getattr(simulate(case.model_copy(update=changes)), quantity)[:, 0]
-    return spacing(series, 51200.0, ball_pass)
+    return entry_to_exit_time(series, 51200.0, ball_pass)
 
 
 def rows() -> Iterator[dict[str, Any]]:

@@ -19,10 +19,10 @@ from bearingsim.diagnosis.envelopes import default_band
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
 from bearingsim.diagnosis.thresholds import equivalent_turns, threshold
-from bearingsim.signals.events import spacing
+from bearingsim.signals.events import entry_to_exit_time
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.picker import PickedLine, pick_from
-from bearingsim.signals.spectra import FLAT, band_pass, envelope_spectrum
+from bearingsim.signals.spectra import PASSBAND_EDGE, band_pass, envelope_spectrum
 
 TOLERANCE = 0.02
 """Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
@@ -65,7 +65,7 @@ def detect_line(signal: Signal, race: str) -> Detection:
 
 def common_band(*signals: Signal) -> tuple[float, float]:
     """Return the band (Hz) in which all signals are unaltered by sampling."""
-    return 0.0, FLAT * min(signal.fs for signal in signals)
+    return 0.0, PASSBAND_EDGE * min(signal.fs for signal in signals)
 
 
 def compare(
@@ -135,6 +135,7 @@ def _spacing(signal: Signal, line: float, nyquist: float) -> float:
     different rates have the same. The common band is not used: whitening turns its steep end into a tone.
     """
     try:
-        return spacing(band_pass(signal.series, signal.fs, (0.0, nyquist)), signal.fs, 1.0 / line) * line
+        series = band_pass(signal.series, signal.fs, (0.0, nyquist))
+        return entry_to_exit_time(series, signal.fs, 1.0 / line) * line
     except ValueError:
         return nan

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.signals.spectra import FLAT, analytic, hann, squared_envelope
+from bearingsim.signals.spectra import PASSBAND_EDGE, analytic, hann, squared_envelope
 
 LOWEST_HZ = 1000.0
 """Hz; lowest frequency of the band of the first envelope. Shaft orders and most gear meshes lie below."""
@@ -37,7 +37,7 @@ class EnvelopeSpectrum(NamedTuple):
 
 def default_band(fs: float) -> tuple[float, float]:
     """Return the band (Hz) of the first envelope spectrum at a sampling rate (Hz)."""
-    return LOWEST_HZ, FLAT * fs
+    return LOWEST_HZ, PASSBAND_EDGE * fs
 
 
 def band_spectrum(
@@ -62,7 +62,7 @@ def levelled_spectrum(series: np.ndarray, fs: float, shaft: float, highest: floa
     level = local_median(magnitude, max(MIN_MEDIAN_BINS, round(HALF_LEVEL_HZ * n / fs)))
     with np.errstate(divide="ignore", invalid="ignore"):
         gain = np.where(level > 0.0, np.minimum(1.0 / level, CLIP / magnitude), 0.0)
-    transform *= gain * (np.arange(len(transform)) <= FLAT * n)
+    transform *= gain * (np.arange(len(transform)) <= PASSBAND_EDGE * n)
     return _envelope_spectrum(np.abs(analytic(transform, n)) ** 2, fs, shaft, highest)
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.signals.spectra import FLAT
+from bearingsim.signals.spectra import PASSBAND_EDGE
 
 LEVELS = 5
 """Levels of the kurtogram: the narrowest band is 1/32 of half the sampling rate."""
@@ -32,7 +32,7 @@ def kurtogram(series: np.ndarray, fs: float) -> Kurtogram:
     in two halves. A band without a line, of a very short series, has 0.
     """
     transform = np.fft.rfft(series - series.mean())
-    limit = 2 * FLAT * (len(transform) - 1)
+    limit = 2 * PASSBAND_EDGE * (len(transform) - 1)
     values = np.zeros((LEVELS + 1, 2**LEVELS))
     for level in range(LEVELS + 1):
         edges = np.linspace(0, limit, 2**level + 1).astype(int)
@@ -42,7 +42,7 @@ def kurtogram(series: np.ndarray, fs: float) -> Kurtogram:
             mean = power.mean()
             repeat = 2 ** (LEVELS - level)
             values[level, band * repeat : (band + 1) * repeat] = np.mean(power**2) / mean**2 - 2.0 if mean else 0.0
-    edges = np.linspace(0.0, FLAT * fs, 2**LEVELS + 1)
+    edges = np.linspace(0.0, PASSBAND_EDGE * fs, 2**LEVELS + 1)
     row, column = map(int, np.unravel_index(np.argmax(values[1:]), values[1:].shape))
     width = 2 ** (LEVELS - row - 1)
     begin = column // width * width

@@ -8,7 +8,7 @@ import numpy as np
 
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis.envelopes import default_band
-from bearingsim.signals.events import SMOOTHING, entry_to_exit
+from bearingsim.signals.events import SMOOTHING_RATIO, measure_spacing
 from bearingsim.signals.spectra import band_pass
 
 DEPTH = 60e-6
@@ -47,7 +47,7 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
     period = 1.0 / outer
     half = len(series) // 2
     try:
-        spacings = [entry_to_exit(part, fs, period) for part in (series, series[:half], series[half:])]
+        spacings = [measure_spacing(part, fs, period) for part in (series, series[:half], series[half:])]
     except ValueError:
         return "a pass has fewer than 40 samples"
     for estimate in spacings:
@@ -62,7 +62,7 @@ def outer_race_size(series: np.ndarray, fs: float, parts: RollingParts, outer: f
     race = track / cosine  # radius of curvature along the track, normal to the race (Meusnier)
     effective = roller * race / (race - roller)
     drop = APPROACH[parts.element] * parts.roller_diameter
-    low, high = (whole - 0.5 * period / SMOOTHING) * speed, whole * speed
+    low, high = (whole - 0.5 * period / SMOOTHING_RATIO) * speed, whole * speed
     return Size(low, high + sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * drop), whole)
 
 

@@ -155,7 +155,7 @@ def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
         return signal.values
     from bearingsim import signals
 
-    return signals.causal(signal.values)
+    return signals.causal_low_pass(signal.values)
 
 
 def drawing_texts(jobs: Iterable[Job], channels: Sequence[str]) -> list[str]:

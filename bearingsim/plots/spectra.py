@@ -155,7 +155,7 @@ def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:
     """Trim a signal to whole periods of ``frequency`` (Hz), if it has any; return its values and sampling rate."""
     from bearingsim import signals
 
-    return signals.whole_periods(signal.values, signal.rate, frequency), signal.rate
+    return signals.cut_to_whole_periods(signal.values, signal.rate, frequency), signal.rate
 
 
 def _quantity(figure: "Figure", band: tuple[float, float]) -> str:

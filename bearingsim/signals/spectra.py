@@ -6,7 +6,7 @@ import numpy as np
 
 
 def hann(n: int) -> np.ndarray:
-    """Return a periodic Hann window of n samples; its main lobe is four bins wide."""
+    """Return the periodic Hann window (n,), whose main lobe is four bins wide."""
     return np.sin(np.pi * np.arange(n) / n) ** 2
 
 
@@ -15,20 +15,20 @@ def spectrum(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute the one-sided amplitude spectrum of a series (n,) sampled at ``fs`` (Hz), without its mean.
 
-    Returns frequencies (Hz), fs/n apart, and amplitudes in the series' unit, (n//2 + 1,) each: a sine on a bin
-    gives its amplitude with any window; between two bins of a Hann window up to 15 % less. ``window`` gives the
-    weights (n,) for n samples (``np.ones``: none).
+    window: function that returns the weights (n,) of n samples (``np.ones``: no window). Returns frequencies (Hz),
+    fs/n apart, and 0-peak amplitudes in the unit of the series, (n//2 + 1,) each. The amplitude of a sine at the
+    centre of a bin is exact with any window; between two bins it is up to 15 % smaller with a Hann window.
     """
-    weight = window(len(series))
-    amplitudes = np.abs(np.fft.rfft((series - series.mean()) * weight)) * (2.0 / weight.sum())
+    weights = window(len(series))
+    amplitudes = np.abs(np.fft.rfft((series - series.mean()) * weights)) * (2.0 / weights.sum())
     amplitudes[0] /= 2.0
     if len(series) % 2 == 0:
-        amplitudes[-1] /= 2.0  # the Nyquist line has no mirror image either
+        amplitudes[-1] /= 2.0  # like the mean, the Nyquist frequency has no negative counterpart
     return np.fft.rfftfreq(len(series), 1.0 / fs), amplitudes
 
 
-def whole_periods(series: np.ndarray, fs: float, frequency: float) -> np.ndarray:
-    """Cut a series (n,) sampled at ``fs`` (Hz) to whole periods of ``frequency`` (Hz), if it has any."""
+def cut_to_whole_periods(series: np.ndarray, fs: float, frequency: float) -> np.ndarray:
+    """Cut a series (n,) sampled at ``fs`` (Hz) to whole periods of ``frequency`` (Hz), unless it has none."""
     periods = int(len(series) / fs * frequency + 1e-9)
     count = min(len(series), round(periods * fs / frequency))
     return series[: count or None]
@@ -39,8 +39,8 @@ def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | 
 
     Negative frequencies and those outside the band are set to zero in the Fourier transform (Randall and Antoni,
     Rolling element bearing diagnostics - a tutorial, Mech. Syst. Signal Process. 25, 2011, 485-520). The record is
-    treated as periodic, so its two ends mix over about the inverse of the bandwidth. Raises ValueError if the band
-    is empty or not within 0 to fs/2.
+    treated as periodic, so about the inverse of the bandwidth is distorted at both ends. Raises ValueError if the
+    band is empty or not within 0 to fs/2.
     """
     low, high = band or (0.0, fs / 2.0)
     if not 0.0 <= low < high <= fs / 2.0:
@@ -75,9 +75,9 @@ def analytic(one_sided: np.ndarray, n: int) -> np.ndarray:
     return np.fft.ifft(transform)
 
 
-FLAT = 0.4
-"""Fraction of the sampling rate up to which records of bearingsim are unaltered. Residual content between 0.5
-and 0.6 of the sampling rate aliases to frequencies without lines and would appear in an envelope spectrum."""
+PASSBAND_EDGE = 0.4
+"""Fraction of the sampling rate up to which the low-pass of records is flat. Above it, residual content between
+0.5 and 0.6 of the sampling rate aliases to frequencies without lines, and would appear in an envelope spectrum."""
 
 
 def envelope_spectrum(
@@ -85,51 +85,52 @@ def envelope_spectrum(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute the envelope spectrum of a series (n,) sampled at ``fs`` (Hz), from the squared envelope.
 
-    Impacts excite resonances; the envelope shows their repetition (Randall and Antoni 2011; squared, because its
-    root adds harmonics that alias). ``band`` (Hz): of the resonance; by default up to ``FLAT`` of ``fs``. Returns
-    frequencies (Hz) and amplitudes in the series' unit squared, as ``spectrum`` does. Raises ValueError as
-    ``squared_envelope``.
+    Impacts excite resonances, and the envelope shows their repetition (Randall and Antoni 2011; squared, because
+    the square root adds harmonics that alias). band: of the resonance (Hz), by default up to ``PASSBAND_EDGE`` of
+    ``fs``. Returns frequencies (Hz) and amplitudes in the squared unit of the series, as ``spectrum``. Raises
+    ValueError as ``squared_envelope``.
     """
-    return spectrum(squared_envelope(series, fs, band or (0.0, FLAT * fs)), fs)
+    return spectrum(squared_envelope(series, fs, band or (0.0, PASSBAND_EDGE * fs)), fs)
 
 
 def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     """Compute the RMS of a series (n,) sampled at ``fs`` (Hz) in ``band`` (Hz, ends included), without its mean.
 
-    The RMS is summed over the power spectrum with a Hann window of bandwidth 1.5 fs/n, so a line closer than this
-    to an end of the band contributes in part. Returns nan for a band between two bins. Raises ValueError if the
-    band is empty or not within 0 to fs/2.
+    The power spectrum of a Hann window, whose noise bandwidth is 1.5 fs/n, is summed over the band, so a line
+    closer than this to an end of the band contributes in part. Returns NaN for a band between two bins. Raises
+    ValueError if the band is empty or not within 0 to fs/2.
     """
     low, high = band
     if not 0.0 <= low < high <= fs / 2.0:
         raise ValueError(f"a band from {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
-    weight = hann(len(series))
-    transform = np.fft.rfft((series - np.average(series, weights=weight)) * weight)
+    weights = hann(len(series))
+    transform = np.fft.rfft((series - np.average(series, weights=weights)) * weights)
     frequencies = np.fft.rfftfreq(len(series), 1.0 / fs)
     inside = (frequencies >= low) & (frequencies <= high)
     if not inside.any():
         return float("nan")
     power = 2.0 * np.abs(transform) ** 2
     if len(series) % 2 == 0:
-        power[-1] /= 2.0  # the Nyquist line has no mirror image
-    return float(np.sqrt(power[inside].sum() / (len(series) * np.sum(weight**2))))
+        power[-1] /= 2.0  # the Nyquist frequency has no negative counterpart
+    return float(np.sqrt(power[inside].sum() / (len(series) * np.sum(weights**2))))
 
 
 MIRROR_LENGTH = 64
 """Samples by which a series is extended at both ends for filtering."""
-PHASE_POINTS, PHASE_RATES = 1 << 14, 4
-"""Points at which the gain is evaluated, up to ``PHASE_RATES``/2 times the sampling rate."""
-STOP_GAIN = 1e-4
-"""Gain above half of the sampling rate."""
+PHASE_POINTS, PHASE_RANGE = 1 << 14, 4
+"""Number of frequencies at which the gain is evaluated for its minimum phase, and their range over the sampling
+rate (from -2 to 2 times the sampling rate)."""
+STOPBAND_GAIN = 1e-4
+"""Gain above half of the sampling rate: its logarithm must be finite."""
 
 
-def causal(series: np.ndarray) -> np.ndarray:
-    """Filter a series (..., n) with a causal low-pass, flat up to ``FLAT`` of its sampling rate and zero at half
-    of it.
+def causal_low_pass(series: np.ndarray) -> np.ndarray:
+    """Filter a series (..., n) with a causal low-pass, flat up to ``PASSBAND_EDGE`` of its sampling rate.
 
-    A zero-phase low-pass, such as that of a record, rings before an impact; this minimum-phase filter rings only
-    after it (its phase is the Hilbert transform of the gain's logarithm: Oppenheim and Schafer, Discrete-Time
-    Signal Processing, ch. 13). Both ends are extended by their mirror image, so some samples there are distorted.
+    The gain falls to ``STOPBAND_GAIN`` at half the sampling rate. A zero-phase low-pass, such as that of a record,
+    rings before an impact; this minimum-phase filter rings only after it. Its phase is the Hilbert transform of
+    the logarithm of its gain (Oppenheim and Schafer, Discrete-Time Signal Processing, ch. 13). Both ends are
+    extended by their mirror image, so some samples there are distorted.
     """
     n = series.shape[-1]
     margin = min(n - 1, MIRROR_LENGTH)
@@ -141,13 +142,16 @@ def causal(series: np.ndarray) -> np.ndarray:
 
 def _gain(frequency: np.ndarray) -> np.ndarray:
     """Compute the gain of the low-pass; frequency: relative to the sampling rate."""
-    transition = np.clip((frequency - FLAT) / (0.5 - FLAT), 0.0, 1.0)
-    return np.maximum(np.cos(0.5 * np.pi * transition) ** 2, STOP_GAIN)
+    transition = np.clip((frequency - PASSBAND_EDGE) / (0.5 - PASSBAND_EDGE), 0.0, 1.0)
+    return np.maximum(np.cos(0.5 * np.pi * transition) ** 2, STOPBAND_GAIN)
 
 
 def _minimum_phase(frequency: np.ndarray) -> np.ndarray:
-    """Compute the phase (rad) of the minimum-phase filter with that gain."""
-    frequencies, half = np.fft.fftfreq(PHASE_POINTS, 1.0 / PHASE_RATES), PHASE_POINTS // 2
+    """Compute the phase (rad) of the minimum-phase filter with the gain ``_gain``, from its real cepstrum.
+
+    frequency: relative to the sampling rate.
+    """
+    frequencies, half = np.fft.fftfreq(PHASE_POINTS, 1.0 / PHASE_RANGE), PHASE_POINTS // 2
     cepstrum = np.fft.ifft(np.log(_gain(np.abs(frequencies)))).real
     cepstrum[1:half] *= 2.0
     cepstrum[half + 1 :] = 0.0

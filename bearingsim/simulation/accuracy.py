@@ -68,7 +68,7 @@ def _error_from_samples(
         sensor_samples(case, raw, "velocity", start, n * M),
         case.bearing.rollers * model.bearing.theta_0,
     )
-    line = signals.lines_by_pass(velocity, M, [1], start, Z_theta_0).mean()
+    line = signals.amplitudes_by_pass(velocity, M, [1], start, Z_theta_0).mean()
     carrier = 2.0 * np.cos(signals.pass_angles(M, start, Z_theta_0) + np.angle(line))
     return _relative(standard_error(velocity.reshape(n, M) * carrier), line, min_amplitude)
 
@@ -80,7 +80,7 @@ def error_from_passes(lines: np.ndarray, min_amplitude: float) -> float:
     """
     if len(lines) < MIN_PASSES:
         return np.inf
-    weights = signals.pass_weights(len(lines), neighbours=True)
+    weights = signals.pass_weights(len(lines), has_neighbours=True)
     line = np.average(lines, weights=weights)
     in_phase = (lines * np.exp(-1j * np.angle(line))).real
     return _relative(standard_error(in_phase[:, np.newaxis], weights), line, min_amplitude)

@@ -180,7 +180,7 @@ def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignal
     fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
     filtered = raw.low_passed.read(start, length) if case.antialias else None
-    lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
+    lines = signals.amplitudes_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
     raw_values = raw.raw_values[:, first_raw_value(case, start_time) :]
     return _collect_signals(
         case, raw, fine, filtered, raw_values, lines.mean(axis=1, keepdims=True), raw.peaks[-period:]

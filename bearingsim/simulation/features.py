@@ -162,12 +162,12 @@ def _envelope_line(
     Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
     ends = angles.ends().phases(Z)
     frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)
-    resolved = zip(frequencies, signals.resolvable(frequencies, duration), strict=True)
+    resolved = zip(frequencies, signals.are_resolved(frequencies, duration), strict=True)
     frequency, is_resolved = dict(zip(LINES, resolved, strict=True))[name]
     if not (is_resolved or LINES[name].outer) or not 0.0 < frequency < band.high - band.low:
         return nan
     angle = angles.phase(LINES[name], Z)
-    return float(abs(signals.line_at(signals.squared_envelope(series, fs, band), angle)))
+    return float(abs(signals.amplitude_at(signals.squared_envelope(series, fs, band), angle)))
 
 
 class NotRecorded(UserError, KeyError):

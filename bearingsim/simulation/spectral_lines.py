@@ -110,7 +110,9 @@ def ball_pass_lines(case: Case, pass_lines: Mapping[str, np.ndarray]) -> dict[st
     for quantity, lines in pass_lines.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.line(values, has_others)
+            columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.mean_amplitude(
+                values, has_others
+            )
     return columns or dict.fromkeys(_ball_pass_names(), float("nan"))
 
 
@@ -162,7 +164,7 @@ def _lines_at_equal_angles(case: Case, model: Any, grid: Grid, raw: RawRecord) -
         return {}
     M *= ceil(2.0 * pi / (M * np.diff(pass_angle).min()))  # the longest pass keeps all its samples
     motion = np.stack([sensor_samples(case, raw, quantity, start, length) for quantity in MOTION[:2]])
-    (position, speed), first_pass = signals.at_equal_angles(motion, pass_angle, M)
+    (position, speed), first_pass = signals.resample_by_angle(motion, pass_angle, M)
     passes = first_pass + np.arange((len(position) - 1) // M + 1)
     rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, pass_angle, np.arange(length) / grid.fine_rate))
     return _lines_across_borders(position, speed, M, 0, rate, angle)
@@ -171,12 +173,12 @@ def _lines_at_equal_angles(case: Case, model: Any, grid: Grid, raw: RawRecord) -
 def _lines_across_borders(
     position: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes - 1) of each quantity, as ``signals.lines_across_borders``; arguments as
-    for ``_lines_by_pass``. Empty for fewer than two passes."""
+    """Return the lines (harmonics, passes - 1) of each quantity, as ``signals.amplitudes_by_pass_pair``; arguments
+    as for ``_lines_by_pass``. Empty for fewer than two passes."""
     if len(position) <= 2 * M:
         return {}
-    displacement, _ = signals.lines_across_borders(position[:-1], M, rate, HARMONICS, start, Z_theta_0)
-    velocity, acceleration = signals.lines_across_borders(speed[:-1], M, rate, HARMONICS, start, Z_theta_0)
+    displacement, _ = signals.amplitudes_by_pass_pair(position[:-1], M, rate, HARMONICS, start, Z_theta_0)
+    velocity, acceleration = signals.amplitudes_by_pass_pair(speed[:-1], M, rate, HARMONICS, start, Z_theta_0)
     return dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
 
 
@@ -185,9 +187,9 @@ def _lines_by_pass(
 ) -> dict[str, np.ndarray]:
     """Return the lines (harmonics, passes) of each quantity; position, speed: whole passes plus one sample."""
     displacement, velocity = (
-        signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (position, speed)
+        signals.amplitudes_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (position, speed)
     )
-    acceleration = signals.derivative_lines(
+    acceleration = signals.derivative_amplitudes(
         velocity, speed[::M], rate, HARMONICS, Z_theta_0 + 2.0 * pi * (start % M) / M
     )
     return dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
@@ -205,7 +207,7 @@ def other_lines(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str,
     compute_lines = _lines_at_varying_speed if has_unequal_passes(case) else _lines_at_constant_speed
     lines, frequencies = compute_lines(case, model, grid, raw, length)
     resolved = dict(
-        zip(LINES, signals.resolvable(frequencies, min(case.duration, length / grid.fine_rate)), strict=True)
+        zip(LINES, signals.are_resolved(frequencies, min(case.duration, length / grid.fine_rate)), strict=True)
     )
     columns: dict[str, float] = {}
     for quantity, values in lines.items():
@@ -246,7 +248,7 @@ def _lines_at_constant_speed(
     phases = angles.phases(case.bearing.rollers)
     initial_angles = sample_angles(model, grid, 0, np.zeros(2))  # small angles, for full precision
     phase_step = np.diff(initial_angles.phases(case.bearing.rollers))[:, 0]
-    displacement, velocity = signals.lines_of_windows(
+    displacement, velocity = signals.amplitudes_of_segments(
         series.reshape(2, window_count, M), count, record_windows.period, tail, phases[:, 0], phase_step
     )
     # from the velocity, integrated by parts, because impacts alias into the line less than from the acceleration
@@ -279,6 +281,6 @@ def _lines_at_varying_speed(
             yield np.stack([*motion, gradient * grid.fine_rate * speed], axis=1), extended[:, inside], gradient
 
     first_angles, last_angles = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
-    displacement, velocity, weighted_velocity = signals.lines_of_blocks(parts(), first_angles, last_angles).T
+    displacement, velocity, weighted_velocity = signals.amplitudes_of_blocks(parts(), first_angles, last_angles).T
     lines = dict(zip(MOTION, (displacement, velocity, 1j * weighted_velocity), strict=True))
     return lines, (last_angles - first_angles) / (2.0 * pi * (length - 1)) * grid.fine_rate

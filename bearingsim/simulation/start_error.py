@@ -83,7 +83,7 @@ class Motion(NamedTuple):
         span = slice(round(begin * M), round(end * M))
         velocity, phases = self.velocity[span], self.phases[:, span]
         if self.has_neighbours:
-            lines = signals.lines_at(velocity, phases)
+            lines = signals.amplitudes_at(velocity, phases)
         else:
             lines = np.array([2.0 * np.mean(velocity * np.exp(-1j * phase)) for phase in phases], dtype=complex)
         forces = self.forces[int(begin) : ceil(end)]

@@ -135,7 +135,7 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
     pass_lines = lines_of_passes(case, setup.model, grid, raw) if pass_features else {}
     for name in pass_features if pass_lines else ():
         lines_by_pass = pass_lines[name.partition("@")[0]][_harmonic(name) - 1]
-        weights = signals.pass_weights(len(lines_by_pass), neighbours=True)
+        weights = signals.pass_weights(len(lines_by_pass), has_neighbours=True)
         lines[name] = np.append(np.average(lines_by_pass, weights=weights), lines_by_pass)
     errors = {}
     for name, parts in lines.items():

@@ -62,4 +62,4 @@ def _samples(record: Any, channel: str, periods_of: float | None) -> tuple[NDArr
         raise UserError(f"`{channel}` was not recorded ({hint})")
     values, time = np.asarray(series[channel], np.float64), record.time
     rate = float((len(time) - 1) / (time[-1] - time[0]))
-    return values if periods_of is None else signals.whole_periods(values, rate, periods_of), rate
+    return values if periods_of is None else signals.cut_to_whole_periods(values, rate, periods_of), rate

@@ -17,7 +17,7 @@ from bearingsim.measured.content import EXAMPLES, MissingError
 from bearingsim.measured.files import OF_FULL_SCALE
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.signals import band_rms, envelope_spectrum, pick_from, spectrum, statistics
-from bearingsim.signals.spectra import FLAT
+from bearingsim.signals.spectra import PASSBAND_EDGE
 from bearingsim.study.measured_values import SignalFile, listed
 from bearingsim.text.files_read import digest
 
@@ -151,7 +151,7 @@ def _features(signal: MeasuredSignal, sampling: float, names: Sequence[str]) -> 
     frequency, amplitude = spectrum(signal.series, signal.fs)
     for name, line in LINES.items():
         yield f"{signal.quantity}@{name}", _amplitude(frequency, amplitude, frequency_of(line, signal.lines))
-    end = min(PASSBAND * sampling, FLAT * signal.fs)
+    end = min(PASSBAND * sampling, PASSBAND_EDGE * signal.fs)
     for name in sorted({"envelope@BPFO", "envelope@BPFI", "envelope@2BSF", *names}):
         feature = read_band(name)
         if feature is not None and feature.quantity == signal.quantity and not feature.healthy:
@@ -179,7 +179,7 @@ def _band_value(signal: MeasuredSignal, feature: BandFeature, end: float) -> flo
     envelope's bandwidth does not contain the line. end: upper limit (Hz) of the default band.
     """
     band = feature.band or (0.0, end)
-    if band[1] > FLAT * signal.fs * (1.0 + 1e-9):
+    if band[1] > PASSBAND_EDGE * signal.fs * (1.0 + 1e-9):
         return float("nan")
     if not feature.line:
         return band_rms(signal.series, signal.fs, (band[0], band[1]))

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import resample_poly
 
 from bearingsim.diagnosis.comparison import Signal, compare
-from bearingsim.signals.events import spacing
+from bearingsim.signals.events import entry_to_exit_time
 from tests.scenes.impacts import LINES, RATE, impacts
 
 BAND = (1000.0, 5120.0)
@@ -63,4 +63,6 @@ def test_events_half_a_pass_apart_are_no_entry_and_exit(share, expected):
     """A smooth periodic motion has maxima half a pass apart: a healthy 6205 had a width of 8 mm."""
     impact = impacts(LINES.outer, noise=0.02)
     series = impact + 0.5 * np.roll(impact, -round(share / LINES.outer * RATE))
-    assert spacing(series, RATE, 1.0 / LINES.outer) * LINES.outer == pytest.approx(expected, rel=0.05, nan_ok=True)
+    assert entry_to_exit_time(series, RATE, 1.0 / LINES.outer) * LINES.outer == pytest.approx(
+        expected, rel=0.05, nan_ok=True
+    )

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import resample
 
 from bearingsim.diagnosis.kurtogram import LEVELS, kurtogram
-from bearingsim.signals.spectra import FLAT
+from bearingsim.signals.spectra import PASSBAND_EDGE
 from tests.independent import kurtogram as published
 from tests.scenes.impacts import LINES, RATE, impacts
 
@@ -26,7 +26,7 @@ def signal_of(number):
 
 def published_of(series):
     """Return the published kurtoses by level, of 0 to 0.4 of the rate, which resampling makes the whole band."""
-    return published.kurtogram(resample(series, round(2.0 * FLAT * len(series))), LEVELS)
+    return published.kurtogram(resample(series, round(2.0 * PASSBAND_EDGE * len(series))), LEVELS)
 
 
 @pytest.mark.parametrize("number", range(len(SIGNALS)))

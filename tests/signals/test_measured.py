@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from bearingsim.signals import envelope_spectrum, pick_from, pick_line, spacing, squared_envelope
+from bearingsim.signals import entry_to_exit_time, envelope_spectrum, pick_from, pick_line, squared_envelope
 
 FOLDER = os.environ.get("BEARINGSIM_MEASURED", "")
 pytestmark = pytest.mark.skipif(not FOLDER, reason="BEARINGSIM_MEASURED names no folder of measured signals")
@@ -117,7 +117,7 @@ def test_measured_spacing_agrees_with_publication(name: str, expected: float) ->
     A ball crosses 8 deg of the outer race in 8/360 of a turn of the cage.
     """
     signal = SIGNALS[name]()
-    measured = spacing(signal.series, signal.fs, 1.0 / strongest_frequency(signal))
+    measured = entry_to_exit_time(signal.series, signal.fs, 1.0 / strongest_frequency(signal))
     assert measured == pytest.approx(expected, rel=0.01)
     crossing = 8 / 360 / (BPFO / 9 * signal.shaft)
     assert 0.75 < measured / crossing < 0.95
@@ -126,7 +126,7 @@ def test_measured_spacing_agrees_with_publication(name: str, expected: float) ->
 def test_spacing_times_speed_is_constant() -> None:
     """Within 4 %, at 600 and 900 rpm."""
     products = [
-        spacing(signal.series, signal.fs, 1.0 / strongest_frequency(signal)) * signal.shaft
+        entry_to_exit_time(signal.series, signal.fs, 1.0 / strongest_frequency(signal)) * signal.shaft
         for signal in (SIGNALS["spall at 900"](), SIGNALS["spall at 600"]())
     ]
     assert max(products) / min(products) < 1.04
@@ -135,4 +135,4 @@ def test_spacing_times_speed_is_constant() -> None:
 @pytest.mark.parametrize("name", ["fault", "healthy", "no spall"])
 def test_small_or_missing_fault_has_no_spacing(name: str) -> None:
     signal = SIGNALS[name]()
-    assert np.isnan(spacing(signal.series, signal.fs, 1.0 / (BPFO * signal.shaft)))
+    assert np.isnan(entry_to_exit_time(signal.series, signal.fs, 1.0 / (BPFO * signal.shaft)))

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from bearingsim.signals import (
-    at_equal_angles,
-    line,
-    line_at,
-    lines_by_pass,
+    amplitude_at,
+    amplitudes_by_pass,
+    entry_to_exit_time,
+    mean_amplitude,
     pick_from,
     pick_line,
-    spacing,
+    resample_by_angle,
     spectrum,
 )
 from tests.scenes.tones import BPFO, FS, SPIN, varying_angle
@@ -106,7 +106,7 @@ def test_resampling_error_below_0_4_of_the_rate(share: float) -> None:
     n = np.arange(4000)
     for phase in (0.0, 1.0, 2.0):
         angle = 2 * np.pi * 0.01737 * n + 0.2 * np.sin(0.002 * n)
-        (resampled,), first = at_equal_angles(np.cos(2 * np.pi * share * n + phase)[np.newaxis], angle, 101)
+        (resampled,), first = resample_by_angle(np.cos(2 * np.pi * share * n + phase)[np.newaxis], angle, 101)
         instants = np.interp(2 * np.pi * (first + np.arange(len(resampled)) / 101), angle, n)
         assert np.abs(resampled - np.cos(2 * np.pi * share * instants + phase)).max() < 3e-5
 
@@ -115,7 +115,7 @@ def test_resampling_returns_whole_passes_and_first_number() -> None:
     n = np.arange(2000)
     angle = -7.0 + 2 * np.pi * n / 100.5
     rows = np.array([np.full(2000, 1e6), np.cos(angle)])
-    resampled, first = at_equal_angles(rows, angle, 64)
+    resampled, first = resample_by_angle(rows, angle, 64)
     assert first == int(np.ceil(angle[15] / (2 * np.pi)))
     passes = int(np.floor(angle[-16] / (2 * np.pi))) - first
     assert resampled.shape == (2, passes * 64 + 1)
@@ -126,7 +126,7 @@ def test_resampling_returns_whole_passes_and_first_number() -> None:
 @pytest.mark.parametrize("period", [32, 64])
 def test_resampling_reaches_a_pass_that_ends_at_the_last_usable_sample(period: int) -> None:
     n = np.arange(10 * period + 16)  # sample n - 16 is the end of the tenth pass
-    (resampled,), first = at_equal_angles(
+    (resampled,), first = resample_by_angle(
         1.0 + np.cos(2 * np.pi * 3 * n / period)[np.newaxis], 2 * np.pi * n / period, 64
     )
     assert (first, len(resampled)) == (1, 9 * 64 + 1)
@@ -138,12 +138,14 @@ def test_line_locked_to_varying_cage_speed_is_exact() -> None:
     t = np.arange(4 * 10240) / FS
     angle = varying_angle(t, BPFO, 0.01, 0.6)
     series = 3.0 * np.cos(angle + 0.4) + 0.5 * np.cos(2 * angle) + 10.0
-    (resampled,), _ = at_equal_angles(series[np.newaxis], angle, 66)
-    first_line, second_line = (line(by_pass) for by_pass in lines_by_pass(resampled[:-1], 66, [1, 2], 0, 0.0))
+    (resampled,), _ = resample_by_angle(series[np.newaxis], angle, 66)
+    first_line, second_line = (
+        mean_amplitude(by_pass) for by_pass in amplitudes_by_pass(resampled[:-1], 66, [1, 2], 0, 0.0)
+    )
     assert first_line[:2] == pytest.approx((3.0, 0.4), rel=1e-4)
     assert second_line[:2] == pytest.approx((0.5, 0.0), rel=1e-4, abs=1e-4)
-    assert abs(line_at(series, angle) - 3.0 * np.exp(0.4j)) < 3e-4
-    assert abs(line_at(series, 2 * np.pi * BPFO * t)) < 1.0  # a fixed frequency loses two thirds
+    assert abs(amplitude_at(series, angle) - 3.0 * np.exp(0.4j)) < 3e-4
+    assert abs(amplitude_at(series, 2 * np.pi * BPFO * t)) < 1.0  # a fixed frequency loses two thirds
 
 
 @pytest.mark.parametrize(
@@ -156,7 +158,7 @@ def test_line_locked_to_varying_cage_speed_is_exact() -> None:
 )
 def test_resampling_refuses_records_without_a_pass(angle: np.ndarray, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
-        at_equal_angles(np.zeros((1, len(angle))), angle, 10)
+        resample_by_angle(np.zeros((1, len(angle))), angle, 10)
 
 
 def events(
@@ -177,7 +179,7 @@ def events(
 @pytest.mark.parametrize("disturbance", [{}, {"slip": 0.01, "noise": 0.02}, {"noise": 0.1}])
 def test_spacing_of_synthetic_events(share: float, disturbance: dict[str, float]) -> None:
     period = 1 / 36
-    measured = spacing(events(share * period, period, 60, 0.5, **disturbance), 40960.0, period)
+    measured = entry_to_exit_time(events(share * period, period, 60, 0.5, **disturbance), 40960.0, period)
     assert -0.25e-3 < measured - share * period < 0.02e-3  # the entry rises slowly
 
 
@@ -185,24 +187,24 @@ def test_spacing_of_equal_events_within_a_tenth_of_a_sample() -> None:
     period, gap = 0.025, 0.005  # 1024 and 204.8 samples
     series = events(gap, period, 60, 0.0)
     transform = np.fft.rfft(series) * np.exp(-2j * np.pi * np.fft.rfftfreq(len(series)) * gap * 40960)
-    assert spacing(0.7 * series + np.fft.irfft(transform, len(series)), 40960.0, period) == pytest.approx(
-        gap, abs=0.1 / 40960
-    )
+    assert entry_to_exit_time(
+        0.7 * series + np.fft.irfft(transform, len(series)), 40960.0, period
+    ) == pytest.approx(gap, abs=0.1 / 40960)
 
 
 @pytest.mark.parametrize("disturbance", [{}, {"slip": 0.01, "noise": 0.02}, {"noise": 0.1}])
 def test_single_event_per_pass_has_no_spacing(disturbance: dict[str, float]) -> None:
-    assert np.isnan(spacing(events(0.2 / 36, 1 / 36, 60, 0.0, **disturbance), 40960.0, 1 / 36))
+    assert np.isnan(entry_to_exit_time(events(0.2 / 36, 1 / 36, 60, 0.0, **disturbance), 40960.0, 1 / 36))
 
 
 def test_series_without_events_has_no_spacing() -> None:
-    assert np.isnan(spacing(np.zeros(40960), 40960.0, 1 / 159))
-    assert np.isnan(spacing(np.sin(2 * np.pi * 159 * np.arange(40960) / 40960), 40960.0, 1 / 159))
+    assert np.isnan(entry_to_exit_time(np.zeros(40960), 40960.0, 1 / 159))
+    assert np.isnan(entry_to_exit_time(np.sin(2 * np.pi * 159 * np.arange(40960) / 40960), 40960.0, 1 / 159))
     for seed in range(10):
-        assert np.isnan(spacing(np.random.default_rng(seed).standard_normal(40960), 40960.0, 1 / 159))
+        assert np.isnan(entry_to_exit_time(np.random.default_rng(seed).standard_normal(40960), 40960.0, 1 / 159))
 
 
 @pytest.mark.parametrize(("n", "fs"), [(100, 10240.0), (5000, 5000.0)])
 def test_spacing_refuses_short_records(n: int, fs: float) -> None:
     with pytest.raises(ValueError, match="two passes"):
-        spacing(np.zeros(n), fs, 1 / 159)
+        entry_to_exit_time(np.zeros(n), fs, 1 / 159)

@@ -9,16 +9,16 @@ import scipy.stats
 
 from bearingsim.core.sampling import RESAMPLE_REACH, kaiser_sinc
 from bearingsim.signals import (
+    amplitude_at,
+    amplitudes_at,
+    amplitudes_by_pass,
+    amplitudes_by_pass_pair,
+    amplitudes_of_segments,
+    are_resolved,
     band_rms,
-    derivative_lines,
+    derivative_amplitudes,
     envelope_spectrum,
-    line,
-    line_at,
-    lines_across_borders,
-    lines_at,
-    lines_by_pass,
-    lines_of_windows,
-    resolvable,
+    mean_amplitude,
     spectrum,
     squared_envelope,
     statistics,
@@ -40,7 +40,7 @@ def periodic(start: int, Z_theta_0: float, lines: dict[int, tuple[float, float]]
 @pytest.mark.parametrize("Z_theta_0", [0.0, np.pi, -40.0])
 def test_lines_are_exact_and_do_not_leak(start: int, Z_theta_0: float) -> None:
     series = 3.0 + periodic(start, Z_theta_0, LINES | {11: (5.0, 0.2), 32: (4.0, 0.1)})
-    lines = lines_by_pass(series, M, HARMONICS, start, Z_theta_0)
+    lines = amplitudes_by_pass(series, M, HARMONICS, start, Z_theta_0)
     assert lines.shape == (5, PASSES)
     for k, by_pass in zip(HARMONICS, lines, strict=True):
         A, phase = LINES.get(k, (0.0, 0.0))
@@ -53,15 +53,15 @@ def test_phase_is_zero_when_the_line_peaks_as_a_roller_passes_the_load_line() ->
     cage = theta_0 + 2 * np.pi / Z * t
     distance = np.remainder(cage + np.pi / Z, 2 * np.pi / Z) - np.pi / Z  # of the nearest roller from phi = 0
     bump = np.exp(-((distance / 0.05) ** 2))
-    (by_pass,) = lines_by_pass(bump, M, [1], start, Z * theta_0)
-    assert line(by_pass)[1] == pytest.approx(0.0, abs=1e-12)
+    (by_pass,) = amplitudes_by_pass(bump, M, [1], start, Z * theta_0)
+    assert mean_amplitude(by_pass)[1] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("k", [1, 2, 5])
 def test_a_source_at_phi_turns_the_phase_by_minus_k_Z_phi(k: int) -> None:
     shift = 0.4  # Z phi
-    (by_pass,) = lines_by_pass(periodic(3, 1.0 - shift, {k: (1.0, 0.0)}), M, [k], 3, 1.0)
-    assert line(by_pass)[1] == pytest.approx(-k * shift, abs=1e-12)
+    (by_pass,) = amplitudes_by_pass(periodic(3, 1.0 - shift, {k: (1.0, 0.0)}), M, [k], 3, 1.0)
+    assert mean_amplitude(by_pass)[1] == pytest.approx(-k * shift, abs=1e-12)
 
 
 @pytest.mark.parametrize("k", [1, 3])
@@ -72,19 +72,19 @@ def test_an_impact_at_the_border_of_passes_is_not_divided(k: int, position: floa
     distance = x - position - np.round(x - position)
     series = -distance / width * np.exp(-0.5 * (distance / width) ** 2) * (1.0 + x / n)
     rate = 100.0 * (1.5 + np.arange(n)) / n
-    lines = lines_across_borders(series, M, rate, [k], 0, 0.0)
+    lines = amplitudes_by_pass_pair(series, M, rate, [k], 0, 0.0)
     weights = np.sin(np.pi * x / n) ** 2
     carrier = 2.0 * weights * np.exp(-2j * np.pi * k * x) / weights.sum()
     expected = carrier @ series
     derivative = 2j * np.pi * k * (carrier * np.repeat(rate, M)) @ series
     for by_pass, value in zip(lines, (expected, derivative), strict=True):
-        amplitude, phase, _ = line(by_pass[0], neighbours=True)
+        amplitude, phase, _ = mean_amplitude(by_pass[0], has_neighbours=True)
         assert amplitude * np.exp(1j * phase) == pytest.approx(value, abs=0.01 * abs(value))
 
 
 def test_lines_across_borders_do_not_leak() -> None:
     series = 3.0 + periodic(5, 0.4, LINES)
-    lines, derivatives = lines_across_borders(series, M, 159.0, HARMONICS, 5, 0.4)
+    lines, derivatives = amplitudes_by_pass_pair(series, M, 159.0, HARMONICS, 5, 0.4)
     assert lines.shape == derivatives.shape == (5, PASSES - 1)
     for k, by_pass, rates in zip(HARMONICS, lines, derivatives, strict=True):
         A, phase = LINES.get(k, (0.0, 0.0))
@@ -95,8 +95,8 @@ def test_lines_across_borders_do_not_leak() -> None:
 def test_scatter_of_windows_is_the_error_of_their_mean() -> None:
     """White noise: of 1000 weighted means the standard deviation is what each states."""
     noise = np.random.default_rng(3).standard_normal((1000, 40 * 8))
-    values = [lines_across_borders(row, 8, 1.0, [1], 0, 0.0)[0][0] for row in noise]
-    amplitudes, phases, errors = np.array([line(by_pass, neighbours=True) for by_pass in values]).T
+    values = [amplitudes_by_pass_pair(row, 8, 1.0, [1], 0, 0.0)[0][0] for row in noise]
+    amplitudes, phases, errors = np.array([mean_amplitude(by_pass, has_neighbours=True) for by_pass in values]).T
     scatter = np.sqrt(np.mean(np.abs(amplitudes * np.exp(1j * phases)) ** 2))
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(scatter, rel=0.1)
 
@@ -105,8 +105,8 @@ def test_lines_of_a_derivative_are_exact_when_the_series_drifts_too() -> None:
     M, rate, start, drift = 4096, 159.0, 100, 3.0
     k, angle = (1, 2, 3), 0.7 + 2 * np.pi * (100 + np.arange(2 * M + 1)) / M
     series = sum(A * np.cos(n * angle + phase) for n, (A, phase) in LINES.items()) + drift * angle
-    by_pass = lines_by_pass(series[:-1], M, k, start, 0.7)
-    lines = derivative_lines(by_pass, series[::M], rate, k, 0.7 + 2 * np.pi * start / M)
+    by_pass = amplitudes_by_pass(series[:-1], M, k, start, 0.7)
+    lines = derivative_amplitudes(by_pass, series[::M], rate, k, 0.7 + 2 * np.pi * start / M)
     for n, values in zip(k, lines, strict=True):
         A, phase = LINES[n]
         expected = 2j * np.pi * rate * n * A * np.exp(1j * phase)
@@ -118,7 +118,7 @@ def test_lines_of_a_derivative_are_exact_when_the_series_drifts_too() -> None:
 
 def test_scatter_is_the_standard_error_over_passes() -> None:
     by_pass = np.array([1.0 + 2.0j, 2.0 - 1.0j, 0.5 + 0.5j, 3.0 + 0.0j])
-    amplitude, phase, standard_error = line(by_pass)
+    amplitude, phase, standard_error = mean_amplitude(by_pass)
     assert amplitude == pytest.approx(abs(by_pass.mean()))
     assert phase == pytest.approx(np.angle(by_pass.mean()))
     errors = scipy.stats.sem(by_pass.real), scipy.stats.sem(by_pass.imag)
@@ -126,7 +126,7 @@ def test_scatter_is_the_standard_error_over_passes() -> None:
 
 
 def test_one_pass_has_no_scatter() -> None:
-    amplitude, _, standard_error = line(np.array([3.0 + 4.0j]))
+    amplitude, _, standard_error = mean_amplitude(np.array([3.0 + 4.0j]))
     assert amplitude == 5.0
     assert np.isnan(standard_error)
 
@@ -158,7 +158,7 @@ def test_constant_series_has_no_crest(value: float) -> None:
 @pytest.mark.parametrize("phase", [0.0, 1.1, 3.0, -1.57])
 def test_tone_with_non_integer_periods(turns: float, phase: float) -> None:
     angle = np.linspace(0.7, 0.7 + 2 * np.pi * turns, 8001)
-    amplitude = line_at(2.5 * np.cos(angle + phase), angle)
+    amplitude = amplitude_at(2.5 * np.cos(angle + phase), angle)
     assert abs(amplitude - 2.5 * np.exp(1j * phase)) < 1e-5 * 2.5
 
 
@@ -166,14 +166,14 @@ def test_tone_at_varying_speed_with_large_mean_and_reversed() -> None:
     t = np.arange(2 * 10240) / FS
     angle = varying_angle(t, 70.0, 0.05, 1.3)
     tone = 0.4 * np.cos(angle - 2.0)
-    assert abs(line_at(1000 * 0.4 + tone, angle) - 0.4 * np.exp(-2j)) < 1e-4 * 0.4
-    assert abs(line_at(tone, -angle) - 0.4 * np.exp(2j)) < 1e-4 * 0.4  # cos(-angle + 2)
+    assert abs(amplitude_at(1000 * 0.4 + tone, angle) - 0.4 * np.exp(-2j)) < 1e-4 * 0.4
+    assert abs(amplitude_at(tone, -angle) - 0.4 * np.exp(2j)) < 1e-4 * 0.4  # cos(-angle + 2)
 
 
 def test_harmonics_do_not_leak_at_varying_speed() -> None:
     t = np.arange(10240) / FS
     angle = varying_angle(t, 70.0, 0.05, 70.0)
-    assert abs(line_at(1.0 + np.cos(2 * angle) + np.sin(3 * angle), angle)) < 1e-4
+    assert abs(amplitude_at(1.0 + np.cos(2 * angle) + np.sin(3 * angle), angle)) < 1e-4
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_harmonics_do_not_leak_at_varying_speed() -> None:
 def test_leakage_follows_hann_window(apart: float, limit: float) -> None:
     t = np.linspace(0.0, 1.0, 20001)
     angle, neighbour = 2 * np.pi * 160.0 * t, 2 * np.pi * (160.0 + apart) * t
-    leakage = abs(line_at(np.cos(neighbour), angle))
+    leakage = abs(amplitude_at(np.cos(neighbour), angle))
     assert leakage < limit
     assert leakage == pytest.approx(abs(np.sinc(apart) / (1 - apart**2)), abs=1e-4)
 
@@ -192,22 +192,22 @@ def test_lines_of_several_series_at_several_angles() -> None:
     first_angle, second_angle = 2 * np.pi * 231.3 * t, 2 * np.pi * 12.23 * t + 1.0
     series = np.array([3 * np.cos(first_angle), np.cos(first_angle + 0.5) + 2 * np.cos(second_angle - 0.5)])
     expected = np.array([[3.0, np.exp(0.5j)], [0.0, 2 * np.exp(-0.5j)]])
-    assert np.abs(lines_at(series, [first_angle, second_angle]) - expected).max() < 1e-4
+    assert np.abs(amplitudes_at(series, [first_angle, second_angle]) - expected).max() < 1e-4
 
 
 def test_line_of_less_than_two_turns_is_nan() -> None:
     angle = np.linspace(0.0, 3.9 * np.pi, 100)
-    assert np.isnan(line_at(np.cos(angle), angle))
-    assert np.isnan(line_at(np.zeros((3, 100)), np.zeros(100))).all()
+    assert np.isnan(amplitude_at(np.cos(angle), angle))
+    assert np.isnan(amplitude_at(np.zeros((3, 100)), np.zeros(100))).all()
 
 
 def test_resolvable_lines() -> None:
     frequencies = [159.0, 156.9616, 12.23, 1.9, 231.0, 231.0, np.nan]
-    assert resolvable(frequencies, 1.0).tolist() == [True, True, True, False, False, False, False]
-    assert resolvable(frequencies, 0.97).tolist() == [False, False, True, False, False, False, False]
-    assert resolvable([100.0, 102.0], 1.0).all()  # exactly two bins
-    assert resolvable([100.0], 1.0).tolist() == [True]
-    assert resolvable([], 1.0).tolist() == []
+    assert are_resolved(frequencies, 1.0).tolist() == [True, True, True, False, False, False, False]
+    assert are_resolved(frequencies, 0.97).tolist() == [False, False, True, False, False, False, False]
+    assert are_resolved([100.0, 102.0], 1.0).all()  # exactly two bins
+    assert are_resolved([100.0], 1.0).tolist() == [True]
+    assert are_resolved([], 1.0).tolist() == []
 
 
 @pytest.mark.parametrize("n", [1000, 1001])
@@ -281,9 +281,9 @@ def test_lines_of_repeated_windows_equal_those_of_the_series(
     index = [k if k < W else W - period + (k - W) % max(1, period) for k in range(count)]
     series = np.concatenate([windows[:, index].reshape(2, -1), rng.normal(size=(2, remainder)) + 100.0], axis=1)
     angle, turn = np.array([0.3, -1.0, 2.0, 0.0]), np.array([2.0 * np.pi / M, 0.21, -0.4, 0.001])
-    lines = lines_of_windows(windows, count, period, series[:, count * M :], angle, turn)
+    lines = amplitudes_of_segments(windows, count, period, series[:, count * M :], angle, turn)
     for n in range(4):
-        expected = line_at(series, angle[n] + turn[n] * np.arange(series.shape[1]))
+        expected = amplitude_at(series, angle[n] + turn[n] * np.arange(series.shape[1]))
         assert lines[:, n] == pytest.approx(expected, rel=1e-9, abs=1e-12, nan_ok=True)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
-from bearingsim.signals import line_at, lines, lines_of_blocks, passes
+from bearingsim.signals import amplitude_at, amplitudes_of_blocks, lines, passes
 from bearingsim.simulation import pricing, record, simulate, spectral_lines, time_grid
 from bearingsim.simulation.choice import Attempt
 from bearingsim.simulation.run_setup import MethodFailure
@@ -202,8 +202,8 @@ def test_lines_by_blocks_equal_those_of_the_series() -> None:
                 slopes[:, part],
             )
 
-    result = lines_of_blocks(blocks(), angles[:, 0], angles[:, -1])
-    expected = np.array([line_at(series, angle) for angle in angles])
+    result = amplitudes_of_blocks(blocks(), angles[:, 0], angles[:, -1])
+    expected = np.array([amplitude_at(series, angle) for angle in angles])
     assert np.abs(result - expected).max() < 1e-11
-    none = lines_of_blocks(blocks(), np.zeros(2), np.ones(2))
+    none = amplitudes_of_blocks(blocks(), np.zeros(2), np.ones(2))
     assert np.isnan(none).all()

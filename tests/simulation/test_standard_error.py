@@ -94,7 +94,7 @@ def test_impacts_at_the_border_of_passes_are_counted_once() -> None:
 
 
 def test_error_uses_the_weights_of_passes() -> None:
-    weights = signals.pass_weights(300, neighbours=True)
+    weights = signals.pass_weights(300, has_neighbours=True)
     samples = chains(0.5, 1000, 300)
     scatter = np.average(samples, axis=1, weights=weights).std()
     assert scatter < np.median(errors(samples, weights)) < 1.3 * scatter
@@ -125,7 +125,7 @@ def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     pass_lines = lines_of_passes(setup.case, setup.model, setup.grid, raw)
     lines = pass_lines["velocity"][0]
     result = standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
-    weights = signals.pass_weights(len(lines), neighbours=True)
+    weights = signals.pass_weights(len(lines), has_neighbours=True)
     line = np.average(lines, weights=weights)
     in_phase = (lines / line).real[:, np.newaxis]
     assert result == pytest.approx(standard_error(in_phase, weights), rel=1e-9)
