@@ -151,7 +151,7 @@ def _diagnose_channels(
     from bearingsim.diagnosis import Lines, diagnose
     from bearingsim.diagnosis.envelopes import default_band
     from bearingsim.diagnosis.kurtogram import kurtogram
-    from bearingsim.diagnosis.size import without_width_across
+    from bearingsim.diagnosis.size import refuse_width_across_load
     from bearingsim.diagnosis.suitability import Unsuitable, refuse_unsuitable
     from bearingsim.measured import MeasuredError
     from bearingsim.measured.checks import refuse_unusable
@@ -171,7 +171,7 @@ def _diagnose_channels(
         same_unit = {
             key: series for key, series in recording.channels.items() if recording.units[key].value == unit
         }
-        size = without_width_across(diagnosis.size, name, same_unit, fs)
+        size = refuse_width_across_load(diagnosis.size, name, same_unit, fs)
         results[name] = diagnosis._replace(size=size), image, used_band
     return results
 
@@ -209,7 +209,7 @@ def verdict_text(diagnosis: "Diagnosis") -> str:
     if diagnosis.verdict == NONE:
         return f"verdict: none found; a line would need {needed} over the local median"
     score = f"{decibels(finding.comb.score):.1f} dB, threshold {needed}"
-    healthy = ", or a healthy bearing with clearance" if diagnosis.loose else ""
+    healthy = ", or a healthy bearing with clearance" if diagnosis.clearance_may_cause else ""
     return f"verdict: {VERDICTS[diagnosis.verdict]}{healthy}, {finding.comb.frequency:.2f} Hz ({score})"
 
 
@@ -268,8 +268,8 @@ def _print_evidence(diagnosis: "Diagnosis", band: tuple[float, float]) -> None:
 def _print_remarks(diagnosis: "Diagnosis") -> None:
     """Print other possible causes of the line and of the strongest other periodicity, and the defect's width."""
     from bearingsim.diagnosis import NONE
-    from bearingsim.diagnosis.size import remark
-    from bearingsim.diagnosis.thresholds import clear, decibels, measured_turns
+    from bearingsim.diagnosis.size import size_remark
+    from bearingsim.diagnosis.thresholds import clear_score, decibels, revolutions_range
 
     other, line = diagnosis.strongest_other, LINE_NAMES[diagnosis.best]
     if diagnosis.verdict == NONE and diagnosis.has_other_rhythm:
@@ -277,7 +277,7 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
             "this periodicity matches no line of this bearing at this speed: its cause is another part of the "
             "machine, or the bearing or the speed is wrong"
         )
-    elif diagnosis.verdict == NONE and diagnosis.threshold < other.score < clear(diagnosis.threshold):
+    elif diagnosis.verdict == NONE and diagnosis.threshold < other.score < clear_score(diagnosis.threshold):
         say(
             "noise may be its cause: the strongest of many periodicities exceeds the threshold, "
             "which is for three lines"
@@ -296,25 +296,26 @@ def _print_remarks(diagnosis: "Diagnosis") -> None:
             "a longer record separates their lines if these differ"
         )
     if diagnosis.is_extrapolated:
-        low, high = measured_turns()
+        low, high = revolutions_range()
         say(
             f"threshold extrapolated: measured for {low:g} to {high:g} revolutions of the shaft, the record has "
-            f"{diagnosis.turns:.4g}{_equivalent(diagnosis)}"
+            f"{diagnosis.revolutions:.4g}{_equivalent(diagnosis)}"
         )
     if diagnosis.may_be_doubled:
-        half = f"{diagnosis.half.frequency:.2f} Hz, {decibels(diagnosis.half.score):.1f} dB"
+        half = f"{diagnosis.half_comb.frequency:.2f} Hz, {decibels(diagnosis.half_comb.score):.1f} dB"
         say(f"half of this line ({half}) is about as strong: the true speed may be half of the stated one")
-    width = remark(diagnosis.size)
+    width = size_remark(diagnosis.size)
     if width is not None:
         say(width)
-    if diagnosis.loose:
+    if diagnosis.clearance_may_cause:
         say("clearance alone causes BPFO as well: compare with a record of the healthy bearing")
 
 
 def _equivalent(diagnosis: "Diagnosis") -> str:
     """Return a remark on the equivalent number of revolutions of a bearing with many rollers; empty for others."""
-    turns = diagnosis.equivalent_turns
-    return f", equal to {turns:.4g} for the orders of its lines" if turns > diagnosis.turns else ""
+    revolutions = diagnosis.equivalent_revolutions
+    is_larger = revolutions > diagnosis.revolutions
+    return f", equal to {revolutions:.4g} for the orders of its lines" if is_larger else ""
 
 
 def power_db(height: float) -> float:
@@ -358,7 +359,7 @@ def as_dict(
 def _channel_dict(
     recording: "Recording", name: str, diagnosis: "Diagnosis", image: "Kurtogram", band: tuple[float, float]
 ) -> dict[str, Any]:
-    from bearingsim.diagnosis.size import values_of
+    from bearingsim.diagnosis.size import json_entries
     from bearingsim.diagnosis.thresholds import decibels
 
     unit, count = recording.units[name], len(recording.channels[name])
@@ -367,7 +368,7 @@ def _channel_dict(
         "unit": unit.value or None,
         "unit_source": unit.source,
         "seconds": count / recording.rate.value,
-        "turns": diagnosis.turns,
+        "turns": diagnosis.revolutions,
         "band_hz": list(band),
         "kurtogram_band_hz": list(image.best),
         "threshold_db": decibels(diagnosis.threshold),
@@ -393,8 +394,8 @@ def _channel_dict(
             "is_of_shaft": diagnosis.is_of_shaft,
             "race": diagnosis.other_race,
         },
-        **values_of(diagnosis.size),
-        "clearance_may_cause": diagnosis.loose,
+        **json_entries(diagnosis.size),
+        "clearance_may_cause": diagnosis.clearance_may_cause,
         "shaft_may_cause": diagnosis.shaft_may_cause,
         "speed_may_be_doubled": diagnosis.may_be_doubled,
     }

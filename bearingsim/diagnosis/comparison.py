@@ -8,28 +8,28 @@ import numpy as np
 
 from bearingsim.diagnosis.combs import (
     HARMONICS,
-    RELATIVE_BINS,
-    RELATIVE_SHARE,
-    best_comb,
+    RELATED_BINS,
+    RELATED_TOLERANCE,
     envelope_spectra,
-    refined,
+    find_best_comb,
+    refine,
 )
 from bearingsim.diagnosis.detection import Detection, detect
 from bearingsim.diagnosis.envelopes import default_band
 from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.diagnosis.suitability import refuse_unsuitable
-from bearingsim.diagnosis.thresholds import equivalent_turns, threshold
+from bearingsim.diagnosis.thresholds import equivalent_revolutions, threshold
 from bearingsim.signals.events import entry_to_exit_time
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.picker import PickedLine, pick_from
 from bearingsim.signals.spectra import PASSBAND_EDGE, band_pass, envelope_spectrum
 
 TOLERANCE = 0.02
-"""Relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
+"""Largest relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
 
 
 class Signal(NamedTuple):
-    """Series (n,) in SI sampled at ``fs`` (Hz), and the kinematic lines of its bearing (Hz)."""
+    """Series (n,) in SI sampled at ``fs`` (Hz), and the kinematic frequencies of its bearing (Hz)."""
 
     series: np.ndarray
     fs: float
@@ -37,7 +37,7 @@ class Signal(NamedTuple):
 
 
 class Row(NamedTuple):
-    """Feature with its unit, simulated and measured; nan where it is not read."""
+    """Simulated and measured value of a feature, with its unit; NaN if a signal has no such value."""
 
     name: str
     unit: str
@@ -51,16 +51,16 @@ class Row(NamedTuple):
 
 
 def detect_line(signal: Signal, race: str) -> Detection:
-    """Compare the line of a race with all other periodicities of a signal, as ``diagnose`` does.
+    """Compare the line of a race with all other periodicities of a signal, as ``diagnose``.
 
-    Raises Unsuitable for a record that cannot be judged.
+    race: one of ``ELEMENTS``. Raises Unsuitable for a record that cannot be diagnosed.
     """
     series, fs, lines = signal
     refuse_unsuitable(len(series), fs, lines, default_band(fs))
     spectra = envelope_spectra(series, fs, lines)
-    comb = refined(spectra, best_comb(spectra, lines.of_race(race), TOLERANCE))
-    turns = equivalent_turns(lines, lines.shaft * len(series) / fs)
-    return detect(spectra, lines, race, comb, TOLERANCE, threshold(turns, TOLERANCE))
+    comb = refine(spectra, find_best_comb(spectra, lines.of_race(race), TOLERANCE))
+    revolutions = equivalent_revolutions(lines, lines.shaft * len(series) / fs)
+    return detect(spectra, lines, race, comb, TOLERANCE, threshold(revolutions, TOLERANCE))
 
 
 def common_band(*signals: Signal) -> tuple[float, float]:
@@ -71,11 +71,13 @@ def common_band(*signals: Signal) -> tuple[float, float]:
 def compare(
     simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, detected: float
 ) -> list[Row]:
-    """Compare two signals in a band (Hz): RMS, peak, crest factor, kurtosis, and a race's line in the envelope.
+    """Compare two signals in a band (Hz): RMS, peak, crest factor, kurtosis, and the line of a race in the
+    envelope.
 
-    unit: SI unit of the series; detected: line (Hz) of the measured signal, nan if it has none. Harmonics of the
-    envelope are in dB relative to the fundamental; orders refer to the frequency of the shaft; the spacing of
-    entry and exit is in fractions of a pass, which do not depend on the speed, up to half the lower sampling rate.
+    race: one of ``ELEMENTS``; unit: SI unit of the series; detected: line (Hz) of the measured signal, NaN if it
+    has none. Harmonics of the envelope are in dB relative to the fundamental; orders are relative to the frequency
+    of the shaft. The time from entry to exit is in fractions of a pass, which do not depend on the speed; it is
+    determined from the content below half the lower sampling rate.
     """
     nyquist = 0.5 * min(simulated.fs, measured.fs)
     values = [_features(simulated, race, band, nyquist), _features(measured, race, band, nyquist, detected)]
@@ -103,9 +105,9 @@ def _features(
     }
     for number in range(2, HARMONICS + 1):
         harmonic = pick_from(frequency, amplitude, number * line, TOLERANCE / number) if fundamental else None
-        features[f"envelope, harmonic {number}"] = _level(harmonic, fundamental)
+        features[f"envelope, harmonic {number}"] = _relative_level(harmonic, fundamental)
     features["entry to exit, of a pass"] = (
-        _spacing(signal, line, nyquist) if race == "outer" and fundamental else nan
+        _entry_to_exit_share(signal, line, nyquist) if race == "outer" and fundamental else nan
     )
     return features
 
@@ -118,21 +120,22 @@ def _fundamental(
         return pick_from(frequency, amplitude, expected, TOLERANCE)
     if not isfinite(detected):
         return None
-    # Around the detected line: one at the limit of the tolerance has its maximum on either side of it.
-    bins = RELATIVE_BINS * (frequency[1] - frequency[0])
-    return pick_from(frequency, amplitude, detected, max(RELATIVE_SHARE, bins / detected))
+    # A line detected at the limit of the tolerance may have its maximum beyond it.
+    bins = RELATED_BINS * (frequency[1] - frequency[0])
+    return pick_from(frequency, amplitude, detected, max(RELATED_TOLERANCE, bins / detected))
 
 
-def _level(harmonic: PickedLine | None, fundamental: PickedLine | None) -> float:
-    """Return the level (dB) of a harmonic over the fundamental."""
+def _relative_level(harmonic: PickedLine | None, fundamental: PickedLine | None) -> float:
+    """Return the level (dB) of a harmonic relative to the fundamental; NaN if a line is missing."""
     return 20.0 * log10(harmonic.amplitude / fundamental.amplitude) if harmonic and fundamental else nan
 
 
-def _spacing(signal: Signal, line: float, nyquist: float) -> float:
-    """Return the time from entry to exit of a defect, relative to a pass; nan if it is not read.
+def _entry_to_exit_share(signal: Signal, line: float, nyquist: float) -> float:
+    """Return the time from entry to exit of a defect relative to a pass; NaN if it cannot be measured.
 
-    The maxima of the whitened envelope depend on the band: without content above ``nyquist`` (Hz) two signals of
-    different rates have the same. The common band is not used: whitening turns its steep end into a tone.
+    line: frequency (Hz) of the passes. The maxima of the whitened envelope depend on the band, so content above
+    ``nyquist`` (Hz) is removed to give signals of different sampling rates the same band. The common band is not
+    used, because whitening converts its steep edge to a tone.
     """
     try:
         series = band_pass(signal.series, signal.fs, (0.0, nyquist))

@@ -5,26 +5,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import Comb, comb_at, comb_of_shaft, other_periodicities, share_at_score
+from bearingsim.diagnosis.combs import Comb, comb_at, find_shaft_comb, score_other_periodicities, share_at_score
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import Lines
 
 RHYTHM, NONE = "other rhythm", "none"
-"""Objections to a line: another periodicity is stronger; the line is not over the threshold, or the record is full
-of lines."""
+"""Objections to a line. ``RHYTHM``: another periodicity is stronger, or explains the line. ``NONE``: the line is
+not over the threshold, or the record is full of lines."""
 MAX_CROWDED = 0.2
-"""Share of other periodicities with a score as high as the line's, above which a record is full of lines.
-Damaged signals of the operating table have at most 0.06, a healthy record full of the mains' lines 0.24."""
+"""Share of other periodicities with a score as high as the line's, above which a record is full of lines. It is at
+most 0.06 for the damaged signals of benchmarks/diagnosis/operating_table.py, and 0.24 for a healthy record with
+many harmonics of the mains."""
 
 
 class Detection(NamedTuple):
     """Comb at the line of a race, the threshold of its score, and the other periodicities.
 
-    strongest_other: strongest other periodicity; unless it scores higher, the order of the shaft that explains the
-    comb, or the comb itself if its peak lies beyond the tolerance;
-    crowded: share of other periodicities with a score as high as the line's; is_of_shaft: whether strongest_other
-    is an order of the shaft, one of whose harmonics is the line; of_shaft: order of the shaft that explains a line
-    of the inner race nearly as well, None for other lines.
+    strongest_other: strongest other periodicity; if none scores higher than the comb, the shaft order that
+    explains the comb, or the comb itself if its peak lies beyond the tolerance; crowded: share of other
+    periodicities with a score as high as that of the comb; is_of_shaft: True if strongest_other is a shaft order,
+    one of whose harmonics is the line; of_shaft: shaft order that explains a line of the inner race nearly as well
+    as a defect, None for other lines.
     """
 
     comb: Comb
@@ -41,7 +42,7 @@ class Detection(NamedTuple):
 
     @property
     def is_crowded(self) -> bool:
-        """True if the record is full of lines as strong as the race's."""
+        """True if the record is full of lines as strong as that of the race."""
         return self.crowded > MAX_CROWDED
 
     @property
@@ -56,20 +57,20 @@ class Detection(NamedTuple):
 def detect(
     spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, comb: Comb, tolerance: float, threshold: float
 ) -> Detection:
-    """Compare the comb of a race, with its refined frequency, with the other periodicities of the spectra.
+    """Compare the comb of a race, of refined frequency, with the other periodicities of the spectra.
 
-    A defect of the inner race raises orders of the shaft itself, so there an order must score higher to be an
-    objection.
+    race: one of ``ELEMENTS``; tolerance: relative, of the line; threshold: of the score. A defect of the inner
+    race itself raises shaft orders, so a shaft order is an objection to its line only if it scores higher.
     """
-    others = other_periodicities(spectra, lines, race, comb, tolerance)
+    others = score_other_periodicities(spectra, lines, race, comb, tolerance)
     other = comb_at(spectra, float(others.fundamentals[np.argmax(others.scores)]))
     if abs(comb.frequency / lines.of_race(race) - 1.0) > tolerance:  # the peak is beyond the searched range
         other = max(comb, other, key=lambda candidate: candidate.score)
     detection = Detection(comb, threshold, other, share_at_score(others, comb.score, tolerance))
     if detection.objection == NONE:
         return detection
-    of_shaft = comb_of_shaft(spectra, lines, comb, threshold)
-    if of_shaft is None or other.score > max(comb.score, of_shaft.score):  # the other is objection enough
+    of_shaft = find_shaft_comb(spectra, lines, comb, threshold)
+    if of_shaft is None or other.score > max(comb.score, of_shaft.score):  # already an objection
         return detection
     if race == "inner" and of_shaft.score <= comb.score:
         return detection._replace(of_shaft=of_shaft)

@@ -1,8 +1,8 @@
-"""Spectra of two envelopes of a signal, as heights over their local median.
+"""Spectra of two squared envelopes of a signal, as heights: power over the local median.
 
-Each passage of a defect is an impact, so a defect raises lines of the squared envelope. Other lines have other
-causes: in the envelope of the band above 1 kHz mains and gears with many harmonics, in that of the levelled
-spectrum modulated noise. A defect raises the same lines in both.
+Each roller that crosses a defect causes an impact, so a defect raises lines in both spectra. Other lines differ
+between them: those of mains and gears with many harmonics are in the envelope of the band above 1 kHz, those of
+modulated noise in the envelope of the levelled signal.
 """
 
 from typing import NamedTuple
@@ -11,11 +11,11 @@ import numpy as np
 
 from bearingsim.signals.spectra import PASSBAND_EDGE, analytic, hann, squared_envelope
 
-LOWEST_HZ = 1000.0
+BAND_START_HZ = 1000.0
 """Hz; lowest frequency of the band of the first envelope. Shaft orders and most gear meshes lie below."""
-HALF_LEVEL_HZ = 50.0
-"""Hz; half width of the median by which a spectrum is divided."""
-CLIP = 3.0
+LEVEL_HALF_WIDTH_HZ = 50.0
+"""Hz; half width of the moving median by which a spectrum is divided."""
+MAX_LEVELLED = 3.0
 """Largest magnitude of a levelled spectrum, relative to the median: stronger lines are tones, not noise."""
 MEDIAN_ORDERS = 1.5
 """Half width, in shaft orders, of the median to which heights refer."""
@@ -31,37 +31,38 @@ class EnvelopeSpectrum(NamedTuple):
 
     @property
     def step(self) -> float:
-        """Distance of two frequencies (Hz)."""
+        """Spacing of the frequencies (Hz)."""
         return float(self.frequency[1])
 
 
 def default_band(fs: float) -> tuple[float, float]:
     """Return the band (Hz) of the first envelope spectrum at a sampling rate (Hz)."""
-    return LOWEST_HZ, PASSBAND_EDGE * fs
+    return BAND_START_HZ, PASSBAND_EDGE * fs
 
 
 def band_spectrum(
     series: np.ndarray, fs: float, shaft: float, highest: float, band: tuple[float, float] | None = None
 ) -> EnvelopeSpectrum:
-    """Compute the spectrum of the squared envelope of a series (n,) in a band (Hz), up to ``highest`` (Hz).
+    """Compute the spectrum of the squared envelope of a series (n,) in a band (Hz), up to a frequency (Hz).
 
-    fs: sampling rate (Hz); shaft: frequency of the shaft (Hz); band: ``default_band`` if None. Raises ValueError
-    as ``squared_envelope``.
+    fs: sampling rate (Hz); shaft: frequency of the shaft (Hz); highest: highest frequency (Hz) of the result;
+    band: ``default_band`` if None. Raises ValueError as ``squared_envelope``.
     """
     return _envelope_spectrum(squared_envelope(series, fs, band or default_band(fs)), fs, shaft, highest)
 
 
 def levelled_spectrum(series: np.ndarray, fs: float, shaft: float, highest: float) -> EnvelopeSpectrum:
-    """Compute the spectrum of the squared envelope of the whole band, levelled so that tones have no weight.
+    """Compute the spectrum of the squared envelope of a levelled series, in which tones are as weak as noise.
 
-    The spectrum is divided by its median magnitude within 50 Hz, and magnitudes over ``CLIP`` are reduced to it.
+    Arguments as for ``band_spectrum``. The Fourier transform is divided by its moving median magnitude within
+    50 Hz, its magnitude is limited to ``MAX_LEVELLED``, and frequencies above ``PASSBAND_EDGE`` are set to zero.
     """
     n = len(series)
     transform = np.fft.rfft(series - series.mean())
     magnitude = np.abs(transform)
-    level = local_median(magnitude, max(MIN_MEDIAN_BINS, round(HALF_LEVEL_HZ * n / fs)))
+    level = local_median(magnitude, max(MIN_MEDIAN_BINS, round(LEVEL_HALF_WIDTH_HZ * n / fs)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        gain = np.where(level > 0.0, np.minimum(1.0 / level, CLIP / magnitude), 0.0)
+        gain = np.where(level > 0.0, np.minimum(1.0 / level, MAX_LEVELLED / magnitude), 0.0)
     transform *= gain * (np.arange(len(transform)) <= PASSBAND_EDGE * n)
     return _envelope_spectrum(np.abs(analytic(transform, n)) ** 2, fs, shaft, highest)
 
@@ -76,9 +77,10 @@ def _envelope_spectrum(envelope: np.ndarray, fs: float, shaft: float, highest: f
 
 
 def local_median(values: np.ndarray, half_width: int) -> np.ndarray:
-    """Compute the median (n,) of values (n,) within ``half_width`` of each.
+    """Compute the moving median (n,) of values (n,) within ``half_width`` values on each side.
 
-    Values are mirrored at both ends; the median is computed four times per half width, and interpolated between.
+    Values are mirrored at both ends. The median is computed at four positions per half width, and interpolated
+    between them.
     """
     half_width = min(half_width, len(values) - 1)
     mirrored = np.pad(values, half_width, mode="reflect")
@@ -88,6 +90,9 @@ def local_median(values: np.ndarray, half_width: int) -> np.ndarray:
 
 
 def fast_length(n: int) -> int:
-    """Return the largest length up to ``n`` with no prime factor over 5: others take up to ten times longer."""
+    """Return the largest even length up to ``n`` without prime factors over 5; n: at least 2.
+
+    The Fourier transform of other lengths takes up to ten times longer.
+    """
     lengths = [2**a * 3**b * 5**c for a in range(1, 40) for b in range(12) for c in range(9)]
     return max(length for length in lengths if length <= n)

@@ -1,4 +1,4 @@
-"""Characteristic frequencies of a bearing, as orders or in Hz."""
+"""Characteristic frequencies of a bearing."""
 
 from math import pi
 from typing import NamedTuple, Self
@@ -12,7 +12,7 @@ from bearingsim.core.geometry.kinematics import (
 )
 
 ELEMENTS = ("outer", "inner", "roller")
-"""Elements that may have a defect, in the order of reports."""
+"""Elements of a bearing that may have a defect, as in the key `defect.race`, in the order of reports."""
 
 
 class Lines(NamedTuple):
@@ -29,7 +29,7 @@ class Lines(NamedTuple):
 
     @classmethod
     def of(cls, parts: RollingParts, shaft: float) -> Self:
-        """Compute the frequencies for an inner ring that turns at ``shaft`` (Hz) and an outer ring at rest."""
+        """Compute the frequencies for an inner ring that rotates at ``shaft`` (Hz) and a stationary outer ring."""
         omega, D_w, d_m = 2.0 * pi * shaft, parts.roller_diameter, parts.pitch_diameter
         Z, angle = parts.rollers, parts.contact_angle
         return cls(
@@ -41,5 +41,5 @@ class Lines(NamedTuple):
         )
 
     def of_race(self, race: str) -> float:
-        """Return the fundamental frequency (Hz) of a defect on an element."""
+        """Return the fundamental frequency (Hz) of a defect; race: one of ``ELEMENTS``."""
         return float(getattr(self, race))

@@ -4,15 +4,15 @@ from bearingsim.diagnosis.kinematics import Lines
 from bearingsim.errors import UserError
 
 MIN_RATE_HZ = 5000.0
-"""Hz; below, the envelope of over 1 kHz has less than 1 kHz of bandwidth."""
-MIN_PASSES = 20
-"""Periods of the slowest line: fewer do not separate the lines of the races."""
-MIN_WIDTH = 3.0
-"""Minimum bandwidth of an envelope, relative to BPFI: its spectrum then has three harmonics of each race."""
+"""Hz; smallest sampling rate, at which the band of the envelope, from 1 kHz on, has a width of 1 kHz."""
+MIN_PERIODS = 20
+"""Smallest number of periods of the lowest line in a record: fewer do not separate the lines of the elements."""
+MIN_BANDWIDTH = 3.0
+"""Smallest bandwidth of an envelope, relative to BPFI: its spectrum then has three harmonics of each line."""
 
 
 class Unsuitable(UserError):
-    """A record cannot be diagnosed; the message states why, and what to do."""
+    """A record cannot be diagnosed; the message states the reason and a remedy."""
 
 
 def refuse_unsuitable(count: int, fs: float, lines: Lines, band: tuple[float, float]) -> None:
@@ -21,16 +21,16 @@ def refuse_unsuitable(count: int, fs: float, lines: Lines, band: tuple[float, fl
         raise Unsuitable(
             f"sampled at {fs:g} Hz: the envelope is of the band from 1 kHz on, which requires {MIN_RATE_HZ:g} Hz"
         )
-    slowest = min(lines.outer, lines.inner, lines.roller)
-    if count / fs < MIN_PASSES / slowest:
+    lowest = min(lines.outer, lines.inner, lines.roller)
+    if count / fs < MIN_PERIODS / lowest:
         raise Unsuitable(
-            f"lasts {count / fs:.3g} s, under {MIN_PASSES} periods of the slowest line ({slowest:.4g} Hz): "
-            f"record {MIN_PASSES / slowest:.3g} s or more"
+            f"lasts {count / fs:.3g} s, under {MIN_PERIODS} periods of the lowest line ({lowest:.4g} Hz): "
+            f"record {MIN_PERIODS / lowest:.3g} s or more"
         )
     low, high = band
     if not 0.0 <= low < high <= fs / 2.0:
         raise Unsuitable(f"the band {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
-    if high - low < MIN_WIDTH * lines.inner:
+    if high - low < MIN_BANDWIDTH * lines.inner:
         raise Unsuitable(
             f"the band {low:g} to {high:g} Hz is narrower than three times BPFI ({lines.inner:.4g} Hz): "
             "use a wider `--band`, or sample faster"

@@ -1,4 +1,4 @@
-"""Verdict on a signal of a bearing: the damaged race, another periodicity, or none."""
+"""Verdict on a signal of a bearing: the damaged element, another periodicity, or none."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,43 +8,49 @@ import numpy as np
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis.combs import (
     HARMONICS,
-    RELATIVE_BINS,
-    RELATIVE_SHARE,
-    SHAFT_SHARE,
+    RELATED_BINS,
+    RELATED_TOLERANCE,
+    SHAFT_TOLERANCE,
     Comb,
-    best_comb,
     comb_at,
     envelope_spectra,
+    find_best_comb,
     heights_at,
-    refined,
+    refine,
 )
 from bearingsim.diagnosis.detection import NONE, RHYTHM, Detection, detect
 from bearingsim.diagnosis.envelopes import EnvelopeSpectrum
 from bearingsim.diagnosis.kinematics import ELEMENTS, Lines
-from bearingsim.diagnosis.size import Size, outer_race_size
-from bearingsim.diagnosis.thresholds import CLEAR_DB, clear, equivalent_turns, measured_turns, threshold
+from bearingsim.diagnosis.size import Size, estimate_outer_race_size
+from bearingsim.diagnosis.thresholds import (
+    CLEAR_DB,
+    clear_score,
+    equivalent_revolutions,
+    revolutions_range,
+    threshold,
+)
 
 OUTER, INNER, ROLLER = ELEMENTS
 EITHER = "outer or roller"
 CAGE_RANGE, CAGE_STEPS = (0.98, 1.01), 25
-"""Range of the cage's frequency over the kinematic one, and steps in it."""
-OUTER_MOST, ROLLER_LEAST = 0.55, 0.75
-"""Score of the cage's lines over that of the comb, in the first envelope spectrum: largest of an outer race,
-smallest of a roller. Simulated outer races have up to 0.38, rollers 0.76 and more from 0 dB on
-(benchmarks/diagnosis), three measured outer races 0.16 to 0.65."""
-SAME_BINS = 2.0
-"""Bins within which two combs share one fundamental."""
-STRONG_HALF = 0.8
-"""Score of the periodicity at half of a race's line over that of the line, from which the given speed may be twice
-the true one. Three measured outer races have 0.45 to 0.55 at their speed, and 0.89 to 1.10 at twice their
+"""Range of the cage frequency over the kinematic one, and number of frequencies tried in it."""
+MAX_OUTER_RATIO, MIN_ROLLER_RATIO = 0.55, 0.75
+"""Score of the cage sidebands over that of the comb, in the first envelope spectrum: largest of an outer race,
+smallest of a roller. It is up to 0.38 for simulated outer races, 0.76 or more for rollers at signal-to-noise
+ratios from 0 dB on (benchmarks/diagnosis), and 0.16 to 0.65 for three measured outer races."""
+SHARED_BINS = 2.0
+"""Distance in bins up to which two combs have the same fundamental."""
+MIN_HALF_RATIO = 0.8
+"""Score of the comb at half the line of a race over that of the line, from which the stated speed may be twice the
+true one. It is 0.45 to 0.55 for three measured outer races at their speed, and 0.89 to 1.10 at twice their
 speed."""
 
 
 class Finding(NamedTuple):
-    """Line of an element: expected and found frequency (Hz), comb, and scores of sidebands of shaft and cage.
+    """Line of an element: expected frequency (Hz), comb at its refined frequency, sidebands of shaft and cage.
 
-    Sidebands are heights log(1 + h) at the spacing itself, below and above the fundamental, in the first
-    spectrum.
+    Sidebands are log(1 + height) in the first spectrum at their spacing, and at that distance below and above the
+    fundamental.
     """
 
     expected: float
@@ -54,15 +60,15 @@ class Finding(NamedTuple):
 
     @property
     def deviation(self) -> float:
-        """Relative deviation of the found frequency from the expected one."""
+        """Relative deviation of the refined frequency from the expected one."""
         return self.comb.frequency / self.expected - 1.0
 
 
 class Diagnosis(NamedTuple):
-    """Verdict, and its evidence: spectra, findings by element, and the detection of its line at the best one.
+    """Verdict and its evidence: findings by element, detection of the line of the best element, both spectra.
 
-    verdict: a name of ``ELEMENTS``, "outer or roller", "other rhythm" or "none"; size: of a defect of the outer
-    race, or the reason why it is not estimated, None for other verdicts; turns: of the shaft.
+    verdict: one of ``ELEMENTS``, ``EITHER``, ``RHYTHM`` or ``NONE``; size: of a defect of the outer race, or the
+    reason why it is not estimated, None for other verdicts; revolutions: those of the shaft in the record.
     """
 
     verdict: str
@@ -70,12 +76,12 @@ class Diagnosis(NamedTuple):
     findings: dict[str, Finding]
     detection: Detection
     size: Size | str | None
-    turns: float
+    revolutions: float
     spectra: tuple[EnvelopeSpectrum, EnvelopeSpectrum]
 
     @property
-    def loose(self) -> bool:
-        """True if clearance alone may give the line."""
+    def clearance_may_cause(self) -> bool:
+        """True if the line may be due to clearance alone."""
         return self.verdict in (OUTER, EITHER) and not isinstance(self.size, Size)
 
     @property
@@ -85,73 +91,78 @@ class Diagnosis(NamedTuple):
 
     @property
     def strongest_other(self) -> Comb:
-        """Strongest other periodicity."""
+        """Strongest other periodicity, as in ``Detection``."""
         return self.detection.strongest_other
 
     @property
     def crowded(self) -> float:
-        """Share of other periodicities with a score as high as the best race's."""
+        """Share of other periodicities with a score as high as that of the best element."""
         return self.detection.crowded
 
     @property
     def has_other_rhythm(self) -> bool:
-        """True if a periodicity other than a line is the verdict, or is clearly over the threshold without a
-        verdict.
+        """True if the verdict is another periodicity, or if it is none and one is clearly over the threshold.
 
-        Of 200 records of noise the strongest periodicity exceeds the threshold in 8, by 1.2 dB at most.
+        In 8 of 200 records of noise the strongest periodicity exceeds the threshold, by at most 1.2 dB.
         """
         is_full = self.detection.is_over and self.detection.is_crowded
-        is_clear = self.verdict == NONE and self.strongest_other.score >= clear(self.threshold) and not is_full
+        is_clear = (
+            self.verdict == NONE and self.strongest_other.score >= clear_score(self.threshold) and not is_full
+        )
         return self.verdict == RHYTHM or is_clear
 
     @property
     def is_sideband(self) -> bool:
-        """True if the verdict is a periodicity at one or two frequencies of the shaft from the inner race's line.
+        """True if the verdict is a periodicity at the first or second shaft sideband of the line of the inner
+        race.
 
-        The inner race may then be damaged nevertheless: 1.5 to 3 % of the damaged signals of the operating table,
-        at 0 to 10 dB and diagnosed as the right bearing, have a sideband that scores higher than the line.
+        The inner race may nevertheless be damaged: a sideband scores higher than the line in 1.5 to 3 % of the
+        damaged signals at 0 to 10 dB of benchmarks/diagnosis/operating_table.py, diagnosed as the right bearing.
         """
         race_line = self.findings[INNER].comb.frequency
-        step = abs(self.strongest_other.frequency - race_line)
-        width = max(RELATIVE_SHARE * self.strongest_other.frequency, RELATIVE_BINS * self.spectra[0].step)
-        is_beside = any(abs(step - number * self.lines.shaft) <= width for number in (1, 2))
-        return self.verdict == RHYTHM and self.best == INNER and is_beside
+        distance = abs(self.strongest_other.frequency - race_line)
+        width = max(RELATED_TOLERANCE * self.strongest_other.frequency, RELATED_BINS * self.spectra[0].step)
+        is_at_sideband = any(abs(distance - number * self.lines.shaft) <= width for number in (1, 2))
+        return self.verdict == RHYTHM and self.best == INNER and is_at_sideband
 
     @property
     def is_extrapolated(self) -> bool:
-        """True if the threshold is of a shorter or longer record than those for which it was measured."""
-        low, high = measured_turns()
-        return not low <= self.equivalent_turns <= high
+        """True if the record is shorter or longer than those for which thresholds were determined."""
+        low, high = revolutions_range()
+        return not low <= self.equivalent_revolutions <= high
 
     @property
-    def equivalent_turns(self) -> float:
-        """Revolutions of the shaft for which the threshold is taken, more than ``turns`` for many rollers."""
-        return equivalent_turns(self.lines, self.turns)
+    def equivalent_revolutions(self) -> float:
+        """Number of revolutions for which the threshold is taken, more than ``revolutions`` for many rollers."""
+        return equivalent_revolutions(self.lines, self.revolutions)
 
     @property
     def is_of_shaft(self) -> bool:
-        """True if the verdict is an order of the shaft, one of whose harmonics is the line of the best element."""
+        """True if the verdict is a shaft order, one of whose harmonics is the line of the best element."""
         return self.verdict == RHYTHM and self.detection.is_of_shaft
 
     @property
     def shaft_may_cause(self) -> bool:
-        """True if the inner race is named, and a knock once per revolution explains its line nearly as well."""
+        """True if the verdict is the inner race, and a knock once per revolution explains its line nearly as
+        well."""
         return self.verdict == INNER and self.detection.of_shaft is not None
 
     @property
     def other_race(self) -> str | None:
-        """Another element than the named one, whose line is the strongest other periodicity.
+        """Element other than that of the verdict, whose line is the strongest other periodicity; None if there is
+        none.
 
-        It is clear without the harmonics that both share: of 4/3 of a line the third is the fourth of that line.
+        Its comb is clear without the harmonics that both share: for example, the third harmonic of a fundamental
+        at 4/3 of a line is the fourth harmonic of that line.
         """
         other = self.strongest_other
         if self.verdict not in ELEMENTS:
             return None
-        numbers, named = np.arange(1, HARMONICS + 1), self.findings[self.verdict].comb.frequency
-        distances = np.abs(numbers * other.frequency - np.round(numbers * other.frequency / named) * named)
-        widths = np.maximum(RELATIVE_SHARE * numbers * other.frequency, RELATIVE_BINS * self.spectra[0].step)
-        own = np.log1p(other.heights) * (distances > widths)
-        if own.sum(axis=1).min() < clear(self.threshold):
+        numbers, line = np.arange(1, HARMONICS + 1), self.findings[self.verdict].comb.frequency
+        distances = np.abs(numbers * other.frequency - np.round(numbers * other.frequency / line) * line)
+        widths = np.maximum(RELATED_TOLERANCE * numbers * other.frequency, RELATED_BINS * self.spectra[0].step)
+        unshared = np.log1p(other.heights) * (distances > widths)
+        if unshared.sum(axis=1).min() < clear_score(self.threshold):
             return None
         for race, finding in self.findings.items():
             if race != self.verdict and abs(finding.comb.frequency - other.frequency) <= widths[0]:
@@ -164,19 +175,19 @@ class Diagnosis(NamedTuple):
         return max(self.findings, key=lambda race: self.findings[race].comb.score)
 
     @property
-    def half(self) -> Comb:
-        """Comb at half of the line of the best element."""
+    def half_comb(self) -> Comb:
+        """Comb at half the line of the best element."""
         return comb_at(self.spectra, self.findings[self.best].comb.frequency / 2.0)
 
     @property
     def may_be_doubled(self) -> bool:
-        """True if a race of a ring is named, and half of its line is about as strong and no shaft order.
+        """True if the verdict is the outer or inner race, and the comb at half its line is about as strong.
 
-        Not for a rolling element, which may strike one of the races only, at BSF.
+        False if half the line is a shaft order, and for a rolling element, which may strike only one race, at BSF.
         """
-        order = self.half.frequency / self.lines.shaft
-        is_order = abs(order - round(order)) <= SHAFT_SHARE * round(order)
-        is_strong = self.half.score >= STRONG_HALF * self.findings[self.best].comb.score
+        order = self.half_comb.frequency / self.lines.shaft
+        is_order = abs(order - round(order)) <= SHAFT_TOLERANCE * round(order)
+        is_strong = self.half_comb.score >= MIN_HALF_RATIO * self.findings[self.best].comb.score
         return self.verdict in (OUTER, INNER) and is_strong and not is_order
 
 
@@ -188,51 +199,56 @@ def diagnose(
     tolerance: float = 0.02,
     band: tuple[float, float] | None = None,
 ) -> Diagnosis:
-    """Diagnose a bearing from a series (n,) sampled at ``fs`` (Hz), with the shaft at ``shaft`` (Hz).
+    """Diagnose a bearing from a series (n,) sampled at ``fs`` (Hz), with a shaft that rotates at ``shaft`` (Hz).
 
-    tolerance: relative, of the lines; band: of the first envelope (Hz). A race is named if its comb exceeds the
-    threshold and is within the tolerance, no other periodicity of the record scores higher, and the record is not
-    full of lines. Raises ValueError as ``band_spectrum``.
+    tolerance: relative, of the lines; band: of the first envelope (Hz). The verdict is an element if its comb
+    exceeds the threshold and is within the tolerance, no other periodicity of the record scores higher or explains
+    the line, and the record is not full of lines. Raises ValueError as ``band_spectrum``.
     """
     lines = Lines.of(parts, shaft)
     spectra = envelope_spectra(series, fs, lines, band)
     findings = {race: _finding(spectra, lines, race, tolerance) for race in ELEMENTS}
-    turns = shaft * len(series) / fs
-    limit = threshold(equivalent_turns(lines, turns), tolerance)
+    revolutions = shaft * len(series) / fs
+    limit = threshold(equivalent_revolutions(lines, revolutions), tolerance)
     best = max(findings, key=lambda race: findings[race].comb.score)
     comb = findings[best].comb
     detection = detect(spectra, lines, best, comb, tolerance, limit)
-    verdict = detection.objection or _race(spectra, findings, best)
-    size = _size(series, fs, parts, comb, limit) if verdict == OUTER else None
-    return Diagnosis(verdict, lines, findings, detection, size, turns, spectra)
+    verdict = detection.objection or _choose_element(spectra, findings, best)
+    size = _estimate_size(series, fs, parts, comb, limit) if verdict == OUTER else None
+    return Diagnosis(verdict, lines, findings, detection, size, revolutions, spectra)
 
 
-def _size(series: np.ndarray, fs: float, parts: RollingParts, comb: Comb, limit: float) -> Size | str:
-    """Estimate the size of a defect of the outer race if its comb is clear, else return the reason."""
-    if comb.score < clear(limit):
+def _estimate_size(series: np.ndarray, fs: float, parts: RollingParts, comb: Comb, limit: float) -> Size | str:
+    """Estimate the size of a defect of the outer race if its comb is clear; otherwise return the reason."""
+    if comb.score < clear_score(limit):
         return f"the line is not {CLEAR_DB:g} dB over the threshold"
-    return outer_race_size(series, fs, parts, comb.frequency)
+    return estimate_outer_race_size(series, fs, parts, comb.frequency)
 
 
 def _finding(spectra: Sequence[EnvelopeSpectrum], lines: Lines, race: str, tolerance: float) -> Finding:
-    comb = refined(spectra, best_comb(spectra, lines.of_race(race), tolerance))
+    comb = refine(spectra, find_best_comb(spectra, lines.of_race(race), tolerance))
     shaft = _sidebands(spectra[0], comb.frequency, np.array([lines.shaft]))
     cages = np.linspace(*CAGE_RANGE, CAGE_STEPS) * lines.cage
     return Finding(lines.of_race(race), comb, shaft, _sidebands(spectra[0], comb.frequency, cages))
 
 
 def _sidebands(spectrum: EnvelopeSpectrum, frequency: float, spacings: np.ndarray) -> tuple[float, ...]:
-    """Return log(1 + height) at a spacing (Hz), and below and above a frequency (Hz), for the best spacing."""
+    """Return log(1 + height) at a spacing, and at this distance below and above a frequency (Hz).
+
+    The spacing is that of ``spacings`` (n,) in Hz with the largest sum.
+    """
     heights = np.log1p(heights_at(spectrum, np.array([spacings, frequency - spacings, frequency + spacings])))
     return tuple(map(float, heights[:, np.argmax(heights.sum(axis=0))]))
 
 
-def _race(spectra: Sequence[EnvelopeSpectrum], findings: dict[str, Finding], best: str) -> str:
-    """Return the race with the best comb, or ``EITHER`` if outer race and roller share it and the lines of the
-    cage do not decide."""
+def _choose_element(spectra: Sequence[EnvelopeSpectrum], findings: dict[str, Finding], best: str) -> str:
+    """Return the element with the best comb; if outer race and roller share it, choose by the cage sidebands.
+
+    Returns ``EITHER`` if these are neither weak nor strong enough.
+    """
     outer, roller = findings[OUTER], findings[ROLLER]
-    is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SAME_BINS * spectra[0].step
+    is_shared = abs(outer.comb.frequency - roller.comb.frequency) <= SHARED_BINS * spectra[0].step
     if best == INNER or not is_shared:
         return best
     ratio = sum(findings[best].cage_sidebands) / findings[best].comb.scores[0]
-    return OUTER if ratio <= OUTER_MOST else ROLLER if ratio >= ROLLER_LEAST else EITHER
+    return OUTER if ratio <= MAX_OUTER_RATIO else ROLLER if ratio >= MIN_ROLLER_RATIO else EITHER

@@ -100,7 +100,7 @@ def _title(diagnosis: Diagnosis) -> str:
     frequency = {"none": None, "other rhythm": diagnosis.strongest_other.frequency}.get(
         diagnosis.verdict, diagnosis.findings[diagnosis.best].comb.frequency
     )
-    healthy = " or a healthy bearing with clearance" if diagnosis.loose else ""
+    healthy = " or a healthy bearing with clearance" if diagnosis.clearance_may_cause else ""
     return f"{TITLES[diagnosis.verdict]}{healthy}{f', {frequency:.2f} Hz' if frequency else ''}"
 
 

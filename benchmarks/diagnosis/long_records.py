@@ -9,7 +9,7 @@ About ten minutes of CPU time.
 import argparse
 from pathlib import Path
 
-from bearingsim.diagnosis.combs import best_comb, envelope_spectra
+from bearingsim.diagnosis.combs import envelope_spectra, find_best_comb
 from bearingsim.diagnosis.kinematics import ELEMENTS
 from bearingsim.diagnosis.thresholds import threshold
 from benchmarks.diagnosis import bases, chain
@@ -28,7 +28,7 @@ def exceeded(twins: chain.Twins, seed: int) -> list[bool]:
     results = []
     for turns in TURNS:
         spectra = envelope_spectra(signal[: round(turns * bases.RATE / chain.SHAFT_HZ)], bases.RATE, lines)
-        score = max(best_comb(spectra, lines.of_race(race), TOLERANCE).score for race in ELEMENTS)
+        score = max(find_best_comb(spectra, lines.of_race(race), TOLERANCE).score for race in ELEMENTS)
         results.append(score > threshold(turns, TOLERANCE))
     return results
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.diagnosis.combs import best_comb, envelope_spectra
+from bearingsim.diagnosis.combs import envelope_spectra, find_best_comb
 from bearingsim.diagnosis.kinematics import ELEMENTS
 from benchmarks.diagnosis import bases, chain
 
@@ -35,7 +35,7 @@ def scores(twins: chain.Twins, seed: int) -> np.ndarray:
     for row, turns in enumerate(TURNS[:count]):
         spectra = envelope_spectra(signal[: round(turns * bases.RATE / chain.SHAFT_HZ)], bases.RATE, lines)
         for column, tolerance in enumerate(TOLERANCES):
-            combs = (best_comb(spectra, lines.of_race(race), tolerance) for race in ELEMENTS)
+            combs = (find_best_comb(spectra, lines.of_race(race), tolerance) for race in ELEMENTS)
             highest[row, column] = max(comb.score for comb in combs)
     return highest
 

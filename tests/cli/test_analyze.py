@@ -109,7 +109,7 @@ def test_a_signal_of_a_few_samples_is_refused(tmp_path, count):
     words = ["analyze", tmp_path / "a.npz", "--bearing", "6205", "--speed", "1500 rpm"]
     err = type_(*words, "--band", "kurtogram", code=2)[1]
     assert "a.npz" in err
-    assert "under 20 periods of the slowest line" in err or "has no signal" in err
+    assert "under 20 periods of the lowest line" in err or "has no signal" in err
 
 
 def test_a_dropout_is_printed(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.config import Case
 from bearingsim.diagnosis import Lines, diagnose
-from bearingsim.diagnosis.size import DEPTH, Size, outer_race_size
+from bearingsim.diagnosis.size import MAX_DEPTH, Size, estimate_outer_race_size
 from bearingsim.signals.events import ONE_EVENT, SLOW_ENTRY, THIRD_EVENT, TOO_FAR
 from bearingsim.simulation import simulate
 from bearingsim.study import load_rolling_parts
@@ -19,7 +19,7 @@ NF308 = load_rolling_parts("nf308")
 def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_edge():
     impact = impacts(LINES.outer, noise=0.02)
     shift = round(0.2 / LINES.outer * RATE)
-    size = outer_race_size(impact + 0.5 * np.roll(impact, -shift), RATE, PARTS, LINES.outer)
+    size = estimate_outer_race_size(impact + 0.5 * np.roll(impact, -shift), RATE, PARTS, LINES.outer)
     assert isinstance(size, Size)
     assert size.spacing == pytest.approx(shift / RATE, rel=0.05)
     race = (PARTS.pitch_diameter + PARTS.roller_diameter) / 2.0
@@ -27,10 +27,10 @@ def test_the_width_is_from_the_spacing_to_the_spacing_and_the_way_from_floor_to_
     assert size.low == pytest.approx((size.spacing - 1.0 / LINES.outer / 80.0) * speed, rel=1e-6)
     effective = PARTS.roller_diameter / 2.0 * race / (race - PARTS.roller_diameter / 2.0)
     assert size.high - size.spacing * speed == pytest.approx(
-        sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * 0.003 * PARTS.roller_diameter)
+        sqrt(2.0 * effective * MAX_DEPTH) + sqrt(2.0 * effective * 0.003 * PARTS.roller_diameter)
     )
     rollers = PARTS.model_copy(update={"element": "roller"})
-    of_roller = outer_race_size(impact + 0.5 * np.roll(impact, -shift), RATE, rollers, LINES.outer)
+    of_roller = estimate_outer_race_size(impact + 0.5 * np.roll(impact, -shift), RATE, rollers, LINES.outer)
     assert size.high - of_roller.high == pytest.approx(
         (sqrt(0.003) - sqrt(0.001)) * sqrt(2.0 * effective * PARTS.roller_diameter)
     )
@@ -41,19 +41,19 @@ def test_the_width_is_along_the_circle_of_contact_points():
     parts = PARTS.model_copy(update={"contact_angle": angle})
     outer = Lines.of(parts, SHAFT).outer
     impact = impacts(outer, noise=0.02)
-    size = outer_race_size(impact + 0.5 * np.roll(impact, -round(0.2 / outer * RATE)), RATE, parts, outer)
+    size = estimate_outer_race_size(impact + 0.5 * np.roll(impact, -round(0.2 / outer * RATE)), RATE, parts, outer)
     circle = np.pi * (PARTS.pitch_diameter + PARTS.roller_diameter * np.cos(angle))
     assert isinstance(size, Size)
     assert size.low == pytest.approx((size.spacing * outer - 1.0 / 80.0) * circle / PARTS.rollers, rel=1e-9)
     race, ball = circle / (2.0 * np.pi * np.cos(angle)), PARTS.roller_diameter / 2.0
     effective = 1.0 / (1.0 / ball - 1.0 / race)
     assert size.high - size.spacing * outer * circle / PARTS.rollers == pytest.approx(
-        sqrt(2.0 * effective * DEPTH) + sqrt(2.0 * effective * 0.003 * PARTS.roller_diameter), rel=1e-9
+        sqrt(2.0 * effective * MAX_DEPTH) + sqrt(2.0 * effective * 0.003 * PARTS.roller_diameter), rel=1e-9
     )
 
 
 def test_no_width_without_two_events():
-    assert outer_race_size(impacts(LINES.outer, noise=0.02), RATE, PARTS, LINES.outer) == ONE_EVENT
+    assert estimate_outer_race_size(impacts(LINES.outer, noise=0.02), RATE, PARTS, LINES.outer) == ONE_EVENT
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_a_width_needs_an_entry_and_an_exit_and_no_third_event(heights, reason):
     series = impact + sum(
         height * np.roll(impact, -round(share / LINES.outer * RATE)) for share, height in heights.items()
     )
-    size = outer_race_size(series, RATE, PARTS, LINES.outer)
+    size = estimate_outer_race_size(series, RATE, PARTS, LINES.outer)
     assert size == reason if reason else isinstance(size, Size)
 
 
@@ -90,7 +90,7 @@ def test_an_entry_far_before_the_exit_must_rise_suddenly(share, sigma, reason):
         entry *= 0.5 * impact.std() / entry.std()
     else:
         entry = 0.5 * np.roll(impact, -round(share / LINES.outer * RATE))
-    size = outer_race_size(impact + entry, RATE, PARTS, LINES.outer)
+    size = estimate_outer_race_size(impact + entry, RATE, PARTS, LINES.outer)
     assert size == reason if reason else isinstance(size, Size)
 
 
@@ -102,7 +102,7 @@ def test_no_width_of_a_narrow_defect_from_rollers_that_enter_the_load_zone():
         "defect": {"race": "outer", "shape": "rectangular", "length": 12e-3, "width": 0.24e-3, "depth": 50e-6},
     }  # fmt: skip
     across = np.asarray(simulate(Case.model_validate(values)).series["ring.acceleration.y"], float)
-    assert outer_race_size(across, 20480.0, NF308, Lines.of(NF308, 24.5).outer) == SLOW_ENTRY
+    assert estimate_outer_race_size(across, 20480.0, NF308, Lines.of(NF308, 24.5).outer) == SLOW_ENTRY
 
 
 @pytest.mark.parametrize(("bearing", "width"), [("6205", 0.5e-3), ("nf308", 0.5e-3), ("6205", 3e-3)])
@@ -133,7 +133,7 @@ def test_the_width_of_a_highly_loaded_ball_covers_the_late_detection_of_its_entr
         "defect": {"race": "outer", "shape": "rectangular", "length": 7.94e-3, "width": 4e-3, "depth": 60e-6},
     }  # fmt: skip
     series = np.asarray(simulate(Case.model_validate(values)).series["ring.acceleration.x"], float)
-    size = outer_race_size(series, 51200.0, PARTS, Lines.of(PARTS, 10.0).outer)
+    size = estimate_outer_race_size(series, 51200.0, PARTS, Lines.of(PARTS, 10.0).outer)
     assert size.low <= 4e-3 <= size.high
 
 
@@ -141,7 +141,7 @@ def test_no_width_of_two_halves_that_differ_or_of_a_line_that_is_not_clear(monke
     impact = impacts(LINES.outer, noise=0.02)
     signals = [impact + 0.5 * np.roll(impact, -round(share / LINES.outer * RATE)) for share in (0.2, 0.25)]
     half = len(impact) // 2
-    size = outer_race_size(np.append(signals[0][:half], signals[1][half:]), RATE, PARTS, LINES.outer)
+    size = estimate_outer_race_size(np.append(signals[0][:half], signals[1][half:]), RATE, PARTS, LINES.outer)
     assert size == "the estimates from both halves of the record differ by over 5 %"
     assert isinstance(diagnose(signals[0], RATE, PARTS, SHAFT).size, Size)
     monkeypatch.setattr("bearingsim.diagnosis.verdict.clear", lambda limit: inf)
