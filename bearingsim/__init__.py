@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __version__ = "0.2.0"
 __all__ = ["Case", "__version__", "envelope_spectrum", "load_study", "open_results", "run", "simulate", "spectrum"]
 
-_HOME = {
+_MODULES = {
     "Case": "config",
     "envelope_spectrum": "store.spectra",
     "load_study": "study",
@@ -43,7 +43,7 @@ def run(study: "Study", out: "str | Path | None" = None, jobs: int | None = None
     1 for this process only; options: fresh, retry_failed, shard, verify, progress, max_failures, max_cpu (s) and
     scheduler, as for the command ``bearingsim run``.
     """
-    # Imported by name: an import of this module by the store must not lead to the runner.
+    # Imported by name, because the import contracts forbid a path from the store to the runner via this module.
     summary = import_module(f"{__name__}.runner").run(study, out, jobs, **options)
     results: Results = import_module(f"{__name__}.store").open_results(summary.folder)
     return results
@@ -54,6 +54,6 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOME:
-        return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    if name in _MODULES:
+        return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""Choice of a folder for cached files: the user's cache, else the temporary folder."""
+"""Choice of a folder for cached files, in the cache of the user or else in the temporary folder."""
 
 import atexit
 import os
@@ -10,10 +10,10 @@ from bearingsim.own_folder import own_folder
 
 
 def cache_folder(name: str) -> tuple[Path | None, str]:
-    """Choose the folder `bearingsim/NAME` in the user's cache, else in the temporary folder, and create it.
+    """Create the folder `bearingsim/NAME` in the cache of the user, or else in the temporary folder.
 
-    The program executes cached code, so only the user may have write access. Return the folder, None if none is
-    usable, and the reason for not using the user's cache, "" if it is used.
+    The program executes cached code, so only the user may have write access. Returns the folder, None if none is
+    usable, and the reason why it is not in the cache of the user, "" if it is.
     """
     reason = ""
     for base in (user_cache_folder, temporary_folder, process_folder):
@@ -31,23 +31,23 @@ def cache_folder(name: str) -> tuple[Path | None, str]:
 
 
 def user_cache_folder() -> Path:
-    """Return the folder named in the environment, or the user's cache. Raises RuntimeError without a home."""
+    """Return the folder named in the environment, or `~/.cache`. Raises RuntimeError without a home folder."""
     folder = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
     return Path(folder) if folder else Path.home() / ".cache"
 
 
 def temporary_folder() -> Path:
-    """Return the user's subfolder of the temporary folder."""
+    """Create the user's subfolder of the temporary folder. Raises OSError if others can write to it."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
     return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
 
 
 def process_folder() -> Path:
-    """Make a folder that is removed when this process ends."""
+    """Create a folder that is removed when this process ends."""
     folder, creator = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
 
     def remove() -> None:
-        if os.getpid() == creator:  # not a forked child, which ends earlier
+        if os.getpid() == creator:  # a forked child may end earlier
             shutil.rmtree(folder, ignore_errors=True)
 
     atexit.register(remove)

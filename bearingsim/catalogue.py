@@ -110,12 +110,12 @@ def _table_of(entry: Entry) -> dict[str, Any]:
 
 
 def is_foreign(reference: str) -> bool:
-    """Return True if the code belongs to another package."""
+    """Return True if the code of a reference belongs to another package."""
     return extensions.package(reference) != PACKAGE
 
 
 def code(reference: str, expected: type = object) -> Any:
-    """Return the object at ``package.module`` or ``package.module:name``.
+    """Import and return the object at ``package.module`` or ``package.module:name``.
 
     Raises UserError if the import fails or the object is not of the expected type; BrokenExtension (a UserError)
     if the code belongs to an extension.
@@ -125,17 +125,17 @@ def code(reference: str, expected: type = object) -> Any:
         loaded = import_module(module)
         loaded = getattr(loaded, name) if name else loaded
     except (Exception, SystemExit) as error:  # any failure of another package
-        raise _error_of(reference, f"does not load ({extensions.reason(error)})") from error
+        raise _make_error(reference, f"does not load ({extensions.reason(error)})") from error
     if not isinstance(loaded, expected):
-        raise _error_of(reference, f"is of type {type(loaded).__name__}, not {expected.__name__}")
+        raise _make_error(reference, f"is of type {type(loaded).__name__}, not {expected.__name__}")
     return loaded
 
 
 def call(reference: str, *arguments: Any) -> Any:
-    """Call the function ``reference``.
+    """Call the function at ``reference``, and return its result.
 
     Raises the errors of ``code``. UserError, Refused and OutOfCpuTime are raised unchanged, and so is any error of
-    the program's own functions; another error of an extension is raised as BrokenExtension.
+    the program's own functions; other errors of an extension become BrokenExtension.
     """
     function = code(reference)
     try:
@@ -145,19 +145,19 @@ def call(reference: str, *arguments: Any) -> Any:
     except (Exception, SystemExit) as error:
         if not is_foreign(reference):
             raise
-        raise _error_of(reference, f"fails ({extensions.reason(error)})") from error
+        raise _make_error(reference, f"fails ({extensions.reason(error)})") from error
 
 
-def _error_of(reference: str, reason: str) -> UserError:
+def _make_error(reference: str, reason: str) -> UserError:
     if not is_foreign(reference):
         return UserError(f"`{reference}` {reason}")
     return BrokenExtension(f"`{reference}` of the extension `{extensions.owner(reference)}` {reason}")
 
 
 def simpler_models(name: str) -> list[str]:
-    """Return the models below ``name`` whose rollers carry load, in order of decreasing detail."""
-    order = list(MODELS)
-    return [lower for lower in reversed(order[: order.index(name)]) if MODELS[lower].loaded]
+    """Return the models less detailed than ``name`` whose rollers carry load, in order of decreasing detail."""
+    names = list(MODELS)
+    return [simpler for simpler in reversed(names[: names.index(name)]) if MODELS[simpler].loaded]
 
 
 def simplest_model(*abilities: str) -> str:
@@ -185,7 +185,7 @@ _M, _S, _C, _A = (
     "bearingsim.assemble",
 )
 
-MEANINGS = {
+DESCRIPTIONS = {
     "impulse": "model: a train of impulses excites the outer ring",
     "static": "model: equilibrium of the outer ring at each instant, without inertia",
     "ring": "model: the outer ring moves on massless rollers; the cage turns at its kinematic speed",
@@ -201,7 +201,7 @@ MEANINGS = {
     "hunt-crossley": "contact damping: χ times the contact force (Hunt and Crossley)",
     "film": "contact damping: oil film and hysteresis of the steel",
 }
-"""Meanings of models and contact laws in the report, by name; laws without an entry are not explained."""
+"""Descriptions of models and contact laws for the report, by name; laws without an entry are not explained."""
 
 register(
     Model(
@@ -276,7 +276,7 @@ DEFAULT_MODEL = "rollers"
 REFERENCES = ("planar", "spatial", "rollers", "impulse")
 """Reference models: a case is compared with the first of these that covers all effects that it requires."""
 EXPLICIT = "verlet"
-"""Explicit method whose step limit and cost serve as the standard for other methods."""
+"""Explicit method with whose step limit and cost those of other methods are compared."""
 
 
 # Entries of other packages
@@ -287,7 +287,7 @@ def extension_sources() -> Iterator[Path]:
     for package in _packages():
         try:
             spec = find_spec(package)
-        except (ImportError, ValueError):  # a broken package, or a script
+        except (ImportError, ValueError):  # the package is broken, or is a script
             continue
         if spec is not None and spec.submodule_search_locations:
             for folder in spec.submodule_search_locations:

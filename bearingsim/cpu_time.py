@@ -1,4 +1,4 @@
-"""CPU clock of a job, and its limit of CPU time.
+"""CPU clock of a job, and the limit of its CPU time.
 
 Python code checks the clock between time steps (``check``); long compiled loops check it themselves (``bounded``,
 ``core/clock.py``). Compilation is not charged to the job.
@@ -11,11 +11,11 @@ from math import inf
 from time import thread_time
 from typing import NamedTuple, TypeVar
 
-T = TypeVar("T")
+Result = TypeVar("Result")
 
 
 class OutOfCpuTime(Exception):
-    """A job has reached its limit of CPU time, so no other method is tried; has the reason and the advice."""
+    """A job has reached its limit of CPU time, so no other method is tried; advice: the remedy."""
 
     def __init__(self, reason: str, advice: str) -> None:
         super().__init__(f"{reason}; {advice}")
@@ -81,7 +81,7 @@ def check() -> None:
         )
 
 
-def bounded(call: Callable[[float], T]) -> T:
+def bounded(call: Callable[[float], Result]) -> Result:
     """Call a compiled function with the CPU time of this thread (s) at which it must end; return its result.
 
     If the call compiled the function, it is repeated, because compilation may have used up the time. Raises

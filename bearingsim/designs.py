@@ -52,7 +52,7 @@ def _lhs(n: int, d: int, rng: "np.random.Generator") -> "NDArray[np.float64]":
 
 
 def _sobol(n: int, d: int, rng: "np.random.Generator") -> "NDArray[np.float64]":
-    """Draw 2^k points, the number for which the sequence is balanced, and keep the first n."""
+    """Draw the smallest number 2^k >= n of points, for which the sequence is balanced; return the first n."""
     from scipy.stats import qmc
 
     return qmc.Sobol(d, seed=rng).random_base2((n - 1).bit_length())[:n]

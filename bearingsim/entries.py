@@ -73,7 +73,7 @@ class Law:
     """Contact law; what: `stiffness`, `damping` or `friction`.
 
     section: class of the parameters in a study file, empty for a law without parameters; build: function that
-    makes the law of the core (arguments: ``assemble/contacts.py``, ``assemble/free.py``); bare: True if a study
+    builds the law of the core (arguments: ``assemble/contacts.py``, ``assemble/free.py``); bare: True if a study
     file may give only the name, with default parameters; element: `roller` or `ball` if the law applies to only
     one of them, else empty; material: True if the law depends on the elastic constants of the bearing's material;
     stiff_at_touch_down: True if the stiffness of a law without parameters does not start from zero.
@@ -93,7 +93,7 @@ class Law:
 class Shape:
     """Shape of a defect.
 
-    build: function that makes the depth map from length, width and depth (m), or from the whole section if
+    build: function that builds the depth map from length, width and depth (m), or from the whole section if
     ``of_section``; simple: True if every excitation has a closed form for this shape.
     """
 

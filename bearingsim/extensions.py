@@ -35,7 +35,7 @@ def skipped() -> set[str]:
 @cache
 def enabled() -> "tuple[EntryPoint, ...]":
     """Return the entry points of all extensions except the skipped ones, sorted by name."""
-    from importlib.metadata import entry_points  # a tenth of the time of `--help`, which needs no extension
+    from importlib.metadata import entry_points  # slow, and not needed by commands such as `--help`
 
     entries = (entry for entry in entry_points(group=GROUP) if entry.name not in skipped())
     return tuple(sorted(entries, key=lambda entry: entry.name))
@@ -81,7 +81,7 @@ def load() -> None:
     for entry in enabled():
         try:
             entry.load()
-        except (Exception, SystemExit) as error:  # any failure of another package
+        except (Exception, SystemExit) as error:  # another package may raise anything
             record_failure(
                 entry.name, f"the extension `{entry.name}` ({entry.value}) does not load: {reason(error)}"
             )
@@ -95,7 +95,8 @@ def record_failure(name: str, message: str) -> None:
 def raise_if_broken() -> None:
     """Raise BrokenExtension if an extension is in ``BROKEN``, because its entries are missing.
 
-    The advice to skip names entry points only: code of another package cannot be skipped by its name.
+    The advice to skip extensions is given only if all are entry points, because code that another package
+    registers later cannot be skipped by its name.
     """
     if not BROKEN:
         return

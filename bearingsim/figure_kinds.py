@@ -10,22 +10,21 @@ from typing import Any, NamedTuple
 from bearingsim.errors import UserError
 from bearingsim.text.units import Dimension, UnitError, parse, split
 
-TIME = ("from", "to", "span", "around")
-SPECTRAL = ("range", "log", "db", "orders")
-SELECTION = ("y", "where")
-CURVES = (*SELECTION, "by", "unit", "healthy")
+TIME_OPTIONS = ("from", "to", "span", "around")
+SPECTRAL_OPTIONS = ("range", "log", "db", "orders")
+SELECTION_OPTIONS = ("y", "where")
+CURVE_OPTIONS = (*SELECTION_OPTIONS, "by", "unit", "healthy")
 
-MOTION = ("ring.velocity", "ring.acceleration", "ring.displacement")
+DEFAULT_CHANNELS = ("ring.velocity", "ring.acceleration", "ring.displacement")
 """Channels drawn by default, in order of preference."""
 
 
 class Kind(NamedTuple):
     """Kind of figure.
 
-    draw: module and function in ``bearingsim.plots``; options: keys of a figure of this kind; of_jobs: whether it
-    is drawn from single jobs rather than from the results table; range: dimension of its option `range`;
-    channel: recorded channel that a kind drawn from jobs can show, suggested if none is recorded; empty if it
-    shows none.
+    draw: module and function in ``bearingsim.plots``; options: keys of a figure of this kind; of_jobs: True if it
+    is drawn from single jobs, False if from the results table; range: dimension of its option `range`; channel:
+    example of a recorded channel that it shows, suggested if none is recorded, empty if it shows none.
     """
 
     draw: str
@@ -38,38 +37,41 @@ class Kind(NamedTuple):
 
 KINDS = {
     "sweep": Kind(
-        "features.draw_sweep", "features against a swept parameter", (*CURVES, "x", "panels", "log"), of_jobs=False
+        "features.draw_sweep", "features against a swept parameter", (*CURVE_OPTIONS, "x", "panels", "log"),
+        of_jobs=False
     ),
     "phase": Kind(
         "features.draw_phases", "phases of spectral lines against a swept parameter",
-        (*SELECTION, "x", "by", "panels"), of_jobs=False,
+        (*SELECTION_OPTIONS, "x", "by", "panels"), of_jobs=False,
     ),
     "design": Kind(
-        "features.draw_design", "features against each parameter of a design", (*SELECTION, "by", "unit"),
+        "features.draw_design", "features against each parameter of a design", (*SELECTION_OPTIONS, "by", "unit"),
         of_jobs=False,
     ),
     "waterfall": Kind(
         "waterfall.draw_waterfall", "spectra stacked over a swept parameter",
-        (*SELECTION, "by", "unit", "range", "db"), range="frequency",
+        (*SELECTION_OPTIONS, "by", "unit", "range", "db"), range="frequency",
     ),
-    "series": Kind("series.draw_series", "channels over time", (*CURVES, *TIME, "band", "mean")),
+    "series": Kind("series.draw_series", "channels over time", (*CURVE_OPTIONS, *TIME_OPTIONS, "band", "mean")),
     "spectrum": Kind(
-        "spectra.draw", "amplitude spectra of channels", (*CURVES, *TIME, *SPECTRAL), range="frequency"
+        "spectra.draw", "amplitude spectra of channels", (*CURVE_OPTIONS, *TIME_OPTIONS, *SPECTRAL_OPTIONS),
+        range="frequency"
     ),
     "envelope": Kind(
         "spectra.draw", "spectra of the squared envelope of channels",
-        (*CURVES, *TIME, *SPECTRAL, "band"), range="frequency",
+        (*CURVE_OPTIONS, *TIME_OPTIONS, *SPECTRAL_OPTIONS, "band"), range="frequency",
     ),
     "spectrogram": Kind(
         "spectrogram.draw_spectrogram", "amplitude over time and frequency",
-        (*SELECTION, *TIME, "unit", "range", "db"), range="frequency",
+        (*SELECTION_OPTIONS, *TIME_OPTIONS, "unit", "range", "db"), range="frequency",
     ),
     "roller": Kind(
         "roller.draw_roller", "channels of a roller over its angle",
-        (*CURVES, "around", "range", "mean"), range="angle", channel="roller.1.outer_force",
+        (*CURVE_OPTIONS, "around", "range", "mean"), range="angle", channel="roller.1.outer_force",
     ),
     "load": Kind(
-        "line_load.draw_load", "line load along a roller", (*SELECTION, "span"), channel="roller.1.outer_line_load"
+        "line_load.draw_load", "line load along a roller", (*SELECTION_OPTIONS, "span"),
+        channel="roller.1.outer_line_load"
     ),
     "pit": Kind("defect.draw_defects", "defects to scale", ("where",), channel=""),
     "ring": Kind("ring.draw_rings", "outer ring in static equilibrium", ("where",), channel=""),
@@ -97,7 +99,7 @@ OPTION_HELP = {
     "healthy": "healthy bearing's curve: beside, below or off",
     "orders": "add an axis in orders of the shaft",
 }
-"""Help on the options of figures, by key."""
+"""Help texts of the options of figures, by key."""
 
 HEALTHY = ("beside", "below", "off")
 AROUND = ("impact",)
@@ -114,7 +116,8 @@ class OptionError(UserError):
 
 @dataclass(frozen=True)
 class View:
-    """Displayed part and scale of the signals or features of a figure; None and False: the default of the kind.
+    """Displayed part and scale of the signals or features of a figure; None and False mean the default of the
+    kind.
 
     start, stop, span: time (s); around: event at a quarter of the time axis; range: limits of the frequency axis
     (Hz) or of the roller's angle (rad); band: band-pass filter (Hz); unit: of the y axis; db: level in decibels;
@@ -135,30 +138,30 @@ class View:
     orders: bool = False
 
 
-KEYS = {f.name: f.name for f in fields(View)} | {"start": "from", "stop": "to", "zero_mean": "mean"}
+VIEW_KEYS = {f.name: f.name for f in fields(View)} | {"start": "from", "stop": "to", "zero_mean": "mean"}
 """Key in a study and option of the command, by field of ``View``."""
 
 
 def is_set(value: Any) -> bool:
-    """Check if an option has a value: 0 is one, as in `mean: 0`."""
+    """Check if an option has a value; 0 is a value, as in `mean: 0`."""
     return bool(value) or (value is not False and value == 0)
 
 
-def view_of(kind: str, texts: Mapping[str, Any]) -> View:
+def parse_view(kind: str, texts: Mapping[str, Any]) -> View:
     """Parse the options of a figure of ``kind`` from their texts, by key; keys without a value are ignored.
 
     Raises OptionError for an invalid value, or for two options that exclude each other.
     """
-    readers = READERS | {"range": lambda text: limits(text, KINDS[kind].range or "frequency")}
+    parsers = PARSERS | {"range": lambda text: parse_limits(text, KINDS[kind].range or "frequency")}
     values: dict[str, Any] = {}
-    for name, key in KEYS.items():
+    for name, key in VIEW_KEYS.items():
         if is_set(texts.get(key)):
             try:
-                values[name] = readers[key](texts[key])
+                values[name] = parsers[key](texts[key])
             except (UnitError, ValueError) as error:
                 raise OptionError(key, str(error)) from None
     view = View(**values)
-    _check_together(view, texts)
+    _check_combination(view, texts)
     return view
 
 
@@ -172,10 +175,11 @@ def check_options(kind: str, options: Mapping[str, Any]) -> None:
             raise OptionError(key, f"a {kind} has no option `{key}`" + (f" ({advice})" if advice else ""))
 
 
-def limits(text: Any, dimension: Dimension) -> tuple[float, float]:
-    """Parse two limits, `0 Hz..2 kHz` or `0..2 kHz`, in SI; the first may omit the unit of the second.
+def parse_limits(text: Any, dimension: Dimension) -> tuple[float, float]:
+    """Parse two limits, as `0 Hz..2 kHz` or `0..2 kHz`, and return them in SI.
 
-    Raises ValueError unless the second is larger.
+    The unit of the first may be omitted if it is that of the second. Raises ValueError unless the second is
+    larger, and for a negative frequency.
     """
     low_text, separator, high_text = (part.strip() for part in str(text).partition(".."))
     example = "0 Hz..2 kHz" if dimension == "frequency" else "-5 deg..5 deg"
@@ -189,7 +193,7 @@ def limits(text: Any, dimension: Dimension) -> tuple[float, float]:
     return low, high
 
 
-def _check_together(view: View, texts: Mapping[str, Any]) -> None:
+def _check_combination(view: View, texts: Mapping[str, Any]) -> None:
     if view.around and (view.start is not None or view.stop is not None):
         raise OptionError("around", "`around` sets the time axis: omit `from` and `to`, and give `span`")
     if view.stop is not None and view.span is not None:
@@ -202,47 +206,56 @@ def _check_together(view: View, texts: Mapping[str, Any]) -> None:
         raise OptionError("db", "a level in dB is logarithmic already: omit `log` or `db`")
 
 
-def _time(text: Any) -> float:
+def _parse_time(text: Any) -> float:
     seconds = float(text) if isinstance(text, float | int) else parse(str(text), "time")
     if seconds < 0.0:
         raise ValueError(f"expected a time from zero on, got `{text}`")
     return seconds
 
 
-def _span(text: Any) -> float:
-    seconds = _time(text)
+def _parse_span(text: Any) -> float:
+    seconds = _parse_time(text)
     if seconds == 0.0:
         raise ValueError(f"expected a time above zero, got `{text}`")
     return seconds
 
 
-def _band(text: Any) -> tuple[float, float]:
-    return limits(text, "frequency")
+def _parse_band(text: Any) -> tuple[float, float]:
+    return parse_limits(text, "frequency")
 
 
-def _flag(text: Any) -> bool:
+def _parse_flag(text: Any) -> bool:
     words = {"true": True, "false": False}
     if str(text).lower() not in words:
         raise ValueError(f"expected `true` or `false`, got `{text}`")
     return words[str(text).lower()]
 
 
-def _zero(text: Any) -> bool:
+def _parse_zero(text: Any) -> bool:
     if str(text) not in ("0", "0.0", "True"):
         raise ValueError(f"expected 0, which subtracts the mean, got `{text}`")
     return True
 
 
-def _word(*words: str) -> Callable[[Any], str]:
-    def read(text: Any) -> str:
+def _make_word_parser(*words: str) -> Callable[[Any], str]:
+    def parse_word(text: Any) -> str:
         if text not in words:
             raise ValueError(f"expected {' or '.join(words)}, got `{text}`")
         return str(text)
 
-    return read
+    return parse_word
 
 
-READERS: dict[str, Callable[[Any], Any]] = {
-    "from": _time, "to": _time, "span": _span, "around": _word(*AROUND), "band": _band, "unit": str, "db": _flag,
-    "mean": _zero, "healthy": _word(*HEALTHY), "orders": _flag,
-}  # fmt: skip
+PARSERS: dict[str, Callable[[Any], Any]] = {
+    "from": _parse_time,
+    "to": _parse_time,
+    "span": _parse_span,
+    "around": _make_word_parser(*AROUND),
+    "band": _parse_band,
+    "unit": str,
+    "db": _parse_flag,
+    "mean": _parse_zero,
+    "healthy": _make_word_parser(*HEALTHY),
+    "orders": _parse_flag,
+}
+"""Parsers of options by key, except that of `range`, which depends on the kind."""

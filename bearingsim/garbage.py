@@ -1,10 +1,10 @@
-"""Thresholds of the garbage collector: rare collections in commands, and while code is compiled."""
+"""Thresholds of the garbage collector for commands and for compilation, which need few collections."""
 
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-COMMAND, COMPILING = (1_000_000, 20, 20), (50_000, 20, 20)
+COMMAND_THRESHOLDS, COMPILATION_THRESHOLDS = (1_000_000, 20, 20), (50_000, 20, 20)
 """Arguments of ``gc.set_threshold``: new objects before a collection of generation 0, and collections of
 generations 0 and 1 before one of the next generation.
 
@@ -16,9 +16,9 @@ and 10 % of the run time of a command that computes nothing. With the thresholds
 
 @contextmanager
 def rare_collections() -> Iterator[None]:
-    """Raise the thresholds to those of compilation, unless they are higher."""
+    """Raise the thresholds to those of compilation within the context, unless they are higher."""
     thresholds = gc.get_threshold()
-    gc.set_threshold(*max(COMPILING, thresholds))
+    gc.set_threshold(*max(COMPILATION_THRESHOLDS, thresholds))
     try:
         yield
     finally:

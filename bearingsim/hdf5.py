@@ -1,4 +1,4 @@
-"""Safe reading of HDF5 files of unknown origin: sizes and locations are checked before data are read.
+"""Safe reading of HDF5 files of unknown origin, whose sizes and storage are checked before data are read.
 
 A file of a few kB may declare gigabytes of data, by unwritten chunks, gzipped zeros or strings with shared
 storage. The data may also be stored in another file (links, external and virtual storage).
@@ -23,11 +23,13 @@ FILTERS = {
     h5py.h5z.FILTER_FLETCHER32: "fletcher32",
 }
 CHECKSUM_BYTES = 4  # size of the fletcher32 checksum at the end of a chunk
-REFERENCE = np.dtype([("letters", "<u4"), ("heap", "<u8"), ("place", "<u4")])
-"""Element of a dataset of variable-length strings."""
-NUMBERS = "fiub"  # kinds of NumPy's numeric types
-TEXT_BYTES, LETTER_BYTES = 70, 5
-"""Bytes of memory of a Python string, and of each character during decoding."""
+HEAP_REFERENCE = np.dtype([("length", "<u4"), ("collection", "<u8"), ("index", "<u4")])
+"""Element of a dataset of variable-length strings: length in bytes, and location in the global heap of the
+file."""
+NUMERIC_KINDS = "fiub"
+"""``dtype.kind`` of NumPy's numeric types."""
+STRING_BYTES, CHARACTER_BYTES = 70, 5
+"""Memory (bytes) of a Python string, and of each of its characters during decoding."""
 
 
 class Unsafe(UserError, ValueError):
@@ -35,14 +37,14 @@ class Unsafe(UserError, ValueError):
 
 
 class Hdf5:
-    """Open HDF5 file; most: memory limit (bytes) of one read.
+    """Open HDF5 file; max_bytes: memory limit (bytes) of one read.
 
-    Names are paths in the file. All methods raise Unsafe for data stored in another file, larger than ``most``
-    bytes or of another type than requested, and OSError, KeyError or RuntimeError for a damaged file.
+    Names are paths in the file. All methods raise Unsafe for data stored in another file, larger than
+    ``max_bytes`` or of another type than requested, and OSError, KeyError or RuntimeError for a damaged file.
     """
 
-    def __init__(self, stream: BinaryIO, most: float) -> None:
-        self.most, self._stream = most, stream
+    def __init__(self, stream: BinaryIO, max_bytes: float) -> None:
+        self.max_bytes, self._stream = max_bytes, stream
         self._file = h5py.File(stream, "r")
 
     def __enter__(self) -> Self:
@@ -63,8 +65,8 @@ class Hdf5:
         return list(self._item(group))
 
     def __contains__(self, name: str) -> bool:
-        parent, _, last = name.rpartition("/")
-        return last in self._item(parent)
+        parent, _, child = name.rpartition("/")
+        return child in self._item(parent)
 
     def is_group(self, name: str) -> bool:
         """Return True if the name refers to a group."""
@@ -75,30 +77,35 @@ class Hdf5:
         return tuple(self._dataset(name).shape)
 
     def has_numbers(self, name: str) -> bool:
-        """Return True if a dataset has numbers, not text or references."""
-        return self._dataset(name).dtype.kind in NUMBERS
+        """Return True if the elements of a dataset are numbers."""
+        return self._dataset(name).dtype.kind in NUMERIC_KINDS
 
     def check_size(self, name: str, size: float) -> None:
         """Raise Unsafe if ``size`` bytes exceed the limit of one read; name: name of the data for the message."""
-        if size > self.most:
-            sizes = f"{size / 1e6:.3g} MB, above the {self.most / 1e6:.3g} MB that are plausible for this file"
+        if size > self.max_bytes:
+            sizes = (
+                f"{size / 1e6:.3g} MB, above the {self.max_bytes / 1e6:.3g} MB that are plausible for this file"
+            )
             raise Unsafe(f"{name} would take {sizes}")
 
     def has_attribute(self, name: str, owner: str = "") -> bool:
-        """Return True if the attribute exists, whatever its value."""
+        """Return True if an attribute exists; owner: group or dataset, by default the root."""
         return name in self._item(owner).attrs
 
     def attribute(self, name: str, owner: str = "", default: Any = None, variable: bool = False) -> Any:
         """Return a scalar attribute, a number or a string; ``default`` if it does not exist.
 
-        variable: also accept a variable-length string, whose length of up to 4 GB is unknown before it is read.
+        owner: group or dataset, by default the root; variable: also accept a variable-length string, whose length
+        of up to 4 GB is unknown before it is read.
         """
         attributes = self._item(owner).attrs
         if name not in attributes:
             return default
         attribute = attributes.get_id(name)
         kind = h5py.check_string_dtype(attribute.dtype)
-        if attribute.shape != () or not (attribute.dtype.kind in NUMBERS + "S" or (kind is not None and variable)):
+        if attribute.shape != () or not (
+            attribute.dtype.kind in NUMERIC_KINDS + "S" or (kind is not None and variable)
+        ):
             raise Unsafe(f"the attribute `{name}` is not one number or text")
         value = attributes[name]
         try:
@@ -113,7 +120,7 @@ class Hdf5:
     def numbers(self, name: str, row: int | None = None) -> NDArray[Any]:
         """Read a numeric dataset, or one of its rows."""
         item = self._dataset(name)
-        if item.dtype.kind not in NUMBERS:
+        if item.dtype.kind not in NUMERIC_KINDS:
             raise Unsafe(f"`{name}` contains other data than numbers")
         self.check_size(f"`{name}`", prod(item.shape if row is None else item.shape[1:]) * item.dtype.itemsize)
         self._check_chunks(item, row)
@@ -134,17 +141,17 @@ class Hdf5:
     def _item(self, name: str) -> Any:
         """Return a group or dataset stored in this file."""
         item: Any = self._file
-        for word in filter(None, name.split("/")):
-            link = item.get(word, getlink=True)
+        for part in filter(None, name.split("/")):
+            link = item.get(part, getlink=True)
             if link is None:
                 raise KeyError(f"there is no `{name}`")
             if not isinstance(link, h5py.HardLink):
                 raise Unsafe(f"`{name}` is a link to another object or file")
-            item = item[word]
+            item = item[part]
         return item
 
     def _dataset(self, name: str) -> h5py.Dataset:
-        """Return a dataset stored in this file, with no filters other than those in ``FILTERS``."""
+        """Return a dataset stored in this file without filters other than ``FILTERS``."""
         item = self._item(name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             raise Unsafe(f"`{name}` is not a dataset")
@@ -163,11 +170,11 @@ class Hdf5:
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
             return int(item.size * item.dtype.itemsize)
-        letters = self._letters(item) if kind.length is None else item.size * kind.length
-        return int(TEXT_BYTES * item.size + LETTER_BYTES * letters)
+        length = self._total_length(item) if kind.length is None else item.size * kind.length
+        return int(STRING_BYTES * item.size + CHARACTER_BYTES * length)
 
-    def _letters(self, item: h5py.Dataset) -> int:
-        """Sum the lengths of all variable-length strings, as declared in the dataset."""
+    def _total_length(self, item: h5py.Dataset) -> int:
+        """Sum the lengths (bytes) of the variable-length strings of a dataset, as declared in it."""
         layout = item.id.get_create_plist().get_layout()
         sizes = self._file.id.get_create_plist().get_sizes()
         if layout != h5py.h5d.CONTIGUOUS or sizes != (8, 8):
@@ -175,25 +182,26 @@ class Hdf5:
         start = item.id.get_offset()
         if start is None:  # nothing was written
             return 0
-        self.check_size(f"`{_name(item)}`", TEXT_BYTES * item.size)
+        self.check_size(f"`{_name(item)}`", STRING_BYTES * item.size)
         self._stream.seek(start)
-        references = np.frombuffer(self._stream.read(item.size * REFERENCE.itemsize), REFERENCE)
-        return int(references["letters"].sum(dtype=np.uint64))
+        references = np.frombuffer(self._stream.read(item.size * HEAP_REFERENCE.itemsize), HEAP_REFERENCE)
+        return int(references["length"].sum(dtype=np.uint64))
 
     def _check_chunks(self, item: h5py.Dataset, row: int | None = None) -> None:
-        """Raise Unsafe if a chunk exceeds ``most`` bytes by its shape, or inflates to more than its shape."""
+        """Raise Unsafe if a chunk exceeds ``max_bytes`` by its shape, or inflates to more bytes than its shape."""
         if item.chunks is None:
             return
         chunk_bytes, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
         self.check_size(f"a chunk of `{_name(item)}`", chunk_bytes)
         if h5py.h5z.FILTER_DEFLATE not in filters:
             return
-        skipped, large = 1 << filters.index(h5py.h5z.FILTER_DEFLATE), []
+        deflate_bit, large = 1 << filters.index(h5py.h5z.FILTER_DEFLATE), []
 
         def collect(chunk: Any) -> None:
             start = chunk.chunk_offset
             is_read = row is None or start[0] <= row < start[0] + item.chunks[0]
-            if is_read and not chunk.filter_mask & skipped and chunk.size * DEFLATE_RATIO > self.most:
+            is_deflated = not chunk.filter_mask & deflate_bit  # a set bit means that the filter was not applied
+            if is_read and is_deflated and chunk.size * DEFLATE_RATIO > self.max_bytes:
                 large.append(start)
 
         item.id.chunk_iter(collect)

@@ -7,8 +7,8 @@ from pathlib import Path
 PROGRAM_BYTES = 300e6
 """Memory (bytes) of a process before its first job: the program, its libraries and compiled code."""
 ROOT = Path("/")
-VERSION_1, VERSION_2 = ("sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("sys/fs/cgroup", "memory.max")
-"""Folder of the control groups, and name of the file with the limit of a group (bytes)."""
+CGROUP_V1, CGROUP_V2 = ("sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("sys/fs/cgroup", "memory.max")
+"""Folder of the control groups by version, and name of the file with the limit of a group (bytes)."""
 
 
 @cache
@@ -18,12 +18,12 @@ def limit() -> float:
 
 
 def limit_in(root: Path) -> float:
-    """Return the memory limit (bytes) according to the system files under ``root``."""
-    return min(_available_memory(root), *_group_limits(root), inf)
+    """Return the memory limit (bytes) according to the system files in the folder ``root``."""
+    return min(_physical_memory(root), *_group_limits(root), inf)
 
 
-def _available_memory(root: Path) -> float:
-    for line in _lines(root / "proc/meminfo"):
+def _physical_memory(root: Path) -> float:
+    for line in _read_lines(root / "proc/meminfo"):
         name, _, amount = line.partition(":")
         if name == "MemTotal":
             return 1024.0 * float(amount.split()[0])
@@ -33,21 +33,21 @@ def _available_memory(root: Path) -> float:
 def _group_limits(root: Path) -> list[float]:
     """Return the limits of the control groups of this process and of their parents, as far as they are visible."""
     limits = [inf]
-    for line in _lines(root / "proc/self/cgroup"):
+    for line in _read_lines(root / "proc/self/cgroup"):
         _, controllers, group = line.split(":", 2)
         if not controllers or "memory" in controllers.split(","):
-            folder, file = VERSION_1 if controllers else VERSION_2
+            folder, file = CGROUP_V1 if controllers else CGROUP_V2
             base = root / folder
             group_folder = base / group.lstrip("/")
             levels = {
                 base,
                 *(level for level in (group_folder, *group_folder.parents) if level.is_relative_to(base)),
             }
-            limits += [float(text) for level in levels for text in _lines(level / file) if text.isdigit()]
+            limits += [float(text) for level in levels for text in _read_lines(level / file) if text.isdigit()]
     return limits
 
 
-def _lines(file: Path) -> list[str]:
+def _read_lines(file: Path) -> list[str]:
     """Read the lines of a file; return an empty list if it cannot be read."""
     try:
         return file.read_text(encoding="utf-8").splitlines()

@@ -11,19 +11,20 @@ from functools import cache
 from pathlib import Path
 
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+"""Mode bits of the write permission of the group and of other users."""
 
 
 class UntrustedFolder(OSError):
-    """Error for a folder to which another user may have written; the message states the reason."""
+    """A folder to which another user may have written; the message states the reason."""
 
 
 def own_folder(base: Path, *names: str) -> Path:
-    """Return the folder ``base``/names with links resolved, after checking that no other user can write to it.
+    """Create the folder ``base``/names if it is missing, and check that no other user can write to it.
 
-    names: one level or more. Missing levels are created with mode 0700. From each level of ``names`` but the last
-    the write permission of others is removed if the level belongs to this user; the last is only checked, because
-    it may already contain files of others. Raises ``UntrustedFolder``, and OSError or RuntimeError if the path
-    cannot be resolved or created.
+    names: one level or more. Returns the folder with links resolved. Missing levels are created with mode 0700.
+    From every level of ``names`` except the last, the write permission of others is removed if the level belongs
+    to this user; the last is only checked, because it may already contain files of others. Raises
+    ``UntrustedFolder``, and OSError or RuntimeError if the path cannot be resolved or created.
     """
     path = base.joinpath(*names)
     _check_dangling_links(path)
@@ -32,10 +33,10 @@ def own_folder(base: Path, *names: str) -> Path:
     for level in path.parents[: len(names) - 1]:
         _remove_write_permission(level)
     missing = [level for level in levels if not level.exists()]
-    _check(missing[-1].parent if missing else folder.parent)
+    _check_path(missing[-1].parent if missing else folder.parent)
     for level in reversed(missing):
         level.mkdir(mode=0o700, exist_ok=True)
-    _check(folder.parent)
+    _check_path(folder.parent)
     _check_level(folder, allow_sticky=False)
     return folder
 
@@ -59,7 +60,7 @@ def _remove_write_permission(folder: Path) -> None:
             folder.chmod(stat.S_IMODE(status.st_mode) & ~OTHERS_WRITE)
 
 
-def _check(folder: Path) -> None:
+def _check_path(folder: Path) -> None:
     """Raise ``UntrustedFolder`` if another user can redirect any level of a resolved path."""
     for level in (*reversed(folder.parents), folder):
         _check_level(level, allow_sticky=True)
@@ -83,7 +84,7 @@ def _others_write(status: os.stat_result) -> bool:
 
 @cache
 def _is_own_group(group: int) -> bool:
-    """Return True for the private group of this user, which has the same name and no other members."""
+    """Return True for the private group of this user, which has the name of the user and no other members."""
     import grp
     import pwd
 

@@ -1,4 +1,4 @@
-"""Files that come with the program: its library and its studies, in the installed package or in the checkout."""
+"""Files shipped with the program: the library and the studies, in the installed package or in the checkout."""
 
 from pathlib import Path
 
@@ -12,11 +12,11 @@ def shipped_folder(name: str) -> Path:
 
 
 def shipped_studies() -> dict[str, Path]:
-    """List the files of the studies by name (that of the file, without its ending), sorted."""
+    """Return the study files by name, which is that of the file without its suffix, sorted."""
     return dict(sorted((path.stem, path) for path in shipped_folder("studies").rglob("*.yaml")))
 
 
 def matching_studies(name: str) -> list[str]:
-    """List the names of the shipped studies that begin with ``name``, or only that which is ``name``."""
-    word, studies = name.replace("-", "_").removesuffix(".yaml"), shipped_studies()
-    return [word] if word in studies else [study for study in studies if study.startswith(word)]
+    """List the names of the shipped studies that begin with ``name``; only ``name`` if it is a study itself."""
+    stem, studies = name.replace("-", "_").removesuffix(".yaml"), shipped_studies()
+    return [stem] if stem in studies else [study for study in studies if study.startswith(stem)]

@@ -7,7 +7,7 @@ from bearingsim import garbage
 
 def main() -> None:
     """Run the command `bearingsim`. Garbage is collected rarely from the first import on."""
-    gc.set_threshold(*garbage.COMMAND)
+    gc.set_threshold(*garbage.COMMAND_THRESHOLDS)
     from bearingsim.cli.app import main
 
     main()

@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, is_set, view_of
+from bearingsim.figure_kinds import KINDS, VIEW_KEYS, View, check_options, is_set, parse_view
 from bearingsim.plots.labels import PlotError, PlotWarning
 from bearingsim.plots.sheet import ALL, Sheet, file_words
 from bearingsim.study import Figure
@@ -160,8 +160,8 @@ def _apply_options(figure: Figure, options: Mapping[str, Any]) -> Figure:
     fields |= {key: tuple(options[key]) for key in LISTS if key in options}
     fields |= {"where": dict(options["where"])} if "where" in options else {}
     fields |= {"x": options["x"]} if "x" in options else {}
-    view = view_of(figure.kind, {"log": fields.get("log", figure.log), **options})
-    changed = {name: getattr(view, name) for name, key in KEYS.items() if key in options}
+    view = parse_view(figure.kind, {"log": fields.get("log", figure.log), **options})
+    changed = {name: getattr(view, name) for name, key in VIEW_KEYS.items() if key in options}
     return replace(figure, view=replace(figure.view, **changed), **fields)
 
 

@@ -10,7 +10,7 @@ from bearingsim.config import CHANNELS, FEATURES, dataset_names
 from bearingsim.config.bands import PASSBAND
 from bearingsim.config.channels import is_contact_force
 from bearingsim.config.names import LINE_LOADS, ROLLER, Line, roller_of
-from bearingsim.figure_kinds import MOTION
+from bearingsim.figure_kinds import DEFAULT_CHANNELS
 from bearingsim.plots import lines
 from bearingsim.plots.labels import PlotError
 from bearingsim.text.units import suggestion
@@ -88,7 +88,9 @@ def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "
     if not recorded and not requested:
         kind = f"`{prefix}*` channel" if prefix else "channel"
         raise PlotError(f"job {name} did not record any {kind}: add one to `record`")
-    channels = list(requested) or [next((channel for channel in MOTION if channel in recorded), recorded[0])]
+    channels = list(requested) or [
+        next((channel for channel in DEFAULT_CHANNELS if channel in recorded), recorded[0])
+    ]
     line_load = next(
         (channel for channel in channels if roller_of(channel) and channel.endswith(LINE_LOADS)), None
     )
@@ -132,7 +134,7 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     base_channel = recorded_as(channel, job.recorded) or channel
     names = dataset_names(base_channel)
     rows = [np.asarray(series[name], np.float64) for name in names]
-    if channel in MOTION:
+    if channel in DEFAULT_CHANNELS:
         angle = job.parameters["rig.sensor_angle"]
         yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
         return

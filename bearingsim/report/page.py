@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bearingsim.catalogue import MEANINGS
+from bearingsim.catalogue import DESCRIPTIONS
 from bearingsim.plots import labels
 from bearingsim.plots.caption import SMALL_UNITS, ring_values
 from bearingsim.report.charts import Chart
@@ -184,10 +184,10 @@ def _computed(results: "Results") -> Iterator[Fact]:
     if "model" in parameters and len(parameters):
         yield "Models", _tally(parameters["model"])
         yield from (
-            (name, MEANINGS[name])
+            (name, DESCRIPTIONS[name])
             for column in ("model", "contact.stiffness", "contact.damping.law")
             for name in dict.fromkeys(parameters.get(column, ()))
-            if name in MEANINGS
+            if name in DESCRIPTIONS
         )
     laws = [law for law in parameters.get("friction.law", ()) if law]  # "": a model without friction
     if laws:

@@ -24,7 +24,7 @@ __all__ = [
     "with_models",
 ]
 
-_HOME = {
+_MODULES = {
     "Engine": "work",
     "FailureGroup": "summary",
     "Interrupted": "summary",
@@ -37,6 +37,6 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOME:
-        return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    if name in _MODULES:
+        return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -44,15 +44,15 @@ from bearingsim.runner.work import Outcome, Work
 from bearingsim.text.terminal import say
 
 UNITS_PER_WORKER, MIN_UNITS = 4, 16
-"""Units submitted at a time, per worker and in total at least, so that no worker waits for its next unit."""
-BATCH, BATCH_BYTES = 64, 64e6
-"""Largest number of units, and of bytes of their series, fetched at once through the scheduler."""
+"""Numbers of units in progress, per worker and at least in total, so that no worker waits for its next unit."""
+MAX_BATCH_UNITS, MAX_BATCH_BYTES = 64, 64e6
+"""Number of units, and size (bytes) of their series, that end a batch fetched through the scheduler."""
 WRITER_THREADS = 8
 """Number of threads that write unit files."""
 POLL_S, WORKER_CHECK_S = 0.2, 2.0
-"""Intervals in s between checks for results or for the first worker, and for the number of workers."""
+"""Intervals (s) between checks for results or for the first worker, and between counts of the workers."""
 SCHEDULER_TIMEOUT_S, WORKER_TIMEOUT_S = 20.0, 300.0
-"""Deadlines in s for an answer of the scheduler, and of the workers, which may have to load the program first."""
+"""Deadlines (s) for an answer of the scheduler, and of the workers, which may have to import the program first."""
 ADVICE = (
     "no job counts as failed; the workers' logs may show the reason, and the workers may need more memory"
     " (`dask worker --memory-limit`)"
@@ -80,7 +80,7 @@ class Cluster:
     """Workers of a scheduler during one run; workers may join and leave."""
 
     def __init__(self, client: Client, address: str) -> None:
-        """Raise InstallationMismatch if this process requests several threads for linear algebra."""
+        """Set up the run. Raises InstallationMismatch if this process uses several threads for linear algebra."""
         self.client, self.address, self.run_id, self.requirements = (
             client,
             address,
@@ -114,7 +114,7 @@ class Cluster:
         return max(1, self.worker_count)
 
     def outcomes(self, works: Sequence[Work]) -> Generator[Outcome, None, None]:
-        """Compute units of work on the workers, store the results, and yield the outcomes in order of arrival.
+        """Compute units of work on the workers, store the results, and yield the outcomes in order of completion.
 
         If a worker dies, each job of its unit is repeated at the end, alone on a worker, because any of them may
         be the cause. A job whose worker dies again becomes a failure. Raises RepeatedWorkerDeaths if too many
@@ -125,7 +125,7 @@ class Cluster:
         suspects: list[Work] = []
         marker = store.start_marker(works[0].root, works[0].unit)  # so that the folder cannot be cleared
         with defer_signals(), self._convert_errors(), marker:
-            for result in self._compute(works, at_once=None):
+            for result in self._compute(works, max_in_progress=None):
                 if isinstance(result, Outcome):
                     yield result
                 else:
@@ -135,7 +135,8 @@ class Cluster:
     def _compute_alone(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
         """Compute jobs whose worker died, each alone on a worker.
 
-        If several were assigned to the same worker when it died, repeat these one by one.
+        If a worker dies to which several were assigned, these are repeated one by one, because any may be the
+        cause.
         """
         failures: list[Outcome] = []
         ambiguous: list[Work] = []
@@ -143,7 +144,7 @@ class Cluster:
             size = 1 if one_by_one else self.workers
             batch, suspects = suspects[:size], suspects[size:]
             killed: list[KilledWork] = []
-            for result in self._compute(batch, at_once=size):
+            for result in self._compute(batch, max_in_progress=size):
                 if isinstance(result, Outcome):
                     yield from failures
                     failures.clear()
@@ -157,16 +158,16 @@ class Cluster:
         if ambiguous:
             yield from self._compute_alone(ambiguous, one_by_one=True)
 
-    def _compute(self, works: Iterable[Work], at_once: int | None) -> "Iterator[Outcome | KilledWork]":
-        """Submit units, a bounded number at a time, and yield the result of each.
+    def _compute(self, works: Iterable[Work], max_in_progress: int | None) -> "Iterator[Outcome | KilledWork]":
+        """Submit units, and yield the result of each.
 
-        at_once: largest number of units in progress; None chooses it from the number of workers.
+        max_in_progress: largest number of submitted units; None chooses it from the number of workers.
         """
         pending, submitted, stopping = iter(works), dict[Future, Work](), False
         while True:
             updated = self._update_workers()
             if not stop_requested():
-                free_slots = (at_once or max(MIN_UNITS, UNITS_PER_WORKER * self.workers)) - len(submitted)
+                free_slots = (max_in_progress or max(MIN_UNITS, UNITS_PER_WORKER * self.workers)) - len(submitted)
                 submitted |= self._submit(list(islice(pending, max(free_slots, 0))))
             elif updated or not stopping:
                 stopping = True
@@ -181,7 +182,7 @@ class Cluster:
         parcels = [
             Parcel(pickle.dumps(_strip(work)), _scans(work), self.run_id, self.requirements) for work in works
         ]
-        # One group, so that the tasks queue up.
+        # The scheduler queues the tasks of one group, whose keys begin with the same string.
         keys = [(f"bearingsim-{self.run_id}", next(self.key_numbers)) for _ in works]
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GB"}):  # scans are large
             futures = self.client.map(deliver, parcels, key=keys, pure=False, retries=0)
@@ -190,14 +191,14 @@ class Cluster:
         return dict(zip(futures, works, strict=True))
 
     def _stop(self, submitted: dict[Future, Work]) -> None:
-        """Request all workers to start no more jobs, and cancel the units that have not been started."""
+        """Request all workers to start no more jobs, and cancel units that have not been started."""
         with suppress(TimeoutError):  # repeated after the next ``_update_workers``
             call_with_timeout(SCHEDULER_TIMEOUT_S, partial(self.client.run, stop, self.run_id, on_error="ignore"))
         active_keys = {
             key for keys in call_with_timeout(SCHEDULER_TIMEOUT_S, self.client.processing).values() for key in keys
         }
         holders = call_with_timeout(SCHEDULER_TIMEOUT_S, partial(self.client.who_has, list(submitted)))
-        active_keys |= {key for key, workers in holders.items() if workers}  # finished meanwhile
+        active_keys |= {key for key, workers in holders.items() if workers}  # finished, but not fetched
         unstarted = [future for future in submitted if future.key not in active_keys]
         if unstarted:
             call_with_timeout(SCHEDULER_TIMEOUT_S, partial(self.client.cancel, unstarted))
@@ -205,9 +206,12 @@ class Cluster:
             del submitted[future]
 
     def _collect(self, submitted: dict[Future, Work]) -> "Iterator[Outcome | KilledWork]":
-        """Fetch and store finished units, remove them and failed ones from ``submitted``, yield the results."""
+        """Fetch and store finished units; yield their outcomes, and the units whose worker died.
+
+        Both are removed from ``submitted``.
+        """
         statuses = {future: future.status for future in self._finished_futures(submitted)}
-        if "cancelled" in statuses.values():  # the client has lost the scheduler
+        if "cancelled" in statuses.values():  # the connection to the scheduler is lost
             raise CommClosedError
         self.lost_futures += [future for future, status in statuses.items() if status not in ("finished", "error")]
         deliveries = self._fetch([future for future, status in statuses.items() if status == "finished"])
@@ -219,7 +223,7 @@ class Cluster:
             for file in deliveries[future].files.items()
         ]
         if files:
-            with ThreadPoolExecutor(WRITER_THREADS) as threads:  # each file waits for its fsync
+            with ThreadPoolExecutor(WRITER_THREADS) as threads:  # the time is spent waiting for fsync
                 list(threads.map(store.store_unit, *zip(*files, strict=True)))
         for delivery in deliveries.values():
             self.deaths = 0
@@ -234,11 +238,11 @@ class Cluster:
         yield from killed
 
     def _finished_futures(self, submitted: Mapping[Future, Work]) -> list[Future]:
-        """Collect finished and lost units, at most a batch; wait up to POLL_S for the first one."""
+        """Return finished and lost units, at most a batch; wait up to POLL_S for the first one."""
         batch: list[Future] = []
         size = 0.0
         with suppress(Empty):
-            while len(batch) < BATCH and size < BATCH_BYTES:
+            while len(batch) < MAX_BATCH_UNITS and size < MAX_BATCH_BYTES:
                 future = self.finished.get(timeout=0.0 if batch else POLL_S)
                 if future in submitted:  # not cancelled
                     batch.append(future)
@@ -248,7 +252,7 @@ class Cluster:
     def _fetch(self, futures: Sequence[Future]) -> dict[Future, Delivery]:
         """Fetch results, except those lost with their worker, which the scheduler recomputes.
 
-        ``Client.gather`` would wait for the recomputation.
+        ``Client.gather`` is not used, because it would wait for the recomputation.
         """
         pending = {future.key: future for future in futures}
         while pending:
@@ -260,7 +264,10 @@ class Cluster:
         return {}
 
     def _dead_worker(self, future: Future) -> str:
-        """Return the address of the worker that died while computing a unit; raise any other error of the unit."""
+        """Return the address of the worker that died while computing a unit. Raises any other error of the unit.
+
+        Errors of unpickling become InstallationMismatch.
+        """
         error = future.exception()
         if isinstance(error, KilledWorker):
             return str(error.last_worker.address)
@@ -282,7 +289,8 @@ class Cluster:
     def _update_workers(self) -> bool:
         """Update the number of workers, at most every WORKER_CHECK_S; return True after an update.
 
-        Reports if there are no workers. Units that were lost with a worker are queued to be examined again.
+        Reports if there are no workers. Units that were lost with a worker are put back in the queue, because the
+        scheduler has them recomputed.
         """
         if time.monotonic() - self.checked_at < WORKER_CHECK_S:
             return False
@@ -308,7 +316,7 @@ class Cluster:
                 WORKER_TIMEOUT_S, partial(self.client.run, function, *arguments, on_error="return")
             )
         except TimeoutError:
-            message = f"of {self.worker_count} workers some do not respond within {WORKER_TIMEOUT_S:.0f} s"
+            message = f"some of {self.worker_count} workers do not respond within {WORKER_TIMEOUT_S:.0f} s"
             raise WorkerFailed(f"{message}; stop those with stalled logs") from None
         for address, answer in answers.items():
             if isinstance(answer, Exception) and not isinstance(answer, OSError):  # an OSError is a lost worker
@@ -343,7 +351,7 @@ def _failed_outcome(killed: KilledWork) -> Outcome:
 
 
 def _refuse_unsent_jobs(work: Work, delivery: Delivery) -> None:
-    """Raise WorkerFailed if a delivery contains jobs that were not sent."""
+    """Raise WorkerFailed if the outcome of a delivery contains jobs that were not sent."""
     outcome = delivery.outcome
     if not {*outcome.done, *(failure.job for failure in outcome.failed)} <= {job.id for job in work.jobs}:
         raise WorkerFailed(f"unit {work.unit} returned from its worker with jobs that were not sent")
@@ -356,5 +364,5 @@ def _strip(work: Work) -> Work:
 
 
 def _scans(work: Work) -> dict[str, bytes]:
-    """Read the scans needed by a unit of work from the results folder; return their contents by file name."""
+    """Read the scans required by a unit of work from the results folder; return their contents by file name."""
     return store.read_scans(work.root, [job.case for job in work.jobs])

@@ -1,4 +1,4 @@
-"""Command lines that repeat or continue a study."""
+"""Command lines that repeat or continue the run of a study."""
 
 import shlex
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ def command(verb: str, study: "Study", root: Path, *options: str) -> str:
 def command_line(
     verb: str, file: str | Path | None, root: Path, overrides: Mapping[str, str], quick: bool, *options: str
 ) -> str:
-    """Return a command line for a study given by the entries of its plan.
+    """Return a command line for a study with the entries of its plan.
 
     file: path of the study file; by default ``study.yaml`` in the results folder ``root``.
     """

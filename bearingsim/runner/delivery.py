@@ -1,4 +1,4 @@
-"""Worker side of a dask cluster: computes a received unit of work and returns the unit files."""
+"""Computation of a unit of work in a dask worker, which receives the unit and returns the unit files."""
 
 import hashlib
 import os
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 IMPORT_STATEMENT = "import bearingsim.runner.delivery"
-"""Slow import, run in a thread so that the event loop of the worker, and its heartbeat, continue."""
-SOURCE_SUFFIXES = (".py", ".csv")  # suffixes of the program's files that influence results
+"""Slow import, run in a thread so that the event loop of the worker continues to send its heartbeat."""
+SOURCE_SUFFIXES = (".py", ".csv")  # suffixes of the files of the package that influence results
 
 
 class InstallationMismatch(UserError):
@@ -59,7 +59,7 @@ class Delivery:
 
 
 def deliver(parcel: Parcel) -> Delivery:
-    """Compute a unit in a worker. Raises InstallationMismatch, WorkerFailed, and any bug."""
+    """Compute a unit in a worker. Raises InstallationMismatch, WorkerFailed, and errors due to bugs."""
     worker = get_worker()
     refuse_threads(worker.address, worker.state.nthreads)
     refuse_installation(worker.address, installation(), parcel.requirements)
@@ -86,7 +86,7 @@ def _provide_scans(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
     for name, content in scans.items():
         path = folder / "scans" / name
         if not path.exists():
-            store.write_bytes(path, content)  # complete or absent: a later unit uses the same file
+            store.write_bytes(path, content)  # atomically, because later units use the file if it exists
         TRANSFERRED_FILES[path.stem] = path
     try:
         yield
@@ -95,7 +95,7 @@ def _provide_scans(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
 
 
 _stop_events: defaultdict[str, threading.Event] = defaultdict(threading.Event)
-"""Requests to stop in this worker, by run."""
+"""Stop requests in this worker, by run."""
 
 
 def stop(run: str) -> None:
@@ -103,7 +103,7 @@ def stop(run: str) -> None:
     _stop_events[run].set()
 
 
-# Agreement of installations
+# Comparison of installations
 
 
 @cache
@@ -116,7 +116,7 @@ def installation() -> dict[str, str]:
     from bearingsim.core import MODEL_VERSION
 
     extensions.raise_if_broken()
-    threads = {os.environ.get(name, "not limited") for name in blas_threads.NAMES}
+    threads = {os.environ.get(name, "not limited") for name in blas_threads.VARIABLES}
     return {
         "Python": platform.python_version(),
         **versions(),

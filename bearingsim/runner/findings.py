@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LARGEST_STEP_ERRORS = "largest step errors"
-"""Beginning of a statement that the page of results omits, because each of its results has its numerical error."""
+"""Beginning of a statement that the page of results omits, because it lists the numerical error of each result."""
 
 
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
@@ -66,9 +66,10 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
 
 
 def _step_error_notes(cases: "pd.DataFrame", info: "pd.DataFrame") -> Iterator[str]:
-    """Yield the largest step errors, and the number of jobs whose model has no method, so no step is checked.
+    """Yield the largest step errors, and the number of jobs without one because their model has no method.
 
-    info: one row per finished job. With an accuracy, the error of such a model contains that of its step.
+    info: one row per finished job. Not for a study with `accuracy`, in which the error of such a model includes
+    that of its step.
     """
     yield from _largest_step_errors(cases)
     without_method = int((info["method"] == "").sum()) if "method" in info else 0
@@ -81,7 +82,9 @@ def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
     """Yield the largest step errors of all jobs whose time step was checked."""
     names = {"line": "velocity line", "rms": "velocity RMS", "force": "largest force"}
     errors = {
-        text: cases[f"features/step_error.{name}"].max() for name, text in names.items() if _has(cases, name)
+        text: cases[f"features/step_error.{name}"].max()
+        for name, text in names.items()
+        if _has_step_error(cases, name)
     }
     if errors:
         error_texts = ", ".join(f"{text} {percent(error)}" for text, error in errors.items())
@@ -107,12 +110,12 @@ def chaos_notes(cases: "pd.DataFrame") -> Iterator[str]:
 
 
 def _largest_text(values: "pd.Series[float]") -> str:
-    """Format the largest of relative errors, `up to 3 %`, or the number of unknown (infinite) ones."""
+    """Format the largest of relative errors, as `up to 3 %`, or the number of unknown (infinite) ones."""
     unknown = int((values == inf).sum())
     return f"unknown in {unknown}" if unknown else f"up to {percent(values.max())}"
 
 
-def _has(cases: "pd.DataFrame", name: str) -> bool:
+def _has_step_error(cases: "pd.DataFrame", name: str) -> bool:
     return f"features/step_error.{name}" in cases and bool(cases[f"features/step_error.{name}"].notna().any())
 
 
@@ -121,10 +124,10 @@ def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterato
 
     They are ordered by their typical influence on amplitudes, the strongest first (docs/uncertainty.md).
     """
-    stated = _assumptions(plan)
+    assumptions = _assumptions(plan)
     varied_quantities = {variation["what"] for variation in plan.get("variations", ())}
     is_uncertain = not plan.get("nothing_uncertain")
-    if RIGID_RING in stated:
+    if RIGID_RING in assumptions:
         yield "rigid ring"
     if _has_smooth_surfaces(plan, cases):
         yield "smooth surfaces"
@@ -138,8 +141,10 @@ def _assumption_names(plan: Mapping[str, Any], cases: "pd.DataFrame") -> Iterato
     )
     if is_uncertain and has_bracket and "bracket" not in varied_quantities:
         yield "bracket"
-    yield from (name for sentence, name in ((NO_SLIP, "no slip"), (NO_OIL, "no oil drag")) if sentence in stated)
-    if any(text.endswith(WITHOUT_FRICTION) for text in stated):
+    yield from (
+        name for sentence, name in ((NO_SLIP, "no slip"), (NO_OIL, "no oil drag")) if sentence in assumptions
+    )
+    if any(text.endswith(WITHOUT_FRICTION) for text in assumptions):
         yield from ("no slip (effect: `error.friction`)", "no oil drag")
 
 
@@ -155,7 +160,7 @@ def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def missing_values(info: "pd.DataFrame") -> Iterator[str]:
-    """Yield the lines of defects and features of other packages without a value in some jobs, with the reason.
+    """Yield the lines of defects and the features of extensions without a value in some jobs, with the reason.
 
     info: one row per finished job.
     """
@@ -167,7 +172,8 @@ def missing_values(info: "pd.DataFrame") -> Iterator[str]:
             yield f"feature `{feature}` has no value in {count}: {reason} (for example {jobs.index[0]})"
 
 
-LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
+DEFAULT_FEATURES = ("velocity@BPFO", "velocity.rms")
+"""Features whose standard error is reported if the study has no figures."""
 
 
 def scatter_warnings(
@@ -181,7 +187,7 @@ def scatter_warnings(
     import pandas as pd
 
     table = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
-    names = [name for name in drawn_features or LINE_AND_RMS if name in table]
+    names = [name for name in drawn_features or DEFAULT_FEATURES if name in table]
     if not names or "chaotic" not in table:
         return
     standard_errors = pd.DataFrame(
@@ -190,10 +196,10 @@ def scatter_warnings(
     unknown = standard_errors.isna() | (standard_errors == inf)
     known_errors = standard_errors.mask(unknown, 0.0)
     if (known_errors.to_numpy() > 0.0).any():
-        worst = float(known_errors.to_numpy().max())
-        factor = ceil((worst / notable) ** 2)
+        largest = float(known_errors.to_numpy().max())
+        factor = ceil((largest / notable) ** 2)
         remedy = f"a `duration` {factor} times as long reduces it to {percent(notable)} (docs/step-check.md)"
-        yield f"{_job_counts(known_errors > 0.0)} up to {percent(worst)}; {remedy}"
+        yield f"{_job_counts(known_errors > 0.0)} up to {percent(largest)}; {remedy}"
     is_estimated = pd.Series({name: has_error_estimate(table, name) for name in names})
     if (unknown & is_estimated).to_numpy().any():
         yield f"{_job_counts(unknown & is_estimated)} unknown; try a longer `duration`"
@@ -202,8 +208,10 @@ def scatter_warnings(
 
 
 def _job_counts(flags: "pd.DataFrame") -> str:
-    """Format jobs and a feature, as `2 of 8 jobs chaotic: standard error of velocity.rms`; flags: jobs by
-    features."""
+    """Format a number of jobs and a feature, as `2 of 8 jobs chaotic: standard error of velocity.rms`.
+
+    flags: (jobs, features) bool.
+    """
     names = [str(name) for name in flags if flags[name].any()]
     more = f" (and {len(names) - 1} more)" if len(names) > 1 else ""
     return f"{flags.any(axis=1).sum()} of {len(flags)} jobs chaotic: standard error of {names[0]}{more}"
@@ -213,6 +221,7 @@ OTHER_STEP_ERRORS = {
     "step_error.force": "the largest force",
     "step_error.record": "the RMS of displacement, acceleration or a recorded channel",
 }
+"""Quantities whose step errors ``step_warnings`` reports, by column."""
 
 
 def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
@@ -234,9 +243,8 @@ def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
 def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of jobs in which parts of the record differ in line or RMS by more than ``STEP_ACCURACY``.
 
-    Reasons are the initial transient, or a record of few revolutions of a defect.
-
-    Jobs with random scatter (a standard error, or cage slip) are left out.
+    The cause is the initial transient, or a record of few revolutions of a defect. Jobs with random scatter (a
+    standard error, or cage slip) are left out.
     """
     columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
     if not columns:
@@ -253,7 +261,7 @@ def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def unknown_transients(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the number of jobs whose record is too short to show an error of its RMS; ramps are left out."""
+    """Yield the number of jobs whose record is too short to estimate the error of its RMS; ramps are left out."""
     if not {"features/velocity.rms", "features/error.start.rms"}.issubset(frame):
         return
     ramps = frame.filter(items=["parameters/ramp.to"]).notna().any(axis=1)

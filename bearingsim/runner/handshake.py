@@ -1,7 +1,8 @@
 """Connection to a dask scheduler, with a deadline for each answer.
 
-The timeouts of distributed cover the connection, but not the handshake after it, so a peer that accepts and stays
-silent would block forever. An abandoned client would wait again when it is garbage-collected.
+The timeouts of distributed cover the connection, but not the handshake after it, so a peer that accepts a
+connection without sending data would block forever. An abandoned client would block again when it is
+garbage-collected.
 """
 
 import logging
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 GREETING_S, CONNECTION_S, CLOSING_S = 10.0, 15.0, 1.5
-"""Deadlines in s for the greeting of a scheduler; for greeting and registration together; for closing a client."""
+"""Deadlines (s): for the greeting of a scheduler, for greeting and registration together, for closing a client."""
 LOGGERS = ("distributed", "distributed.client")
 """Loggers that are silenced during the connection; each has its own level."""
 MAX_GREETING_BYTES = 1 << 16
@@ -43,7 +44,7 @@ class SchedulerUnreachable(UserError):
 
 
 class NotDask(OSError):
-    """The program that listens at an address is not dask."""
+    """The program that listens at an address is not a dask scheduler."""
 
 
 def call_with_timeout(seconds: float, function: Callable[[], Result]) -> Result:
@@ -95,7 +96,7 @@ def check_greeting(address: str, seconds: float) -> None:
 
 
 def _secure(raw_socket: socket.socket, scheme: str) -> AbstractContextManager[socket.socket]:
-    """Return the connection itself, or for tls a TLS connection with the certificates configured in dask."""
+    """Return the connection for tcp; for tls return a TLS connection with the certificates configured in dask."""
     if scheme == "tcp":
         return raw_socket
     context = Security().get_connection_args("client")["ssl_context"]
@@ -146,7 +147,7 @@ def connect(address: str) -> Iterator[Client]:
 
 
 def _open_client(address: str) -> Client:
-    raise_if_signalled()  # a signal may have been lost while distributed was imported
+    raise_if_signalled()  # the import of distributed may have caught the exception of a signal
     deadline = time.monotonic() + CONNECTION_S
     try:
         call_with_timeout(CONNECTION_S, partial(check_greeting, address, GREETING_S))

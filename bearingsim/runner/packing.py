@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 
-UNIT_S = 2.0  # s, intended CPU time of a unit; writing its file takes 40 ms
-SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0  # limits of the CPU time of a unit in s, in short and long studies
+UNIT_S = 2.0  # s; intended CPU time of a unit, whose file takes 40 ms to write
+MIN_UNIT_S, MAX_UNIT_S = 0.25, 10.0  # s; limits of the CPU time of a unit, in short and long studies
 MIN_UNITS, MAX_UNITS = 3, 50  # units per worker: fewer leave workers idle at the end, more only add files
-UNIT_BYTES = 64e6  # a unit is complete when its series reach this size (bytes)
+UNIT_BYTES = 64e6  # bytes; a unit is complete when its series reach this size
 
 
 class Cost(NamedTuple):
@@ -34,13 +34,13 @@ class Cost(NamedTuple):
     most_seconds: float = 0.0
 
 
-NOTABLE_RATIO = 1.1  # largest to expected CPU time of a study; both are reported from this ratio on
+NOTABLE_RATIO = 1.1  # smallest ratio of largest to expected CPU time of a study at which both are reported
 CONDITIONS = {False: "the responses are periodic", True: "the records end early"}
 """Conditions of an expected CPU time, by whether the record of the case has `until`."""
 
 
 def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: float = 1.0) -> str:
-    """Format the CPU time of jobs and the time on the workers, expected and at most.
+    """Format the expected and the largest CPU time of jobs, and the elapsed time on the workers.
 
     scale: ratio of the number of jobs in the study to that of ``costs``. Example: `2.5 s of CPU time if the
     responses are periodic, up to 30 s if not; 1.3 s to 15 s on 2 workers`.
@@ -64,7 +64,7 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     )
 
 
-def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
+def select_shard(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
     """Select shard ``k`` of ``n`` (from 1) of the jobs: every n-th job sorted by id, equal on every machine.
 
     Raises ValueError for a shard that does not exist.
@@ -79,11 +79,11 @@ def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
 def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[list[int]]:
     """Pack jobs into units; return the indices of the jobs of each unit, most expensive unit first.
 
-    All jobs of a unit have the same time axis and channels. ``unit_seconds`` gives the CPU time of a unit.
+    All jobs of a unit have the same time axis and channels. The CPU time of a unit is about ``unit_seconds``.
     """
     target = unit_seconds(sum(cost.seconds for cost in costs), workers)
-    order = sorted(range(len(jobs)), key=lambda index: _axis(jobs[index].case))
-    groups = [list(group) for _, group in groupby(order, key=lambda index: _axis(jobs[index].case))]
+    order = sorted(range(len(jobs)), key=lambda index: _axis_key(jobs[index].case))
+    groups = [list(group) for _, group in groupby(order, key=lambda index: _axis_key(jobs[index].case))]
     units = [unit for group in groups for unit in _split(group, costs, target)]
     return sorted(units, key=lambda unit: -sum(costs[index].seconds for index in unit))
 
@@ -92,17 +92,17 @@ def unit_seconds(total: float, workers: int) -> float:
     """Compute the CPU time (s) of a unit from that of the study: 2 s, less for short and more for long studies."""
     share = total / workers
     seconds = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
-    return min(max(seconds, SHORTEST_UNIT_S), LONGEST_UNIT_S)
+    return min(max(seconds, MIN_UNIT_S), MAX_UNIT_S)
 
 
 def workers_in_memory(costs: Sequence[Cost], workers: int) -> int:
-    """Compute the number of workers that fit into memory whichever jobs they run at a time, at least 1.
+    """Compute the number of workers that fit into memory even if they run the largest jobs together, at least 1.
 
     Besides the running job, a worker stores the results of its unit in double precision.
     """
-    heaviest = sorted((PROGRAM_BYTES + cost.memory for cost in costs), reverse=True)
+    by_memory = sorted((PROGRAM_BYTES + cost.memory for cost in costs), reverse=True)
     result_bytes = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
-    worker_bytes = [job_bytes + result_bytes for job_bytes in heaviest[:workers]]
+    worker_bytes = [job_bytes + result_bytes for job_bytes in by_memory[:workers]]
     return next((n for n in range(workers, 1, -1) if PROGRAM_BYTES + sum(worker_bytes[:n]) <= memory.limit()), 1)
 
 
@@ -118,14 +118,14 @@ def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:
         )
 
 
-def _axis(case: Any) -> str:
+def _axis_key(case: Any) -> str:
     """Return a string that is equal for cases with the same time axis and channels."""
     names = ("sampling", "duration", "antialias", "record")
     return repr([getattr(case, name, None) for name in names])
 
 
 def _split(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
-    """Split jobs into units of about ``target`` seconds; a job of that cost or more makes a unit by itself."""
+    """Split jobs into units of about ``target`` seconds; a job of that CPU time or more is a unit of its own."""
     unit, seconds, size = [], 0.0, 0.0
     for index in group:
         if costs[index].seconds >= target:
@@ -141,7 +141,7 @@ def _split(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterat
 
 
 class AffordableJobs(NamedTuple):
-    """Jobs within the limit of CPU time, with their costs; notes: a line on the skipped jobs, if any."""
+    """Jobs within the limit of CPU time, with their costs; notes: on the skipped jobs, if there are any."""
 
     jobs: list["Job"]
     costs: list[Cost]
@@ -165,11 +165,11 @@ def select_affordable(
     notes = []
     if expensive:
         count = f"{len(expensive)} jobs are" if len(expensive) > 1 else "1 job is"
-        bound, longest = duration(max_cpu), max(expensive)
+        limit, longest = duration(max_cpu), max(expensive)
         estimate_text = (
             f"{'up to ' * (len(expensive) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
         )
-        notes.append(f"{count} skipped: estimated at {estimate_text}over {bound} (`--max-cpu`)")
+        notes.append(f"{count} skipped: estimated at {estimate_text}over {limit} (`--max-cpu`)")
         if shown is not False:
             say(" ".join(notes), err=True)
     return AffordableJobs([job for job, _ in pairs], [cost for _, cost in pairs], notes)
@@ -182,12 +182,15 @@ def early_end_note(failed: int, max_failures: float) -> str:
     return f"stopped early: {jobs} failed ({option}); run the same command to continue without them"
 
 
-def costs(estimate: Callable[[Any], Any], jobs: Sequence["Job"], max_cpu: float) -> list[Cost]:
-    """Estimate the costs of jobs; each estimate may take at most ``max_cpu`` s of CPU time."""
-    return [_cost(estimate, job.case, max_cpu) for job in jobs]
+def estimate_costs(estimate: Callable[[Any], Any], jobs: Sequence["Job"], max_cpu: float) -> list[Cost]:
+    """Estimate the costs of jobs; each estimate may take at most ``max_cpu`` s of CPU time.
+
+    estimate: function of a case, as ``Engine.estimate``.
+    """
+    return [_estimate_cost(estimate, job.case, max_cpu) for job in jobs]
 
 
-def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
+def _estimate_cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
     """Estimate the cost of a job: infinite CPU time if the estimate itself exceeds ``max_cpu`` s.
 
     The cost of an invalid case is zero, because its simulation fails at once and reports the reason.
@@ -195,10 +198,10 @@ def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
     start = cpu_time.now()
     try:
         with cpu_time.at_most(max_cpu):
-            price = estimate(case)
+            estimated = estimate(case)
     except cpu_time.OutOfCpuTime:
         return Cost(inf, 0.0)
     except ValueError:
         return Cost(0.0, 0.0)
-    quantities = float(price.cpu_seconds), float(price.bytes), float(price.most_memory)
-    return Cost(*quantities, spent=cpu_time.now() - start, most_seconds=float(price.most_seconds))
+    quantities = float(estimated.cpu_seconds), float(estimated.bytes), float(estimated.most_memory)
+    return Cost(*quantities, spent=cpu_time.now() - start, most_seconds=float(estimated.most_seconds))

@@ -21,7 +21,8 @@ from bearingsim.runner.stopping import (
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-RESTARTS_WITHOUT_PROGRESS = 3  # number of worker deaths without a result in between that ends the run
+RESTARTS_WITHOUT_PROGRESS = 3
+"""Number of worker deaths without a result in between that ends the run."""
 ADVICE = "no job counts as failed; run again, with fewer --jobs if memory was short"
 
 
@@ -30,7 +31,7 @@ class RepeatedWorkerDeaths(UserError):
 
 
 class DeathCounter:
-    """Count of worker deaths since the last result; the third cannot be due to a single job."""
+    """Count of worker deaths since the last result: the third in a row cannot be due to a single job."""
 
     def __init__(self, root: Path, activity: str) -> None:
         """Set the count to zero.
@@ -55,11 +56,11 @@ class DeathCounter:
         self.count = 0
 
 
-def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
+def compute_outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Compute units of work and yield the outcome of each, in order of completion.
 
     One worker means this process; several are always separate processes, even for one unit. The death of a worker
-    breaks the pool, and any of the running jobs may be the cause. They are therefore repeated at the end, one at a
+    ends the pool, and any of the running jobs may be the cause. They are therefore repeated at the end, one at a
     time, and a job whose worker dies again becomes a failure. Raises RepeatedWorkerDeaths after three deaths
     without a result in between.
     """
@@ -85,20 +86,20 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
                 yield outcome
             suspect_ids -= stored_ids
             deaths.add(death, suspect_ids)
-            suspect_works += [work.subset([job]) for work in pending for job in _ids(work) & suspect_ids]
-            remaining = (work.subset(_ids(work) - suspect_ids - stored_ids) for work in pending)
+            suspect_works += [work.subset([job]) for work in pending for job in _job_ids(work) & suspect_ids]
+            remaining = (work.subset(_job_ids(work) - suspect_ids - stored_ids) for work in pending)
             pending = [work for work in remaining if work.jobs]
     yield from _compute_one_by_one(suspect_works, deaths, workers)
 
 
 def _stored_ids(works: Sequence[Work]) -> set[str]:
-    """List the jobs of unfinished units that are stored: the outcomes of their units were lost with the pool."""
+    """Return the stored jobs of units whose outcomes were lost with the pool."""
     others = works[0].others
     return set() if others is None else others.list_jobs() & {job.id for work in works for job in work.jobs}
 
 
 def _stored_outcomes(works: Sequence[Work], stored_ids: set[str]) -> Iterator[Outcome]:
-    """Yield the outcome of each unit with stored jobs; its CPU times are unknown."""
+    """Yield an outcome for each unit with stored jobs, whose CPU times are unknown."""
     for work in works:
         done = tuple(job.id for job in work.jobs if job.id in stored_ids)
         if done:
@@ -108,7 +109,8 @@ def _stored_outcomes(works: Sequence[Work], stored_ids: set[str]) -> Iterator[Ou
 def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:
     """Compute units of work in this process, one after another; failures count over all units."""
     failed = 0
-    arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # evaluated lazily
+    # A generator, because `failed` increases while it is evaluated.
+    arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)
     for outcome in map_unordered(compute, arguments, workers=1):
         failed += len(outcome.failed)
         yield outcome
@@ -122,7 +124,7 @@ def _compute_one_by_one(works: Sequence[Work], deaths: DeathCounter, workers: in
             outcome = next(iter(list(_compute_in_pool([work], workers))))
         except BrokenProcessPool as death:
             take_suspects(work.root, [work.unit])
-            deaths.add(death, _ids(work))
+            deaths.add(death, _job_ids(work))
             failures.append(_failed_outcome(work, death))
             continue
         deaths.reset()
@@ -142,12 +144,15 @@ def _failed_outcome(work: Work, death: BrokenProcessPool) -> Outcome:
     return Outcome(unit=work.unit, done=(), failed=(failure,))
 
 
-def _ids(work: Work) -> set[str]:
+def _job_ids(work: Work) -> set[str]:
     return {job.id for job in work.jobs}
 
 
 def _compute_in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
-    """Yield outcomes in order of completion. Raises BrokenProcessPool if a worker dies, which ends the pool."""
+    """Yield outcomes in order of completion. Raises BrokenProcessPool if a worker dies, which ends the pool.
+
+    There are at least two worker processes, because one would mean this process.
+    """
     yield from map_unordered(compute, [(work,) for work in works], max(2, min(workers, len(works))))
 
 
@@ -159,22 +164,22 @@ def map_unordered(function: Callable, arguments: Iterable[tuple], workers: int) 
     """
     with defer_signals():
         if workers == 1:
-            # not `map`, which would swallow a StopIteration raised by the function
+            # `map` would end silently at a StopIteration raised by the function.
             for values in _until_stop(arguments):
                 yield function(*values)
         else:
             try:
                 yield from _map_in_workers(function, arguments, workers)
             except BrokenProcessPool:
-                if not stop_requested():  # otherwise the interrupted calls are not repeated
+                if not stop_requested():  # after a stop request nothing is repeated
                     raise
 
 
 def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
-    identity = (os.getpid(), flag_for_workers())
-    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=identity):
+    initargs = (os.getpid(), flag_for_workers())
+    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=initargs):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
     with check_shared_memory(), ignore_signals():
         results = pool(delayed(function)(*values) for values in _until_stop(arguments))

@@ -11,17 +11,17 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from bearingsim.text.announcer import COMPILATION_REMARK, Announcer
 from bearingsim.text.terminal import rewrite_line, say
 
-LINE_INTERVAL_S = 10.0  # s between lines
-SPEED_WINDOW_S = 3600.0  # s, averaging time of the speed; long because jobs may finish minutes apart
+LINE_INTERVAL_S = 10.0  # s; interval between lines
+AVERAGING_S = 3600.0  # s; averaging time of the speed, long because jobs may finish minutes apart
 
 Report = Callable[[int, int, float], None]
 """Callback with the numbers of newly done and failed jobs, and their estimated CPU time (s)."""
 
 
 def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextManager[Report]:
-    """Show the progress of ``jobs`` jobs with ``seconds`` of estimated CPU time, of all jobs together.
+    """Show the progress of a number of jobs; return a context whose value is called on each result.
 
-    shown: False disables the display; None and True are equivalent.
+    seconds: estimated CPU time (s) of all jobs; shown: False disables the display, None and True are equivalent.
     """
     if shown is False or jobs == 0:
         return nullcontext(lambda done, failed, cost: None)
@@ -64,7 +64,7 @@ def _bar(jobs: int, seconds: float) -> Iterator[Report]:
     )
     done = failed = 0
     console = Console(stderr=True)
-    with Progress(*columns, console=console, speed_estimate_period=SPEED_WINDOW_S) as bar:
+    with Progress(*columns, console=console, speed_estimate_period=AVERAGING_S) as bar:
         task = bar.add_task(_counts(0, 0, jobs), total=seconds)
 
         def report(new_done: int, new_failed: int, cost: float) -> None:
@@ -99,11 +99,11 @@ def _lines(jobs: int, seconds: float, interval: float, write: Callable[[str], No
         nonlocal done, failed, computed, last_line
         done, failed, computed = done + new_done, failed + new_failed, computed + cost
         now = time.monotonic()
-        is_last, remaining_cost = done + failed >= jobs, seconds - computed
+        is_last, remaining_cpu = done + failed >= jobs, seconds - computed
         if is_last or now - last_line >= interval:
             text = _counts(done, failed, jobs)
-            if not is_last and remaining_cost > 1e-9 * seconds:  # not a rounding error
-                remaining = (now - start_time) * remaining_cost / max(computed, 1e-9)
+            if not is_last and remaining_cpu > 1e-9 * seconds:  # less is a rounding error
+                remaining = (now - start_time) * remaining_cpu / max(computed, 1e-9)
                 text += f", about {duration(remaining)} left"
             write(text)
             last_line = now

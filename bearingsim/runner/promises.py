@@ -1,4 +1,4 @@
-"""Summary of a run with `accuracy`: models, cases within the accuracy, audits."""
+"""Statements on a run with `accuracy`: models, cases within the accuracy, audits."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -22,17 +22,17 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
         return
     models = Counter(entry["model"] for entry in accuracy["jobs"].values())
     counts = ", ".join(f"`{model}` in {count}" for model, count in models.most_common())
-    yield f"models for {_percent(accuracy)}: {counts} of {len(accuracy['jobs'])} cases"
+    yield f"models for {_accuracy_text(accuracy)}: {counts} of {len(accuracy['jobs'])} cases"
     yield from accuracy["notes"]
     audits = _audits_by_job(plan, frame)
     if audits:
         passed = sum(
             not any(audit.fails(accuracy["within"]) for audit in job_audits) for job_audits in audits.values()
         )
-        worst = max(audit.difference for job_audits in audits.values() for audit in job_audits)
+        largest = max(audit.difference for job_audits in audits.values() for audit in job_audits)
         yield (
             f"audit: {passed} of {len(audits)} jobs recomputed with their reference are within the accuracy;"
-            f" largest difference {percent(worst)}"
+            f" largest difference {percent(largest)}"
         )
     incomplete = incomplete_audits(plan, frame)
     if incomplete:
@@ -45,7 +45,8 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
 
 
 def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the worst result of failed audits, and the number of cases whose accuracy is withdrawn."""
+    """Yield the number of cases whose accuracy failed audits withdraw, and the largest difference found by
+    audits."""
     refuted_jobs = store.withdrawn_errors(plan, frame)
     if not refuted_jobs:
         return
@@ -53,12 +54,15 @@ def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
     worst = max(store.audit_results(plan, frame), key=lambda audit: audit.difference - audit.scatter)
     cases = f"{len(refuted_jobs)} of {len(accuracy['jobs'])} cases"
     text = f"{worst.feature} is {percent(worst.difference)} different from its reference"
-    yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {text}"
+    yield f"accuracy of {_accuracy_text(accuracy)} withdrawn for {cases}: {text}"
     yield f"  in job {worst.job}; `model: reference` instead of `accuracy` computes all cases with the reference"
 
 
 def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the number of cases within the accuracy, and remedies for the others; omit withdrawn cases."""
+    """Yield the number of cases within the accuracy, and remedies for the others.
+
+    Cases whose accuracy is withdrawn are left out.
+    """
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
@@ -75,9 +79,11 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     others = f", {further} within {percent(exceeding.max())}" if len(exceeding) else ""
     if done and refuted_jobs:
         count = f"{within} of the other {len(done)} cases"
-        yield f"{count} are within {_percent(accuracy)} according to their trials{others}"
+        yield f"{count} are within {_accuracy_text(accuracy)} according to their trials{others}"
     elif done:
-        count = f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference model{others}"
+        count = (
+            f"{within} of {len(done)} cases are within {_accuracy_text(accuracy)} of the reference model{others}"
+        )
         yield f"{count}; relative to the largest value of the curve"
     yield from _remedies({name: part.loc[exceeding.index] for name, part in parts.items()}, accuracy["within"])
     yield from _unknown_texts(unknown, chaotic_jobs(frame))
@@ -88,7 +94,7 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
 def _unknown_texts(parts: "pd.DataFrame", is_chaotic: "pd.Series[bool]") -> Iterator[str]:
     """Yield the number of cases of unknown accuracy, with the reason.
 
-    parts: those of their errors; is_chaotic: by job.
+    parts: ``ERROR_PARTS`` of these cases; is_chaotic: by job.
     """
     chaotic = parts.drop(columns="error.scatter").notna().all(axis=1) & is_chaotic.reindex(parts.index)
     if chaotic.any():
@@ -106,7 +112,7 @@ def _unknown_texts(parts: "pd.DataFrame", is_chaotic: "pd.Series[bool]") -> Iter
 
 
 def _count_text(count: int, noun: str) -> str:
-    """Format a number with its noun."""
+    """Format a number with its noun, as `2 cases`."""
     return f"{count} {noun}{'s' * (count != 1)}"
 
 
@@ -116,7 +122,8 @@ def empty_error_notes(plan: Mapping[str, Any]) -> Iterator[str]:
         yield "`error` is empty because the ring may bend: if it is rigid, add `rig: {ring: {bends: false}}`"
 
 
-def _percent(accuracy: Mapping[str, Any]) -> str:
+def _accuracy_text(accuracy: Mapping[str, Any]) -> str:
+    """Format the requested accuracy, as `2 %`."""
     return percent(accuracy["within"], 3)
 
 
@@ -131,17 +138,18 @@ def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, 
 def _remedies(parts: "Mapping[str, pd.DataFrame]", limit: float) -> Iterator[str]:
     """Yield the number of cases that a longer record or a finer discretisation would bring within the accuracy.
 
-    parts: those of the errors by requested feature, of the cases that exceed the accuracy ``limit``.
+    parts: ``ERROR_PARTS`` of the cases that exceed the accuracy ``limit``, by requested feature.
     """
     import pandas as pd
 
     scatter = pd.DataFrame({feature: part["error.scatter"] for feature, part in parts.items()})
     others = {feature: part.drop(columns="error.scatter").sum(axis=1) for feature, part in parts.items()}
     margin = limit - pd.DataFrame(others)
-    factors = ((scatter / margin) ** 2)[(margin > 0.0).all(axis=1)].max(axis=1)  # the scatter falls with the root
+    factors = ((scatter / margin) ** 2)[(margin > 0.0).all(axis=1)].max(axis=1)  # scatter ~ 1/sqrt(duration)
     if len(factors):
-        yield f"  {len(factors)} more would be within it with {factors.max():.1f} times the `duration`"
+        yield f"  {len(factors)} more would be within the accuracy with {factors.max():.1f} times the `duration`"
     finer = {feature: part.drop(columns="error.nodes") for feature, part in parts.items()}
     finer_count = int((store.total_errors(finer) <= limit).sum())
     if finer_count:
-        yield f"  {finer_count} more would be within it with more `contact.length_nodes` (slices, harmonics)"
+        remedy = "more `contact.length_nodes` (slices, harmonics)"
+        yield f"  {finer_count} more would be within the accuracy with {remedy}"

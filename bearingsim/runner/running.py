@@ -18,15 +18,15 @@ from bearingsim.runner.packing import (
     AffordableJobs,
     check_limits,
     cost_text,
-    costs,
     early_end_note,
+    estimate_costs,
     pack,
     select_affordable,
-    shard_of,
+    select_shard,
     worker_note,
     workers_in_memory,
 )
-from bearingsim.runner.pool import outcomes
+from bearingsim.runner.pool import compute_outcomes
 from bearingsim.runner.progress import compilation_callback
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import MissingChoices, TrialsInterrupted, choose_models
@@ -79,13 +79,16 @@ class Options:
 
     def __post_init__(self) -> None:
         check_limits(self.max_failures, self.max_cpu)
-        shard_of([], self.shard)
+        select_shard([], self.shard)
         if self.fresh and self.shard != (1, 1):
             raise ValueError("a fresh start would delete the results of other shards: remove the folder first")
 
 
 class _Setting(NamedTuple):
-    """Folder, study, options and number of processes of a run; connect: connects to a scheduler, None without."""
+    """Folder, study, options and number of worker processes of a run.
+
+    connect: function that connects to a scheduler, None for a run without one.
+    """
 
     root: Path
     study: "Study"
@@ -109,17 +112,17 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     root = store.results_folder(study.name, study.quick, out)
     if not store.is_writable(root) and not run_options.fresh:
         return summary_of_read_only(with_models(study, out, jobs, run_trials=False), root, started)
-    # The notes are collected first, because they read files that may be removed below.
+    # Notes are collected before files from which they are read may be removed.
     notes = [*study.notes, *load(run_options.engine.notes)(study.cases())]
     workers, connect = _workers(jobs), _make_connector(run_options.scheduler)
-    if run_options.fresh:  # before results are deleted
+    if run_options.fresh:  # an error must not occur after results are deleted
         _test_workers(workers, connect)
     with _prepare(root, study, run_options):
-        # Trials may compute some jobs.
+        # Jobs that trials compute below count as done by this run.
         stored_before = store.holdings(root).sealed if study.goal is not None else None
         setting = _choose_models(_Setting(root, study, run_options, workers, connect), started)
         study, all_jobs = setting.study, setting.study.jobs()
-        own_jobs = shard_of(all_jobs, run_options.shard)
+        own_jobs = select_shard(all_jobs, run_options.shard)
         store.store_scans(root, [job.case for job in all_jobs])
         earlier_jobs = store.planned_jobs(root)
         plan_entries = store.write_plan(root, study, all_jobs, notes)
@@ -167,7 +170,7 @@ def _choose_models(setting: _Setting, started: float) -> _Setting:
             root,
             workers,
             options.engine,
-            may_try=is_unsharded,
+            run_trials=is_unsharded,
             shown=options.progress,
             before_trials=test_connection,
         )
@@ -181,11 +184,11 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
     root, _, options, workers, connect = setting
 
     def affordable_jobs() -> AffordableJobs:
-        estimates = costs(load(options.engine.estimate), plan.pending, options.max_cpu)
+        estimates = estimate_costs(load(options.engine.estimate), plan.pending, options.max_cpu)
         return select_affordable(plan.pending, estimates, options.max_cpu, options.progress)
 
     if connect is not None:
-        with connect() as cluster:  # before the estimates, which may compile code
+        with connect() as cluster:  # before the slow estimates, which may compile code
             affordable = affordable_jobs()
             notes += affordable.notes
             workers = cluster.wait_for_workers()
@@ -201,7 +204,7 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
         works = _make_works(setting, affordable, workers, plan.holdings.units)
         _warm(root, options.engine, affordable.jobs, announcements)
     _announce_cost(affordable, workers, options.progress)
-    _track(works, outcomes(works, workers), tally, options.progress)
+    _track(works, compute_outcomes(works, workers), tally, options.progress)
 
 
 def _announce_cost(affordable: AffordableJobs, workers: int, shown: bool | None) -> None:
@@ -221,7 +224,7 @@ def with_models(
     """
     root = store.results_folder(study.name, study.quick, out)
     with _prepare(root, study, Options()) if run_trials else nullcontext(), suppress(MissingChoices):
-        return choose_models(study, root, _workers(jobs), engine, may_try=run_trials)
+        return choose_models(study, root, _workers(jobs), engine, run_trials=run_trials)
     return study
 
 
@@ -275,7 +278,7 @@ def _test_workers(workers: int, connect: "Callable[[], AbstractContextManager[Cl
 
 @contextmanager
 def _prepare(root: Path, study: "Study", options: Options) -> Iterator[None]:
-    """Claim the folder, clear it if requested, and mark it as in use within the context."""
+    """Claim the folder, clear it for a fresh start, and mark it as in use within the context."""
     store.claim_results(root, study.name, bool(study.quick), options.fresh)
     store.refuse_links(root)
     store.refuse_own_study_file(root, study)
@@ -284,7 +287,7 @@ def _prepare(root: Path, study: "Study", options: Options) -> Iterator[None]:
     if message and options.progress is not False:
         say(message, err=True)
     with store.in_use(root):
-        store.claim_results(root, study.name, bool(study.quick))  # again: another run could clear it
+        store.claim_results(root, study.name, bool(study.quick))  # again, because another run could clear it
         yield
 
 
@@ -318,7 +321,8 @@ def _make_works(
 
 
 def _warm(root: Path, engine: Engine, affordable: Sequence["Job"], announcements: Announcer) -> None:
-    """Compile before workers start; log errors, because the job that needs the code raises them again."""
+    """Compile before workers start. Errors are only logged, because the jobs that use the code raise them
+    again."""
     try:
         load(engine.warm)([job.case for job in affordable], compilation_callback(announcements))
     except Exception as error:
@@ -328,7 +332,7 @@ def _warm(root: Path, engine: Engine, affordable: Sequence["Job"], announcements
 def _track(
     works: Sequence[Work], outcomes: Generator[Outcome, None, None], tally: Tally, shown: bool | None
 ) -> None:
-    """Add the outcome of each unit of work to the tally on arrival, and show the progress."""
+    """Add the outcome of each unit of work to the tally on completion, and show the progress."""
     estimates = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     display = shown_progress(shown, len(estimates), sum(estimates.values()))
     with display as report, stop_switch() as stop, closing(outcomes) as results:

@@ -30,14 +30,14 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
 
 
-LARGEST_BATCH, BATCHES = 32, 4
+MAX_BATCH, BATCHES_PER_WORKER = 32, 4
 """Largest number of trials stored together, and number of batches per worker if there are enough trials."""
-LONGEST_BATCH_S = 10.0
+MAX_BATCH_S = 10.0
 """Largest estimated CPU time (s) of the cases of a batch, which limits the loss if a process is killed."""
 
 
 class MissingChoices(UserError):
-    """A shard was requested, but the models of the study have not been chosen."""
+    """Models of a study have not been chosen, and this run may not choose them."""
 
 
 class TrialsInterrupted(KeyboardInterrupt):
@@ -59,22 +59,22 @@ def choose_models(
     root: Path,
     workers: int,
     engine: Engine,
-    may_try: bool = True,
+    run_trials: bool = True,
     shown: bool | None = None,
     before_trials: Callable[[], None] = lambda: None,
 ) -> "Study":
     """Choose a model for each case of a study; return a study without `accuracy` unchanged.
 
-    Choices stored in the folder are kept. may_try: False if this run computes one shard of the study, for which no
-    models are tried; before_trials: called before the trials. Raises MissingChoices,
-    and TrialsInterrupted on interruption.
+    Choices stored in the folder are kept. run_trials: False if this run may not try models, for example because it
+    computes one shard of the study; shown: False to show no progress; before_trials: called before the trials.
+    Raises MissingChoices without trials, TrialsInterrupted, and DamagedChoices.
     """
     if study.goal is None:
         return study
     choices, plans = store.read_choices(root), store.read_plans(root)
     keys = [key(study, case) for case in study.cases()]
     missing = [n for n, name in enumerate(keys) if name not in choices]
-    if missing and not may_try:
+    if missing and not run_trials:
         raise MissingChoices(
             f"{root} has no choice of a model for {len(missing)} of {len(keys)} cases:"
             f" run `{command('check', study, root, '--pilots')}` first"
@@ -98,7 +98,8 @@ def _decide(
     trials: dict[str, Trial | None] = selection.read_trials(root, selection.required_features(study))
     try:
         while requested := chooser.next_trials(trials):
-            trials |= dict.fromkeys((trial.id for trial in requested), None)  # failed ones are not repeated
+            # None keeps trials that fail from being repeated.
+            trials |= dict.fromkeys((trial.id for trial in requested), None)
             trials |= _run_trials(root, requested, workers, engine, study, shown)
     except KeyboardInterrupt as interruption:
         store.sweep(root)
@@ -119,14 +120,14 @@ def _run_trials(
     """Compute the requested trials in batches, each stored when finished; return all trials in the folder."""
     provenance = store.provenance(study)
     deaths = DeathCounter(root, "while models were tried")
-    while todo := _missing_trials(root, requested, study):
+    while pending := _missing_trials(root, requested, study):
         with announcer(shown) as announcements, suppress(Exception):  # the trial raises the error again
-            load(engine.warm)([trial.case for trial in todo], compilation_callback(announcements))
-        arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
-        costs = {trial.id: min(estimated_cpu_time(trial.case), 1e6) for trial in todo}
+            load(engine.warm)([trial.case for trial in pending], compilation_callback(announcements))
+        arguments = [(root, batch, engine, provenance) for batch in _batches(pending, workers)]
+        costs = {trial.id: min(estimated_cpu_time(trial.case), 1e6) for trial in pending}
         try:
             with (
-                progress(shown, len(todo), sum(costs.values())) as report,
+                progress(shown, len(pending), sum(costs.values())) as report,
                 closing(map_unordered(_compute, arguments, workers)) as results,
             ):
                 for done, failed in results:
@@ -145,14 +146,14 @@ def _missing_trials(root: Path, requested: Sequence["TrialRequest"], study: "Stu
     return [trial for trial in requested if trial.id not in stored]
 
 
-def _batches(todo: Sequence["TrialRequest"], workers: int) -> list[tuple["TrialRequest", ...]]:
-    """Split trials into batches of at most LARGEST_BATCH trials and about LONGEST_BATCH_S seconds."""
-    size = max(1, min(len(todo) // (BATCHES * workers), LARGEST_BATCH))
+def _batches(pending: Sequence["TrialRequest"], workers: int) -> list[tuple["TrialRequest", ...]]:
+    """Split trials into batches of at most MAX_BATCH trials and about MAX_BATCH_S seconds of CPU time."""
+    size = max(1, min(len(pending) // (BATCHES_PER_WORKER * workers), MAX_BATCH))
     batches: list[list[TrialRequest]] = []
     seconds = float("inf")
-    for trial in todo:
+    for trial in pending:
         seconds += estimated_cpu_time(trial.case)
-        if not batches or len(batches[-1]) == size or seconds > LONGEST_BATCH_S:
+        if not batches or len(batches[-1]) == size or seconds > MAX_BATCH_S:
             batches.append([])
             seconds = estimated_cpu_time(trial.case)
         batches[-1].append(trial)
@@ -162,10 +163,10 @@ def _batches(todo: Sequence["TrialRequest"], workers: int) -> list[tuple["TrialR
 def _compute(
     root: Path, batch: tuple["TrialRequest", ...], engine: Engine, provenance: Mapping[str, Value]
 ) -> tuple[list[str], list[str]]:
-    """Compute the trials of a batch; return the ids of finished and failed trials.
+    """Compute and store the trials of a batch; return the ids of finished and failed trials.
 
-    A trial that yields a complete record is also stored as a job. If a stop is requested, finished trials are
-    stored.
+    A trial that computes the whole record is also stored as a job. If a stop is requested, the trials computed so
+    far are stored.
     """
     trials: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
@@ -186,9 +187,9 @@ def _run_trial(
     trials: "dict[str, Trial | None]",
     records: "list[tuple[Job, Record]]",
 ) -> None:
-    """Compute a trial; add it to ``trials``, or None if its simulation fails, and a whole job to ``records``.
+    """Compute a trial; add it to ``trials``, and to ``records`` if it computed the whole record.
 
-    Other errors are logged, and the trial is not added.
+    If the simulation fails, None is added to ``trials``; other errors are logged, and nothing is added.
     """
     from bearingsim.simulation import SimulationError
     from bearingsim.study import Job, case_id
@@ -220,7 +221,8 @@ def plan_name(study: "Study", keys: Sequence[str]) -> str:
 def earlier_choice_notes(
     study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping[str, str]
 ) -> Iterator[str]:
-    """Yield notes on models chosen for an earlier plan: number of cases, and curves with different models.
+    """Yield notes on models chosen for an earlier plan: number of cases, and number of curves with different
+    models.
 
     keys: ``selection.choices.key`` of each case; plans: ``plan_name`` for which each choice was made, by key.
     """

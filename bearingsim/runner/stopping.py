@@ -1,8 +1,7 @@
 """Early end of a run: at the first Ctrl-C, SIGTERM or SIGHUP the running jobs finish and are stored.
 
-A second signal ends the process at once. A run that reaches its limit of failures stops as at a first signal. The
-event that passes the request to workers needs shared memory; errors due to missing shared memory are reported by
-NoSharedMemory.
+A second signal ends the process at once. A run that reaches its limit of failures stops as after a first signal.
+The event that passes the request to workers needs shared memory; if there is none, NoSharedMemory is raised.
 """
 
 import errno
@@ -29,9 +28,9 @@ def stop_requested() -> bool:
 
 
 def flag_for_workers() -> Any:
-    """Return the event that requests workers to stop. It is made only once, because a new event needs new workers.
+    """Return the event that requests workers to stop. Raises NoSharedMemory.
 
-    Raises NoSharedMemory.
+    The event is created only once, because a new one would require new workers.
     """
     global _flag
     if _flag is None:
@@ -49,7 +48,8 @@ def set_stop_flag(flag: Any) -> None:
 
 
 def init_worker(flag: Any) -> None:
-    """Heed the event and ignore signals in a worker, because a terminal sends signals to all processes."""
+    """Use an event as the stop request in a worker, and ignore signals, which a terminal sends to all
+    processes."""
     set_stop_flag(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
@@ -95,7 +95,7 @@ def stop_switch() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def ignore_signals() -> Iterator[None]:
-    """Ignore signals while workers start; they inherit this, so that only this process handles interrupts."""
+    """Ignore signals while workers start, which inherit this, so that only this process handles interrupts."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -108,17 +108,17 @@ def _set_handlers(handler: Any) -> Iterator[None]:
     """Set a handler within the context for all signals that are not already ignored (as under nohup)."""
     previous = {number: signal.getsignal(number) for number in SIGNALS}
     handled = {
-        number: handler_before
-        for number, handler_before in previous.items()
-        if handler_before not in (signal.SIG_IGN, None)
+        number: earlier_handler
+        for number, earlier_handler in previous.items()
+        if earlier_handler not in (signal.SIG_IGN, None)
     }
     for number in handled:
         signal.signal(number, handler)
     try:
         yield
     finally:
-        for number, handler_before in handled.items():
-            signal.signal(number, handler_before)
+        for number, earlier_handler in handled.items():
+            signal.signal(number, earlier_handler)
 
 
 def _request_stop(number: int, frame: FrameType | None) -> None:
@@ -127,12 +127,12 @@ def _request_stop(number: int, frame: FrameType | None) -> None:
     if _flag is not None:
         _flag.set()
     for other in SIGNALS:
-        if signal.getsignal(other) is _request_stop:  # a signal that was ignored remains so
+        if signal.getsignal(other) is _request_stop:  # signals that were ignored before stay ignored
             signal.signal(other, signal.SIG_DFL)
     say("finishing the running jobs (press again to stop at once)", err=True)
 
 
-CAUSES = {
+SEM_OPEN_CAUSES = {
     errno.ENOSPC: "is full: free some space",
     errno.EROFS: "is read-only: make it writable",
     errno.EACCES: "is not writable for this user: change its permissions",
@@ -140,7 +140,7 @@ CAUSES = {
     errno.ENOENT: "is missing: mount it",
     errno.ENOSYS: "is missing: mount it",
 }
-"""Causes of failure by error number of ``sem_open``, which creates a file in /dev/shm for each lock."""
+"""Cause and remedy by error number of ``sem_open``, which creates a file in /dev/shm for each lock."""
 
 
 class NoSharedMemory(UserError):
@@ -153,7 +153,7 @@ def check_shared_memory() -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.filename is not None or error.errno not in CAUSES:
+        if error.filename is not None or error.errno not in SEM_OPEN_CAUSES:
             raise
-        cause = CAUSES[error.errno]
+        cause = SEM_OPEN_CAUSES[error.errno]
         raise NoSharedMemory(f"worker processes need /dev/shm, which {cause}, or use `--jobs 1`") from error

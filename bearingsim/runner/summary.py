@@ -1,4 +1,4 @@
-"""Summary of a run: counts, time, and failures grouped by reason."""
+"""Summary of a run: numbers of jobs, time, failures grouped by reason, and statements on the results."""
 
 import re
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FailureGroup:
-    """Failures of one kind: the reason and advice of the first, and all their jobs."""
+    """Failures of one kind: reason and advice of the first, and ids of all jobs."""
 
     reason: str
     advice: str
@@ -36,7 +36,7 @@ def group_failures(failures: Iterable["Failure"]) -> tuple[FailureGroup, ...]:
 
 
 def failure_kind(reason: str) -> str:
-    """Replace the numbers in a reason by `#`, so that failures of one kind compare equal."""
+    """Return a reason with `#` in place of its numbers, so that failures of one kind compare equal."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)
 
 
@@ -44,7 +44,8 @@ def failure_kind(reason: str) -> str:
 class Findings:
     """Statements on results.
 
-    withdrawn: accuracies refuted by audits; accuracy: accuracy of the results; assumptions: names of assumptions.
+    withdrawn: on accuracies refuted by audits; accuracy: on the accuracy of the results; assumptions: names of the
+    assumptions; details: printed only on request.
     """
 
     withdrawn: tuple[str, ...] = ()
@@ -63,7 +64,8 @@ class Findings:
 class RunSummary:
     """Result of a run.
 
-    planned, resumed, done: numbers of jobs requested, done before, and done by this run; seconds: elapsed time;
+    planned, resumed, done: numbers of jobs requested, done by earlier runs, and done by this run; seconds: elapsed
+    time (s);
     start_cpu_s: CPU time (s) of the workers for imports and compilation; cpu_s: their CPU time (s) after that;
     integrator_cpu_s: the part of ``cpu_s`` spent in the integrator; interrupted: signal number, or 0; notes: lines
     on earlier results and on repairs; findings: statements on the results, None if the run ended before its jobs.
@@ -108,7 +110,7 @@ class RunSummary:
 
     @property
     def headline(self) -> str:
-        """First line of the summary, as `small: 8 of 8 jobs done in 3.2 s, 2 of them already stored`."""
+        """Study, numbers of jobs and time, as `small: 8 of 8 jobs done in 3.2 s, 2 of them already stored`."""
         done = self.done + self.resumed
         counts = {"of them already stored": self.resumed, "failed": self.failed, "left": self.missing}
         parts = [f"{count} {name}" for name, count in counts.items() if count]
@@ -140,7 +142,7 @@ class RunSummary:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Interruption of a run, with its summary; finished jobs are stored."""
+    """Interruption of a run; finished jobs are stored. summary: of the run; number: signal number."""
 
     def __init__(self, summary: RunSummary) -> None:
         advice = f"results so far: {summary.folder}; run the same command to continue"

@@ -1,4 +1,4 @@
-"""Totals of a run: jobs done before, outcomes of units of work, and the summary."""
+"""Totals of a run: jobs done by earlier runs, outcomes of units of work, and the summary."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,10 +40,9 @@ def make_plan(
 ) -> Plan:
     """Determine the jobs to compute; remove failures of jobs that have been computed since.
 
-    Such a failure remains if a run is killed between the two steps, and would prevent the repetition of the job if
-    its unit were damaged later.
-
-    stored_before: ids of the jobs stored when the run began, None if no trials may have added some since.
+    Such a failure remains if a run is killed after it has stored the job, but before it removes the failure. It
+    would prevent the repetition of the job if its unit were damaged later. stored_before: ids of the jobs stored
+    when the run began, None if no trials may have added some since.
     """
     holdings = store.holdings(root, verify)
     for job in holdings.failures.keys() & holdings.sealed:
@@ -60,7 +59,10 @@ def make_plan(
 
 @dataclass
 class Tally:
-    """Running total of the outcomes; writes each failure, and an entry of the journal for each unit."""
+    """Running total of the outcomes, which also stores failures and logs each unit in the journal.
+
+    failures: of jobs without a result, by id; failed: number of jobs that failed in this run.
+    """
 
     root: Path
     command: str
@@ -90,7 +92,7 @@ class Tally:
         for failure in outcome.failed:
             self._add_failure(failure)
         counts = {"done": len(outcome.done), "failed": len(outcome.failed)}
-        unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # name of the stored unit
+        unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # without failed jobs
         store.log(self.root, "unit", unit=unit, **counts, seconds=round(outcome.seconds, 3))
 
     def summary(
@@ -103,7 +105,8 @@ class Tally:
         notes: tuple[str, ...],
         statements: Findings,
     ) -> RunSummary:
-        """Summarise the run; status: status of each requested job in the table, so that both counts agree."""
+        """Summarise the run. status: of each requested job in the table, so that the counts agree with the
+        table."""
         return RunSummary(
             study=study,
             folder=self.root,
@@ -152,9 +155,10 @@ def interrupted_summary(
 def completed_summary(
     path: Path, out: Path | None, overrides: Mapping[str, str], quick: bool
 ) -> RunSummary | None:
-    """Summarise a completed study without expanding it; None if jobs are missing or the stored plan may not apply.
+    """Summarise a completed study without expanding it; None if jobs are missing or the plan may be out of date.
 
-    It applies if the study has no `accuracy`, and files, overrides, program and working folder are unchanged.
+    The stored plan is up to date if files, overrides, program and working folder are unchanged. Plans of studies
+    with `accuracy` are always expanded again.
     """
     started = time.perf_counter()
     study_outline = read_outline(path, overrides, quick)
@@ -215,7 +219,7 @@ def _summary_of_stored(root: Path, plan: Mapping[str, Any], frame: "pd.DataFrame
 
 
 def other_run_notes(root: Path, plan: Mapping[str, Any], count: int) -> Iterator[str]:
-    """Yield notes on other runs in the folder; plan: plan of this run; count: number of its jobs done by them."""
+    """Yield notes on other runs in the folder; plan: of this run; count: number of its jobs done by other runs."""
     if count:
         jobs = f"{count} jobs were" if count > 1 else "1 job was"
         yield f"{jobs} computed by another run in this folder"

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 
 PR_SET_PDEATHSIG = 1  # option of prctl(2) that sets the signal sent to this process when its parent dies
-POLL_S = 2.0  # interval in s between checks of the parent if prctl is not available
+POLL_S = 2.0  # s; interval between checks of the parent where prctl is not available
 
 
 @dataclass(frozen=True)
 class Engine:
-    """Import paths ``module:function`` of the solver.
+    """Import paths ``module:function`` of the functions of a solver.
 
     simulate: computes a case; estimate: estimates its cost; warm: compiles the code beforehand; try_out: computes
     the first ball passes of a case; notes: remarks on all cases; compiling: estimates the CPU time of compilation.
@@ -59,10 +59,10 @@ LISTING_INTERVAL_S = 0.5
 
 @dataclass
 class OtherRuns:
-    """Jobs that other runs have stored in a folder since this run began.
+    """Other runs in a folder, and the jobs that they have stored since this run began.
 
     known_units: names of the units in the folder when the jobs were planned. Units that this run has stored since
-    are included, which has no effect because their jobs are not started again (``pool.outcomes``).
+    count as well, which has no effect because their jobs are not started again (``pool.compute_outcomes``).
     """
 
     root: Path
@@ -80,7 +80,7 @@ class OtherRuns:
     def list_jobs(self) -> set[str]:
         """List the jobs that this and other runs have stored since this run began."""
         units = store.unit_names(self.root) - self.known_units
-        return {name for unit in units for name in _jobs(store.unit_path(self.root, unit))}
+        return {name for unit in units for name in _read_job_ids(store.unit_path(self.root, unit))}
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def load(path: str) -> Callable[..., Any]:
 
 
 def compute(work: Work, seal: Seal = write_units) -> Outcome:
-    """Simulate the jobs of a unit, store their records, and return failures as values.
+    """Simulate the jobs of a unit, store their records by ``seal``, and return the outcome with the failures.
 
     If a stop is requested, the finished jobs are stored. Only errors that concern the whole study are raised, such
     as DiskFull or a bug outside the simulation.
@@ -151,7 +151,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
         return Outcome(work.unit, (), ())
     started = time.perf_counter()
     start_cpu_s = _start_up(work)
-    cpu = time.process_time()
+    cpu_before = time.process_time()
     done: list[tuple[Job, Record]] = []
     failed: list[Failure] = []
     done_by_others: list[str] = []
@@ -170,7 +170,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise
-            except KeyboardInterrupt:  # no signal handler is set
+            except KeyboardInterrupt:  # no handler of ``stopping.py`` is set
                 seal(work.root, done, work.provenance)
                 raise
             except Exception as error:
@@ -183,7 +183,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
         done_by_others=tuple(done_by_others),
         seconds=time.perf_counter() - started,
         start_cpu_s=start_cpu_s,
-        cpu_s=time.process_time() - cpu,
+        cpu_s=time.process_time() - cpu_before,
         integrator_cpu_s=sum(float(record.info.get("integrator_cpu_s", 0.0)) for _, record in done),
     )
 
@@ -200,7 +200,7 @@ def _start_up(work: Work) -> float:
 
 
 def _failure(job: str, error: Exception) -> Failure:
-    """Convert an exception to a Failure; simulation errors have attributes reason, advice and time."""
+    """Convert an exception to a Failure; those of the simulation have the attributes reason, advice and time."""
     text = str(error).strip().partition("\n")[0]
     kind = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
     return Failure(
@@ -213,25 +213,25 @@ def _failure(job: str, error: Exception) -> Failure:
 
 
 def die_with_parent(parent: int, flag: Any) -> None:
-    """Make this worker end when its parent dies, and stop when the event of the parent is set."""
+    """Set up a worker to end when its parent process dies, and to stop when the event of the parent is set."""
     init_worker(flag)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     else:
-        threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+        threading.Thread(target=_watch_parent, args=(parent,), daemon=True).start()
     if os.getppid() != parent:  # the parent died before the request was made
         os._exit(1)
 
 
-def _watch(parent: int) -> None:
+def _watch_parent(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(POLL_S)
     os._exit(1)
 
 
 @cache
-def _jobs(path: Path) -> list[str]:
-    """Return the ids of the jobs of a unit, or an empty list if it cannot be read. Units never change."""
+def _read_job_ids(path: Path) -> list[str]:
+    """Read the ids of the jobs of a unit, which never change; return an empty list if it cannot be read."""
     try:
         return store.read_job_ids(path)
     except store.DamagedUnit:

@@ -10,8 +10,7 @@ from bearingsim.config import CHANNELS, FEATURES, Case, dataset_names
 from bearingsim.config.bands import EXAMPLES
 from bearingsim.config.names import read_band, roller_of
 from bearingsim.config.vocabulary import explanation
-from bearingsim.figure_kinds import KEYS as VIEW_KEYS
-from bearingsim.figure_kinds import KINDS, LOG_AXES, OptionError, View, check_options, view_of
+from bearingsim.figure_kinds import KINDS, LOG_AXES, VIEW_KEYS, OptionError, View, check_options, parse_view
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Node, Problem, problem
 
@@ -203,7 +202,7 @@ def _view(kind: str, entries: Mapping[str, Node], problems: list[Problem]) -> Vi
     texts = {key: entry.value if isinstance(entry.value, str) else _texts(entry) for key, entry in entries.items()}
     try:
         check_options(kind, {key: text for key, text in texts.items() if key not in ("kind", "title")})
-        return view_of(kind, texts)
+        return parse_view(kind, texts)
     except OptionError as error:
         entry = entries[error.option]
         problems.append(problem(entry.mark, f"figures.{error.option}: {error}"))

@@ -144,5 +144,5 @@ def test_no_width_of_two_halves_that_differ_or_of_a_line_that_is_not_clear(monke
     size = estimate_outer_race_size(np.append(signals[0][:half], signals[1][half:]), RATE, PARTS, LINES.outer)
     assert size == "the estimates from both halves of the record differ by over 5 %"
     assert isinstance(diagnose(signals[0], RATE, PARTS, SHAFT).size, Size)
-    monkeypatch.setattr("bearingsim.diagnosis.verdict.clear", lambda limit: inf)
+    monkeypatch.setattr("bearingsim.diagnosis.verdict.clear_score", lambda limit: inf)
     assert diagnose(signals[0], RATE, PARTS, SHAFT).size == "the line is not 3 dB over the threshold"

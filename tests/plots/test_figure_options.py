@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bearingsim.figure_kinds import KEYS, KINDS, OptionError, View
+from bearingsim.figure_kinds import KINDS, VIEW_KEYS, OptionError, View
 from bearingsim.plots import PlotError
 from bearingsim.plots.plot import draw_figures
 from bearingsim.store import layouts
@@ -167,7 +167,7 @@ def test_load_and_ring_refuse_other_options_by_name(make_results, kind):
 
 def test_every_option_is_in_the_table():
     assert set(VALUES) == {option for kind in KINDS.values() for option in kind.options}
-    assert set(KEYS) == {field.name for field in fields(View)} == set(layouts.View.model_fields)
+    assert set(VIEW_KEYS) == {field.name for field in fields(View)} == set(layouts.View.model_fields)
 
 
 # Refusals

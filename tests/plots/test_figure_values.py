@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from bearingsim.figure_kinds import View, limits, view_of
+from bearingsim.figure_kinds import View, parse_limits, parse_view
 from bearingsim.plots.passage import passages
 from bearingsim.plots.plot import draw_figures
 from bearingsim.plots.recorded import case_of, load_jobs
@@ -19,9 +19,9 @@ __all__ = ["make_results", "results"]
 
 
 def test_limits_share_a_unit():
-    assert limits("0..2 kHz", "frequency") == (0.0, 2000.0)
-    assert limits("500 Hz .. 2 kHz", "frequency") == (500.0, 2000.0)
-    assert limits("-5..5 deg", "angle") == pytest.approx((-math.radians(5.0), math.radians(5.0)))
+    assert parse_limits("0..2 kHz", "frequency") == (0.0, 2000.0)
+    assert parse_limits("500 Hz .. 2 kHz", "frequency") == (500.0, 2000.0)
+    assert parse_limits("-5..5 deg", "angle") == pytest.approx((-math.radians(5.0), math.radians(5.0)))
 
 
 def test_level_is_relative_to_the_reference_value_of_iso_1683(make_results):
@@ -267,7 +267,7 @@ def test_figures_of_plans_without_kind_are_sweeps():
 
 
 def test_a_stored_view_is_restored():
-    view = view_of("spectrum", {"range": "0..2 kHz", "db": "true", "from": "1 ms"})
+    view = parse_view("spectrum", {"range": "0..2 kHz", "db": "true", "from": "1 ms"})
     entry = {"y": [], "x": "", "by": [], "panels": [], "where": {}, "title": None, "log": [], "kind": "spectrum",
              "view": {"range": [0.0, 2000.0], "db": True, "start": 1e-3, "of a later version": 1}}  # fmt: skip
     assert restore_figure(entry).view == view

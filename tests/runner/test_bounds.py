@@ -11,7 +11,7 @@ import pytest
 from bearingsim import cpu_time, simulation, store
 from bearingsim.runner import RunSummary, run
 from bearingsim.runner.packing import Cost, cost_text
-from bearingsim.runner.pool import outcomes
+from bearingsim.runner.pool import compute_outcomes
 from bearingsim.runner.work import Work
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
@@ -64,7 +64,7 @@ def test_failures_count_over_all_units(tmp_path: Path) -> None:
     jobs = FakeStudy(WIDTHS, actions={1: "raise", 2: "raise", 3: "raise", 4: "raise", 5: "raise"}).jobs()
     units = (jobs[:3], jobs[3:6], jobs[6:9])
     works = [Work(tmp_path, tuple(unit), (0.0,) * 3, ENGINE, {}, max_failures=3) for unit in units]
-    results = list(outcomes(works, 1))
+    results = list(compute_outcomes(works, 1))
     assert [(len(outcome.done), len(outcome.failed)) for outcome in results] == [(1, 2), (0, 1), (0, 0)]
 
 

@@ -190,7 +190,7 @@ def test_run_resumes_after_the_loss_of_a_worker_and_the_scheduler(
 ) -> None:
     wait_until(lambda: count_workers(machines) == 2)
     monkeypatch.setattr(logging.getLogger("distributed.client"), "propagate", True)
-    for constant in ("UNIT_S", "SHORTEST_UNIT_S"):
+    for constant in ("UNIT_S", "MIN_UNIT_S"):
         monkeypatch.setattr(packing, constant, 0.1)  # two jobs are a unit
     out, count, local = tmp_path / "out", tmp_path / "count", tmp_path / "here"
     widths = [1e-3 * n for n in range(1, 80)]

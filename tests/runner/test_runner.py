@@ -17,7 +17,7 @@ import pytest
 
 from bearingsim import store
 from bearingsim.runner import pool, progress, run
-from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
+from bearingsim.runner.packing import Cost, pack, select_shard, unit_seconds
 from bearingsim.runner.summary import group_failures
 from bearingsim.text import announcer
 from bearingsim.text.terminal import LINE_WIDTH
@@ -328,10 +328,10 @@ def test_failure_of_a_computed_job_does_not_prevent_its_repetition(tmp_path: Pat
 
 def test_shards_share_the_study_and_a_folder(tmp_path: Path) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(6)])
-    shards = [shard_of(study.jobs(), (k, 3)) for k in (1, 2, 3)]
+    shards = [select_shard(study.jobs(), (k, 3)) for k in (1, 2, 3)]
     assert sorted(len(shard) for shard in shards) == [2, 2, 3]
     assert {job.id for shard in shards for job in shard} == {job.id for job in study.jobs()}
-    assert shards[1] == [job for job in study.jobs() if job in shard_of(study.jobs()[::-1], (2, 3))]
+    assert shards[1] == [job for job in study.jobs() if job in select_shard(study.jobs()[::-1], (2, 3))]
     for k in (1, 2, 3):
         assert compute(study, tmp_path, shard=(k, 3)).done == len(shards[k - 1])
     table = table_of(tmp_path)
@@ -350,7 +350,7 @@ def test_two_runs_share_a_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize("shard", [(0, 3), (4, 3)])
 def test_shard_out_of_range_is_refused(shard: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="no shard"):
-        shard_of(FakeStudy().jobs(), shard)
+        select_shard(FakeStudy().jobs(), shard)
 
 
 def test_contradictory_options_are_refused(tmp_path: Path) -> None:

@@ -140,7 +140,7 @@ def test_remedies_apply_to_each_feature() -> None:
     columns = {LINE: [1.0] * 3, RMS: [1.0] * 3, f"{LINE}-scatter": [0.0, 0.04, 0.0], "chaotic": [0.0, 1.0, 0.0]}
     assert list(accuracy_notes(goal, frame(columns | {"rms_scatter": [0.0] * 3}))) == [
         f"1 of 3 cases are within 5 % of the reference model, the others within 7 %; {RELATIVE}",
-        "  1 more would be within it with 4.0 times the `duration`",
+        "  1 more would be within the accuracy with 4.0 times the `duration`",
     ]
 
 
@@ -154,7 +154,7 @@ def test_more_nodes_are_recommended_where_they_suffice() -> None:
     goal["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without more nodes
     assert list(accuracy_notes(goal, frame({LINE: [1.0, 2.0, 2.0]}))) == [
         f"1 of 3 cases are within 5 % of the reference model, the others within 56 %; {RELATIVE}",
-        "  1 more would be within it with more `contact.length_nodes` (slices, harmonics)",
+        "  1 more would be within the accuracy with more `contact.length_nodes` (slices, harmonics)",
     ]
 
 
