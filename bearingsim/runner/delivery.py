@@ -69,7 +69,7 @@ def deliver(parcel: Parcel) -> Delivery:
     host_provenance = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
 
     def seal(_: Path, done: "Sequence[tuple[Job, Record]]", provenance: "Mapping[str, Value]") -> None:
-        files.update(store.sealed_units(done, provenance))
+        files.update(store.seal_units(done, provenance))
 
     try:
         with _provide_scans(parcel.scans, folder):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.store.nearness import incomplete_audits
-from bearingsim.store.spread import chaotic_jobs, errors
+from bearingsim.store.spread import chaotic_jobs, variation_errors
 from bearingsim.study.uncertainty import PARAMETER_KINDS, RIGID_RING
 from bearingsim.text.numbers import percent
 
@@ -38,7 +38,7 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
     if incomplete:
         count = f"{len(incomplete)} of {_count_text(len(accuracy['audits']), 'audit')}"
         yield f"{count} failed, are missing or have no value of a feature, whose accuracy they do not test"
-    varied = {name.split(".")[1] for name in errors(plan, frame).columns}
+    varied = {name.split(".")[1] for name in variation_errors(plan, frame).columns}
     unvaried = [quantity for quantity in PARAMETER_KINDS if quantity not in varied]
     if unvaried:
         yield f"not included in the accuracy: {', '.join(unvaried)}"

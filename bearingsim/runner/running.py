@@ -119,7 +119,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
         _test_workers(workers, connect)
     with _prepare(root, study, run_options):
         # Jobs that trials compute below count as done by this run.
-        stored_before = store.holdings(root).sealed if study.goal is not None else None
+        stored_before = store.read_holdings(root).sealed if study.goal is not None else None
         setting = _choose_models(_Setting(root, study, run_options, workers, connect), started)
         study, all_jobs = setting.study, setting.study.jobs()
         own_jobs = select_shard(all_jobs, run_options.shard)
@@ -137,7 +137,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
                 _compute(setting, plan, tally, notes)
         except KeyboardInterrupt as interruption:
             interrupted = getattr(interruption, "number", signal.SIGINT)
-        store.sweep(root)
+        store.remove_leftovers(root)
         store.build_table(root, plan.holdings.rows)
         frame = store.plan_frame(root, plan_entries, plan.holdings.rows)
     seconds = time.perf_counter() - started
@@ -282,7 +282,7 @@ def _prepare(root: Path, study: "Study", options: Options) -> Iterator[None]:
     store.claim_results(root, study.name, bool(study.quick), options.fresh)
     store.refuse_links(root)
     store.refuse_own_study_file(root, study)
-    store.sweep(root)
+    store.remove_leftovers(root)
     message = store.discard(root, study.name) if options.fresh else ""
     if message and options.progress is not False:
         say(message, err=True)

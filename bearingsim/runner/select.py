@@ -102,7 +102,7 @@ def _decide(
             trials |= dict.fromkeys((trial.id for trial in requested), None)
             trials |= _run_trials(root, requested, workers, engine, study, shown)
     except KeyboardInterrupt as interruption:
-        store.sweep(root)
+        store.remove_leftovers(root)
         store.log(root, "interrupted while models were compared")
         number = getattr(interruption, "number", signal.SIGINT)
         raise TrialsInterrupted(root, len(selection.read_trials(root)), number) from None

@@ -44,7 +44,7 @@ def make_plan(
     would prevent the repetition of the job if its unit were damaged later. stored_before: ids of the jobs stored
     when the run began, None if no trials may have added some since.
     """
-    holdings = store.holdings(root, verify)
+    holdings = store.read_holdings(root, verify)
     for job in holdings.failures.keys() & holdings.sealed:
         store.clear_failure(root, job)
     remaining = [job for job in jobs if job.id not in holdings.sealed]
@@ -138,7 +138,7 @@ def interrupted_summary(
 ) -> RunSummary:
     """Summarise a run that was interrupted during the trials of models; trials may have stored some jobs."""
     jobs = {job.id for job in study.jobs()}
-    sealed = store.holdings(root).sealed
+    sealed = store.read_holdings(root).sealed
     return RunSummary(
         study=study.name,
         folder=root,

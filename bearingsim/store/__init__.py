@@ -1,4 +1,4 @@
-"""Results folder of a study: immutable unit files, journals, failures, and a table made from them.
+"""Results folder of a study: immutable unit files, journals, failures, and a table built from them.
 
 Files are written completely before they get their final name, and only the table has more than one writer. A run
 can therefore be killed at any moment, and several runs can share a folder.
@@ -22,7 +22,7 @@ from bearingsim.store.files import (
     is_writable,
     lock,
     refuse_links,
-    sweep,
+    remove_leftovers,
     write_bytes,
     write_text,
 )
@@ -31,8 +31,8 @@ from bearingsim.store.folder import (
     Holdings,
     claim_results,
     discard,
-    holdings,
     in_use,
+    read_holdings,
     refuse_own_study_file,
 )
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
@@ -58,13 +58,13 @@ from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import (
     NOTABLE_ERROR,
     default_ranges,
-    errors,
     has_error_estimate,
     is_line,
     is_uncertain,
     relative_error,
     relative_range,
     spread,
+    variation_errors,
 )
 from bearingsim.store.table import (
     build_table,
@@ -83,7 +83,7 @@ from bearingsim.store.units import (
     read_job_ids,
     read_provenance,
     read_series,
-    sealed_units,
+    seal_units,
     store_unit,
     unit_name,
     unit_names,
@@ -127,13 +127,11 @@ __all__ = [
     "discard",
     "error_bounds",
     "error_parts",
-    "errors",
     "feature_bounds",
     "find_removable",
     "flat_parameters",
     "full_disk_errors",
     "has_error_estimate",
-    "holdings",
     "in_use",
     "info",
     "is_line",
@@ -152,6 +150,7 @@ __all__ = [
     "prune",
     "read_choices",
     "read_failures",
+    "read_holdings",
     "read_job_ids",
     "read_plan",
     "read_plans",
@@ -163,19 +162,20 @@ __all__ = [
     "refuse_own_study_file",
     "relative_error",
     "relative_range",
+    "remove_leftovers",
     "results_folder",
-    "sealed_units",
+    "seal_units",
     "spread",
     "start_marker",
     "store_scans",
     "store_unit",
     "study_digest",
-    "sweep",
     "take_suspects",
     "total_errors",
     "unit_name",
     "unit_names",
     "unit_path",
+    "variation_errors",
     "with_short_paths",
     "withdrawn_errors",
     "write_bytes",

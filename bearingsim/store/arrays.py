@@ -16,15 +16,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def dataset(
+def build_dataset(
     plan: Mapping[str, Any],
     table: "pd.DataFrame",
     is_feature: Callable[[str], bool],
-    read: Callable[[str], Series],
+    read_series: Callable[[str], Series],
     jobs: Sequence[str] | None,
     grid: bool,
 ) -> "xr.Dataset":
-    """Return the dataset of ``Results.to_xarray``; read: reads the series of a job. Raises ResultsError."""
+    """Build the dataset of ``Results.to_xarray``, from the plan and the table. Raises ResultsError.
+
+    is_feature: function that checks if a column is a feature; read_series: function that reads the series of a
+    job.
+    """
     try:
         import xarray as xr
     except ModuleNotFoundError:
@@ -43,10 +47,10 @@ def dataset(
         for name in done.columns
         if name in swept or is_feature(str(name))
     }
-    series = _stack({str(job): read(str(job)) for job in done.index})
+    series = _stack({str(job): read_series(str(job)) for job in done.index})
     data = xr.Dataset({**columns, **series}, coords={"job": done.index.to_numpy(object)})
     data = data.set_coords(sorted(swept)).assign_attrs(study=plan["study"])
-    return _on_grid(data, selected[swept]) if grid else data
+    return _arrange_on_grid(data, selected[swept]) if grid else data
 
 
 def swept_paths(plan: Mapping[str, Any]) -> list[str]:
@@ -64,9 +68,9 @@ def _attributes(name: str, swept: bool) -> dict[str, str]:
 
 
 def _stack(series: dict[str, Series]) -> dict[str, Any]:
-    """Stack channels to arrays (job, time), and return them with the time axis as variables for xarray.
+    """Stack channels to arrays (job, time); return them and the time axis as variables for xarray.
 
-    A channel that a job has not recorded is NaN there: a healthy baseline has no slices.
+    A channel is NaN for jobs that have not recorded it: for example, a healthy baseline has no slices.
     """
     if not series:
         return {}
@@ -86,10 +90,10 @@ def _stack(series: dict[str, Series]) -> dict[str, Any]:
     return {"time": ("time", time, {"units": "s"}), **stacked}
 
 
-def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
-    """Spread the jobs of a dataset over the grid of the swept values ``cases``; jobs that are not done are NaN.
+def _arrange_on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
+    """Replace the dimension of the jobs by a grid of the swept values; jobs that are not done are NaN.
 
-    Raises ResultsError unless the cases form a full grid.
+    cases: swept values (columns) by job. Raises ResultsError unless the cases form a full grid.
     """
     import xarray as xr
 
@@ -103,49 +107,52 @@ def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
             f"the cases do not form a full grid: values of {sizes}; cases {len(positions)}, "
             f"{count} of {prod(shape)} combinations; use to_xarray() without `grid`"
         )
-    order = tuple(np.array([positions[str(job)] for job in data["job"].values], int).reshape(-1, len(axes)).T)
+    indices = tuple(np.array([positions[str(job)] for job in data["job"].values], int).reshape(-1, len(axes)).T)
     variables = {
-        name: (_dimensions(variable.dims, axes), _spread(variable.values, order, shape), variable.attrs)
+        name: (_dimensions(variable.dims, axes), _fill_grid(variable.values, indices, shape), variable.attrs)
         for name, variable in data.variables.items()
         if "job" in variable.dims and name not in cases
     }
     coordinates: dict[Hashable, Any] = {path: (path, list(values)) for path, values in axes.items()}
-    for path, leading in dependent.items():
-        values = dict(zip(cases[leading].itertuples(index=False, name=None), cases[path], strict=True))
-        grid = [values[point] for point in product(*(axes[axis] for axis in leading))]
-        coordinates[path] = (leading, np.array(grid).reshape([len(axes[axis]) for axis in leading]))
+    for path, dimensions in dependent.items():
+        values = dict(zip(cases[dimensions].itertuples(index=False, name=None), cases[path], strict=True))
+        grid = [values[point] for point in product(*(axes[axis] for axis in dimensions))]
+        coordinates[path] = (dimensions, np.array(grid).reshape([len(axes[axis]) for axis in dimensions]))
     described = {name: (*item, parameter_attributes(str(name))) for name, item in coordinates.items()}
     time = {"time": data["time"]} if "time" in data.variables else {}
     return xr.Dataset(variables, coords=described | time, attrs=data.attrs)
 
 
 def _axes(cases: "pd.DataFrame") -> tuple[dict[str, dict[Any, int]], dict[str, list[str]]]:
-    """Return the values of each dimension with their positions, and the dimensions from which other paths follow.
+    """Return the values of each dimension with their indices, and for each dependent path the dimensions that
+    determine it.
 
-    A path follows from others if each combination of their values has one value of it, as in a `zip` or `derived`.
-    Of paths that follow from each other the first in the order of the sweep is a dimension.
+    A path is dependent if each combination of values of other paths has only one value of it, as in a `zip` or
+    `derived`. Of paths that determine each other, the first in the order of the sweep is a dimension.
     """
     values = {str(path): {value: i for i, value in enumerate(dict.fromkeys(cases[path]))} for path in cases}
     swept = [path for path in values if len(values[path]) > 1]
-    leading = _reduced(cases, swept, [])
-    dependent = {path: _reduced(cases, leading, [path]) for path in swept if path not in leading}
+    dimensions = _remove_dependent(cases, swept, [])
+    dependent = {path: _remove_dependent(cases, dimensions, [path]) for path in swept if path not in dimensions}
     return {path: values[path] for path in values if path not in dependent}, dependent
 
 
-def _reduced(cases: "pd.DataFrame", paths: Sequence[str], targets: Sequence[str]) -> list[str]:
-    """Remove paths, last ones first, as long as the others determine them, or the ``targets`` if given.
+def _remove_dependent(cases: "pd.DataFrame", paths: Sequence[str], targets: Sequence[str]) -> list[str]:
+    """Remove paths, beginning with the last, as long as the remaining ones determine the removed path.
 
-    Paths determine others if the latter add no combination of values.
+    targets: paths that the remaining ones must determine instead; empty for none. Paths determine others if adding
+    these does not increase the number of combinations of values.
     """
     remaining = list(paths)
     for path in reversed(paths):
         others = [other for other in remaining if other != path]
-        if others and _count(cases, others) == _count(cases, [*others, *(targets or [path])]):
+        determined = [*others, *(targets or [path])]
+        if others and _count_combinations(cases, others) == _count_combinations(cases, determined):
             remaining = others
     return remaining
 
 
-def _count(cases: "pd.DataFrame", paths: Sequence[str]) -> int:
+def _count_combinations(cases: "pd.DataFrame", paths: Sequence[str]) -> int:
     """Count the different combinations of values of some paths."""
     return len(cases[list(paths)].drop_duplicates())
 
@@ -154,10 +161,13 @@ def _dimensions(dims: Sequence[Hashable], axes: Mapping[str, Any]) -> tuple[Hash
     return tuple(name for dim in dims for name in (axes if dim == "job" else (dim,)))
 
 
-def _spread(values: np.ndarray, order: tuple[np.ndarray, ...], shape: tuple[int, ...]) -> np.ndarray:
-    """Spread values (jobs, ...) over a grid; points without a job are NaN, or empty for words."""
+def _fill_grid(values: np.ndarray, indices: tuple[np.ndarray, ...], shape: tuple[int, ...]) -> np.ndarray:
+    """Return values (jobs, ...) on a grid (*shape, ...); points without a job are NaN, or empty strings.
+
+    indices: index of each job (jobs,) along each dimension of the grid.
+    """
     is_number = np.issubdtype(values.dtype, np.number)
     dtype = np.result_type(values.dtype, np.float32) if is_number else object
-    spread = np.full(shape + values.shape[1:], np.nan if is_number else "", dtype)
-    spread[order] = values
-    return spread
+    grid = np.full(shape + values.shape[1:], np.nan if is_number else "", dtype)
+    grid[indices] = values
+    return grid

@@ -1,7 +1,7 @@
 """Check of the units of a results folder, for runs, table and export.
 
-A unit whose size and modification time match the table was checked against its digest before, and its rows are in
-the table, so it is not read again. All other units are read completely.
+A unit whose size and modification time match the table has already been checked against its digest, and its rows
+are in the table, so it is not read again. All other units are read completely.
 
 `prune` and `merge` remove and copy units, so they do not rely on the table but read every unit themselves.
 """
@@ -31,7 +31,7 @@ class CheckedUnits:
 def check_units(
     units: Iterable[Path], table: "pd.DataFrame | None", known_rows: Rows, verify: bool = False
 ) -> CheckedUnits:
-    """Read and verify units; return their rows.
+    """Check units, and read those whose rows are not known.
 
     table: with the columns ``unit`` and ``stamp``; known_rows: rows read before, by unit; verify: also read the
     units in the table.
@@ -47,11 +47,12 @@ def check_units(
         elif path.stem in known_rows and known_rows[path.stem]["stamp"].iloc[0].startswith(f"{stamp} "):
             checked.rows[path.stem] = known_rows[path.stem]
         else:
-            _read(path, stamp, checked)
+            _read_rows(path, stamp, checked)
     return checked
 
 
-def _read(path: Path, stamp: str, checked: CheckedUnits) -> None:
+def _read_rows(path: Path, stamp: str, checked: CheckedUnits) -> None:
+    """Read the rows of a unit, or the error of a damaged one, and add them to ``checked``."""
     import pandas as pd
 
     try:
@@ -63,6 +64,7 @@ def _read(path: Path, stamp: str, checked: CheckedUnits) -> None:
 
 
 def _stamp(path: Path) -> str:
+    """Return size (bytes) and modification time (ns) of a file; in a table the number of jobs follows."""
     status = path.lstat()
     return f"{status.st_size} {status.st_mtime_ns}"
 
@@ -70,7 +72,7 @@ def _stamp(path: Path) -> str:
 def _known_stamps(table: "pd.DataFrame | None") -> dict[str, str]:
     """Return the stamps of the units whose jobs are all in the table, by name.
 
-    The table may lack some jobs of a unit, because its plan has fewer jobs.
+    Some jobs of a unit may not be in the table, because they are not in its plan.
     """
     if table is None:
         return {}

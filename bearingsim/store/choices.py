@@ -1,4 +1,4 @@
-"""Model chosen for each case, stored in ``choices.json`` with the name of the plan for which it was chosen."""
+"""Models chosen for the cases of a study, stored in ``choices.json`` with the plan of each choice."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -11,7 +11,7 @@ from bearingsim.store.files import lock
 from bearingsim.store.layouts import check
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
-CHOICES, PLAN = "choices.json", "plan"
+CHOICES_FILE, PLAN_KEY = "choices.json", "plan"
 
 
 class DamagedChoices(UserError):
@@ -23,10 +23,10 @@ class Choice:
     """Model chosen for a case.
 
     candidate: name of the candidate, or `reference`; model: name of the resulting model; why: reason for the
-    choice. Relative errors by feature, None if unknown: error: of the model; nodes: of its discretisation;
-    friction: due to neglected friction. inferred: True if ``friction`` is inferred from other cases of the curve.
-    values, scales: by feature, absolute value of the reference in its trial, and the value to which the errors are
-    relative (SI), None if unknown; empty in files of earlier versions.
+    choice; error, nodes, friction: relative errors by feature, None if unknown, of the model, of its
+    discretisation and due to neglected friction; inferred: True if ``friction`` is inferred from other cases of
+    the curve; values, scales: by feature, absolute value of the reference in its trial and value to which the
+    errors are relative (SI), None if unknown, both empty in files of earlier versions.
     """
 
     candidate: str
@@ -41,14 +41,16 @@ class Choice:
 
 
 Choices = dict[str, Choice]
-"""Choices by the ``selection.choices.key`` of the case."""
+"""Choices by ``selection.choices.key`` of the case."""
 
 
 def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
     """Write the choices; plans: name of the plan for which each choice was made."""
     plan_names = plans or {}
-    entries = {name: asdict(choice) | {PLAN: plan_names.get(name, "")} for name, choice in sorted(choices.items())}
-    write_json(root / CHOICES, {"choices": entries})
+    entries = {
+        name: asdict(choice) | {PLAN_KEY: plan_names.get(name, "")} for name, choice in sorted(choices.items())
+    }
+    write_json(root / CHOICES_FILE, {"choices": entries})
 
 
 def add_choices(root: Path, new: Choices, plan: str) -> tuple[Choices, dict[str, str]]:
@@ -64,21 +66,22 @@ def add_choices(root: Path, new: Choices, plan: str) -> tuple[Choices, dict[str,
 
 def read_choices(root: Path) -> Choices:
     """Read the choices of a folder; empty without ``choices.json``. Raises DamagedChoices."""
-    return {name: choice for name, (choice, _) in _read(root).items()}
+    return {name: choice for name, (choice, _) in _read_entries(root).items()}
 
 
 def read_plans(root: Path) -> dict[str, str]:
     """Read the name of the plan of each choice in a folder. Raises DamagedChoices."""
-    return {name: plan for name, (_, plan) in _read(root).items()}
+    return {name: plan for name, (_, plan) in _read_entries(root).items()}
 
 
-def _read(root: Path) -> dict[str, tuple[Choice, str]]:
-    path = root / CHOICES
+def _read_entries(root: Path) -> dict[str, tuple[Choice, str]]:
+    """Read the choices of a folder with their plans, by key. Raises DamagedChoices."""
+    path = root / CHOICES_FILE
     try:
         entries = read_json(path)
         entries = entries.get("choices", entries)
         check(layouts.Choices, entries)
-        return {name: _choice(entry) for name, entry in entries.items()}
+        return {name: _split_entry(entry) for name, entry in entries.items()}
     except FileNotFoundError:
         return {}
     except UNREADABLE as error:
@@ -87,6 +90,7 @@ def _read(root: Path) -> dict[str, tuple[Choice, str]]:
         ) from error
 
 
-def _choice(entries: dict[str, Any]) -> tuple[Choice, str]:
-    plan = entries.pop(PLAN, "")
+def _split_entry(entries: dict[str, Any]) -> tuple[Choice, str]:
+    """Return the choice and the plan of an entry of ``choices.json``."""
+    plan = entries.pop(PLAN_KEY, "")
     return Choice(**entries), str(plan)

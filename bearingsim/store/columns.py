@@ -22,28 +22,29 @@ TEXT = h5py.string_dtype()
 GROUPS = {"parameters": "parameter", "features": "feature", "info": "fact"}
 """Name of the second dimension of each group."""
 ATTRIBUTES = {"parameters": parameter_attributes, "features": feature_attributes}
+"""Functions that return the units of a column, by group; the columns of ``info`` have none."""
 
 Value = float | int | str
 Row = Mapping[str, Value]
 
 
-def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
+def make_columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
     """Convert one mapping per job into one array per name: float64, or strings if any value is a string.
 
     A missing value becomes NaN, or the empty string.
     """
     names = dict.fromkeys(name for row in rows for name in row)
-    return {name: _column([row.get(name) for row in rows]) for name in names}
+    return {name: _make_column([row.get(name) for row in rows]) for name in names}
 
 
-def _column(values: Sequence[Value | None]) -> NDArray[Any]:
+def _make_column(values: Sequence[Value | None]) -> NDArray[Any]:
     if any(isinstance(value, str) for value in values):
         return np.array(["" if value is None else str(value) for value in values], object)
     return np.array([math.nan if value is None else value for value in values], np.float64)
 
 
 def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
-    """Write the ``job`` dimension: a scale with the job ids."""
+    """Write the dimension ``job``, a scale with the job ids; return it."""
     jobs = file.create_dataset("job", data=np.array(ids, object), dtype=TEXT)
     jobs.make_scale("job")
     jobs.attrs["long_name"] = "job id"
@@ -57,26 +58,26 @@ def write_columns(
     names = sorted(columns_by_name)
     number_names = [name for name in names if columns_by_name[name].dtype != object]
     text_names = [name for name in names if columns_by_name[name].dtype == object]
-    item = GROUPS[group]
+    dimension = GROUPS[group]
     if number_names:
-        scale = _table(
+        scale = _write_table(
             file,
             jobs,
             group,
-            item,
+            dimension,
             np.stack([columns_by_name[name] for name in number_names], axis=1),
             number_names,
         )
         if group in ATTRIBUTES:
             unit_texts = [ATTRIBUTES[group](name).get("units", "") for name in number_names]
-            units = file.create_dataset(f"{item}_units", data=unit_texts, dtype=TEXT)
+            units = file.create_dataset(f"{dimension}_units", data=unit_texts, dtype=TEXT)
             units.dims[0].attach_scale(scale)
     if text_names:
         texts = _encode(np.stack([columns_by_name[name] for name in text_names], axis=1))
-        _table(file, jobs, f"{item}_text", f"{item}_text_name", texts, text_names)
+        _write_table(file, jobs, f"{dimension}_text", f"{dimension}_text_name", texts, text_names)
 
 
-def _table(
+def _write_table(
     file: h5py.File, jobs: h5py.Dataset, name: str, dimension: str, values: NDArray[Any], names: Sequence[str]
 ) -> h5py.Dataset:
     """Write a dataset (job, name) with its scales; return the scale of the names."""
@@ -89,7 +90,7 @@ def _table(
 
 
 def _encode(texts: NDArray[Any]) -> NDArray[np.bytes_]:
-    """Encode strings as UTF-8 of fixed length: repeated strings then compress well."""
+    """Encode strings as UTF-8 of fixed length, because gzip does not compress variable-length strings."""
     encoded = np.char.encode(texts.astype(str), "utf-8")
     return encoded.astype(h5py.string_dtype(length=max(encoded.dtype.itemsize, 1)))
 
@@ -97,12 +98,12 @@ def _encode(texts: NDArray[Any]) -> NDArray[np.bytes_]:
 def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:
     """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ...
 
-    Raises one of UNREADABLE for a damaged file, and for columns without one value per job.
+    Raises one of UNREADABLE for a damaged file, and for columns that do not have one value per job.
     """
-    tables = [name for group in groups for name in _tables(file, group)]
+    tables = [name for group in groups for name in _table_names(file, group)]
     file.check_size("the sum of its columns", file.cost("job", *tables))
     jobs = file.texts("job")
-    by_name = {f"{group}/{name}": column for group in groups for name, column in _group(file, group)}
+    by_name = {f"{group}/{name}": column for group in groups for name, column in _read_group(file, group)}
     for name, column in by_name.items():
         if column.shape != jobs.shape:
             raise Unreadable(f"{name} has {len(column)} rows, not {len(jobs)}")
@@ -113,15 +114,16 @@ def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str,
     return {"job": jobs} | by_name
 
 
-def _tables(file: Hdf5, group: str) -> list[str]:
+def _table_names(file: Hdf5, group: str) -> list[str]:
     """Return the names of the existing datasets of a group: numbers, then strings."""
     return [name for name in (group, f"{GROUPS[group]}_text") if name in file]
 
 
-def _group(file: Hdf5, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    item = GROUPS[group]
-    for table in _tables(file, group):
+def _read_group(file: Hdf5, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield name and values of each column of a group."""
+    dimension = GROUPS[group]
+    for table in _table_names(file, group):
         if table == group:
-            yield from zip(file.texts(item), file.numbers(group).T, strict=True)
+            yield from zip(file.texts(dimension), file.numbers(group).T, strict=True)
         else:
-            yield from zip(file.texts(f"{item}_text_name"), file.texts(table).T, strict=True)
+            yield from zip(file.texts(f"{dimension}_text_name"), file.texts(table).T, strict=True)

@@ -22,10 +22,13 @@ from bearingsim.store.own_files import FOLDERS, LOCK, temporary_files
 from bearingsim.store.regular import Unreadable, open_regular
 from bearingsim.text.terminal import say
 
-ADVICE = "free some space or use another folder (--out), then run the command again; stored results are kept"
+FULL_DISK_ADVICE = (
+    "free some space or use another folder (--out), then run the command again; stored results are kept"
+)
 LOCK_REPORT_S = 5.0
 """Time in s after which waiting for a lock is reported."""
 NO_LOCK_ERRORS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
+"""Error numbers of a file system that does not support locks."""
 
 
 class DiskFull(UserError):
@@ -44,23 +47,23 @@ def writer_name() -> str:
 
 @contextmanager
 def full_disk_errors(path: Path) -> Iterator[None]:
-    """Convert errors due to missing disk space for ``path`` to DiskFull, which names the disk."""
+    """Convert errors due to a full disk, when ``path`` is written, to DiskFull, which names the disk."""
     try:
         yield
     except OSError as error:
         if error.errno not in NO_ROOM:
             raise
-        raise DiskFull(f"{describe_full_disk(path, error.errno)}: {ADVICE}") from error
+        raise DiskFull(f"{describe_full_disk(path, error.errno)}: {FULL_DISK_ADVICE}") from error
 
 
 def describe_full_disk(path: Path, number: int) -> str:
-    """Describe why a file does not fit on the disk; number: the error number, one of NO_ROOM."""
+    """Describe why a file does not fit on the disk; number: error number, one of NO_ROOM."""
     folder = _existing_folder(path.parent)
     if number == errno.EFBIG:
         return f"{path.name} in {folder} exceeds the file size limit (`ulimit -f`)"
     free_text = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
     state = f"has no inodes left, although {free_text}" if _inodes_exhausted(folder) else f"is full ({free_text})"
-    return f"the disk {_mount(folder)} {state}; {path.name} in {folder} cannot be written"
+    return f"the disk {_mount_point(folder)} {state}; {path.name} in {folder} cannot be written"
 
 
 def _inodes_exhausted(folder: Path) -> bool:
@@ -75,7 +78,7 @@ def _existing_folder(folder: Path) -> Path:
     return next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), folder)
 
 
-def _mount(folder: Path) -> Path:
+def _mount_point(folder: Path) -> Path:
     resolved = folder.resolve()
     return next(path for path in (resolved, *resolved.parents) if path.is_mount() or path == path.parent)
 
@@ -85,7 +88,7 @@ def check_free_space(root: Path, required: float) -> None:
     free = shutil.disk_usage(root).free
     if free < required:
         sizes = f"{free / 1e6:.3g} MB are left of at least {required / 1e6:.3g} MB"
-        raise DiskFull(f"the disk {_mount(root)} is too full for {root}: {sizes}; {ADVICE}")
+        raise DiskFull(f"the disk {_mount_point(root)} is too full for {root}: {sizes}; {FULL_DISK_ADVICE}")
 
 
 def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
@@ -132,12 +135,12 @@ def _create_locked(folder: Path, name: str, suffix: str) -> BinaryIO:
         try:
             file = path.open("xb")
         except OSError as error:
-            error.filename = str(folder / name)  # not the temporary name
+            error.filename = str(folder / name)  # the message must not contain the temporary name
             raise
         _lock_file(file, wait=True)
         if path.exists():
             return file
-        file.close()  # a sweep removed it before it was locked
+        file.close()  # ``remove_leftovers`` of another process removed it before it was locked
 
 
 def _lock_file(file: BinaryIO, wait: bool) -> bool:
@@ -153,7 +156,7 @@ def _lock_file(file: BinaryIO, wait: bool) -> bool:
 
 @contextmanager
 def lock_leftover(path: Path) -> Iterator[bool]:
-    """Yield True if the writer of a temporary file has ended; the file stays locked within the context."""
+    """Lock a temporary file within the context; yield True if its writer has ended, so that it can be locked."""
     flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     try:
         file = os.fdopen(os.open(path, flags), "r+b", buffering=0)
@@ -203,7 +206,7 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
             raise
         advice = "end it if it is suspended or hangs"
         say(f"waiting for {_other_runs(root)}, which has locked {folder_lock.lock_file}: {advice}", err=True)
-        folder_lock.acquire(timeout=-1)  # the holder may be building a large table
+        folder_lock.acquire(timeout=-1)  # without a limit, because building a large table takes long
     except OSError as error:
         if error.errno not in NO_LOCK_ERRORS:
             raise
@@ -239,13 +242,13 @@ def refuse_link(path: Path) -> None:
         )
 
 
-def sweep(root: Path) -> list[Path]:
+def remove_leftovers(root: Path) -> list[Path]:
     """Remove temporary files whose writers have ended; return their paths."""
     removed = []
     with lock(root):
         for path in temporary_files(root):
             with lock_leftover(path) as is_leftover:
                 if is_leftover:
-                    path.unlink(missing_ok=True)  # its writer closes a file before removing it
+                    path.unlink(missing_ok=True)  # it may be missing: a writer unlocks its file, then removes it
                     removed.append(path)
     return removed

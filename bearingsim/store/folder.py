@@ -33,8 +33,8 @@ class FolderInUse(UserError):
 class Holdings:
     """Contents of a results folder.
 
-    units: names of all units, damaged ones included; sealed: ids of the jobs in intact units; failures: by job id;
-    rows: rows that are not in the table, by unit; damaged: paths of unreadable files, which were renamed.
+    units: names of all units, including damaged ones; sealed: ids of the jobs in intact units; failures: by job
+    id; rows: rows that are not in the table, by unit; damaged: paths of unreadable files, which have been renamed.
     """
 
     units: frozenset[str]
@@ -44,11 +44,12 @@ class Holdings:
     damaged: list[str]
 
 
-def holdings(root: Path, verify: bool = False) -> Holdings:
-    """Check all units and failures; rename unreadable files to ``.damaged`` and record them in the journal.
+def read_holdings(root: Path, verify: bool = False) -> Holdings:
+    """Check all units and failures of a folder, and return its contents.
 
-    verify: also read the units whose rows are in the table. Raises LinkInFolder if one of the files is a link, as
-    in a folder of git-annex or DVC: its results are not lost.
+    Unreadable files are renamed to ``.damaged`` and recorded in the journal. verify: also read the units whose
+    rows are in the table. Raises LinkInFolder if an unreadable file is a link, as in a folder of git-annex or DVC,
+    because its target may be intact.
     """
     frame = read_frame(root, groups=())
     units = own_files.UNITS.find(root)
@@ -73,7 +74,7 @@ def in_use(root: Path) -> Iterator[None]:
     Other runs may use the folder at the same time.
     """
     with ExitStack() as stack:
-        with full_disk_errors(root / "run"), lock(root):  # clearing takes this lock, too, and checks for runs
+        with full_disk_errors(root / "run"), lock(root):  # ``discard`` checks for runs under the same lock
             stack.enter_context(temporary(root, "run", "started"))
         yield
 
@@ -107,9 +108,10 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
 
 
 def refuse_own_study_file(root: Path, study: "Study") -> None:
-    """Raise ForeignFolder if ``study.yaml`` in the folder may be the study file of an earlier run, not this one.
+    """Raise ForeignFolder if ``study.yaml`` in the folder may be the user's study file of an earlier run.
 
-    The plan states whether it is: a path as typed would depend on the working folder, and on the folder's place.
+    It would be overwritten unless it is also that of this run. The plan states whether it was read from there;
+    the path that the user typed is not used, because it depends on the working folder.
     """
     copy = (root / STUDY_FILE).resolve()
     try:
@@ -117,8 +119,8 @@ def refuse_own_study_file(root: Path, study: "Study") -> None:
         state = "is the study file of an earlier run"
     except ResultsError:
         is_own_file = (root / "plan.json").is_file()
-        state = "may be the study file of an earlier run (the damaged plan.json would tell)"
-    if is_own_file and _is_lost(copy, study):
+        state = "may be the study file of an earlier run (plan.json, which states it, is damaged)"
+    if is_own_file and _is_overwritten(copy, study):
         suggestion = _suggested_folder(root, study.name, bool(study.quick))
         raise ForeignFolder(
             f"{copy} {state} and would be overwritten: use another folder, such as --out {suggestion},"
@@ -126,14 +128,14 @@ def refuse_own_study_file(root: Path, study: "Study") -> None:
         )
 
 
-def _is_lost(file: Path, study: "Study") -> bool:
+def _is_overwritten(file: Path, study: "Study") -> bool:
     """Return True if a run of the study would replace a file by another text."""
     is_written = file.is_file() and Path(study.path).resolve() != file
     return is_written and file.read_bytes() != study.text.encode()
 
 
 def _suggested_folder(root: Path, study: str, quick: bool) -> str:
-    """Suggest another folder than ``root``."""
+    """Suggest a results folder other than ``root``."""
     default = "results/" + results_folder(study, quick, None).name
     return f"{default}-2" if root.resolve() == Path(default).resolve() else default
 
@@ -150,12 +152,12 @@ def _stored_study(root: Path) -> str | None:
 
 
 def _contents(root: Path) -> str:
-    """Count the units and failures that a fresh start removes, as `12 units, 1 failure`."""
+    """Format the numbers of units and failures in a folder, as `12 units, 1 failure`."""
     counts = {"unit": len(own_files.UNITS.find(root)), "failure": len(own_files.FAILURES.find(root))}
     return ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in counts.items())
 
 
-DISCARDED = (
+DISCARDED = (  # files that ``discard`` removes
     own_files.UNITS,
     own_files.FAILURES,
     *own_files.DAMAGED,

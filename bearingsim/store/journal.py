@@ -35,7 +35,7 @@ def log(root: Path, event: str, **facts: Any) -> None:
 
 @dataclass(frozen=True)
 class Failure:
-    """A failed job, as stored in ``failed/<job>.json``; ``time`` is simulated time in s."""
+    """A failed job, as stored in ``failed/<job>.json``; time: simulated time (s) of the failure."""
 
     job: str
     reason: str
@@ -60,16 +60,16 @@ def load_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
     failures, damaged = dict[str, Failure](), dict[Path, str]()
     for path in FAILURES.find(root):
         try:
-            failures[path.stem] = _failure(path)
-        except FileNotFoundError:  # another run has computed the job meanwhile
+            failures[path.stem] = _read_failure(path)
+        except FileNotFoundError:  # another run has computed the job since
             continue
         except UNREADABLE as error:
             damaged[path] = str(error)
     return failures, damaged
 
 
-def _failure(path: Path) -> Failure:
-    """Read a failure; entries that earlier versions lack get their defaults."""
+def _read_failure(path: Path) -> Failure:
+    """Read a failure; entries that files of earlier versions do not have get their defaults."""
     entries = read_json(path)
     check(layouts.Failure, entries)
     values = {field.name: entries[field.name] for field in fields(Failure) if field.name in entries}
@@ -78,7 +78,10 @@ def _failure(path: Path) -> Failure:
 
 
 def _safe_command(text: str) -> str:
-    """Return a stored command if it is a single `bearingsim run`, else "", because users paste it into a shell."""
+    """Return a stored command if it is only a `bearingsim run`, else "".
+
+    Users paste the command into a shell, and the results folder may come from an untrusted source.
+    """
     try:
         arguments = shlex.split(text)
     except ValueError:

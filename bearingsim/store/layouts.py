@@ -25,7 +25,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f-\x9f]{1,200}$
 """Name of a feature, or path of a parameter of a study."""
 Count = Annotated[int, Field(ge=1)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
-LONGEST_LOCATION = 100
+MAX_LOCATION_LENGTH = 100
 """Largest number of characters of the location of an entry in a message."""
 
 
@@ -36,7 +36,7 @@ def _kind_of_figure(name: str) -> str:
 
 
 class Layout(BaseModel):
-    """Mapping with the entries of the subclass; other entries, from other versions, are ignored."""
+    """Mapping with the entries of the subclass; further entries, of other versions, are ignored."""
 
     model_config = ConfigDict(strict=True, defer_build=True)
 
@@ -210,11 +210,11 @@ def check(layout: Any, value: Any) -> None:
     except ValidationError as error:
         entry = error.errors(include_url=False, include_context=False)[0]
         location = ".".join(map(str, entry["loc"])) or "its text"
-        raise Unreadable(f"{location[:LONGEST_LOCATION]}: {entry['msg']}") from None
+        raise Unreadable(f"{location[:MAX_LOCATION_LENGTH]}: {entry['msg']}") from None
 
 
 def check_plan(plan: Mapping[str, Any]) -> None:
-    """Raise Unreadable for a wrong layout, duplicate or unknown job ids, or an inconsistent design."""
+    """Raise Unreadable for a plan with a wrong layout, duplicate or unknown job ids, or an inconsistent design."""
     check(Plan, plan)
     ids = {entry["job"] for entry in plan["jobs"]}
     if len(ids) < len(plan["jobs"]):
@@ -230,7 +230,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
 
 
 def _references(plan: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the job ids that a plan mentions outside its list of jobs."""
+    """Yield the job ids in a plan outside its list of jobs."""
     yield from (entry["healthy"] for entry in plan["jobs"] if entry["healthy"] is not None)
     yield from chain.from_iterable((variation["of"], variation["job"]) for variation in plan.get("variations", ()))
     yield from (plan.get("design") or {"ids": ()})["ids"]

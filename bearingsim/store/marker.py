@@ -1,4 +1,4 @@
-"""Marker of a folder: the program writes only into folders that it has marked as its own.
+"""Marker file of a folder: the program writes only into folders that it has marked as its own.
 
 ``bearingsim.json`` is the first file written to a folder. Results folders of earlier versions are recognised by an
 intact ``plan.json`` instead.
@@ -14,7 +14,7 @@ from bearingsim.store.own_files import foreign_entries
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 from bearingsim.text.terminal import is_line
 
-MARKER = "bearingsim.json"
+MARKER_FILE = "bearingsim.json"
 MAX_NAMED_FILES = 3
 """Largest number of the user's files that a message names."""
 
@@ -30,7 +30,7 @@ class OtherStudy(UserError):
 def owner(folder: Path) -> tuple[str, str] | None:
     """Read kind and name from the marker of a folder; None without an intact marker."""
     try:
-        entries = read_json(folder / MARKER)
+        entries = read_json(folder / MARKER_FILE)
         kind, name = entries["format"], entries["name"]
         return (kind, name) if is_line(kind) and is_line(name) else None
     except UNREADABLE:
@@ -44,11 +44,12 @@ def claim(folder: Path, kind: str, name: str, suggestion: str) -> None:
     for a folder with another marker, LinkInFolder for a folder with a link to a file. Nothing is written then.
     """
     names = _foreign_files(folder, suggestion)
-    # The marker is read after the files are listed: another run may mark the folder and write to it meanwhile.
+    # The files are listed before the marker is read: those of a run that marks the folder in between are no reason
+    # to refuse it.
     if _is_marked(folder, kind, name, suggestion):
         _refuse_links_to_files(folder)
         return
-    _refuse(folder, names, suggestion)
+    _refuse_foreign_files(folder, names, suggestion)
     folder.mkdir(parents=True, exist_ok=True)
     with lock(folder):
         if not _is_marked(folder, kind, name, suggestion):
@@ -57,7 +58,7 @@ def claim(folder: Path, kind: str, name: str, suggestion: str) -> None:
 
 def mark(folder: Path, kind: str, name: str) -> None:
     """Write the marker, replacing any earlier one."""
-    write_json(folder / MARKER, {"format": kind, "name": name, "id": secrets.token_hex(8)})
+    write_json(folder / MARKER_FILE, {"format": kind, "name": name, "id": secrets.token_hex(8)})
 
 
 def _is_marked(folder: Path, kind: str, name: str, suggestion: str) -> bool:
@@ -71,7 +72,7 @@ def _is_marked(folder: Path, kind: str, name: str, suggestion: str) -> bool:
 
 
 def _foreign_files(folder: Path, suggestion: str) -> list[str]:
-    """List the files of a folder except those of a killed run. Raises ForeignFolder if ``folder`` is a file."""
+    """List the entries of a folder, except those of a killed run. Raises ForeignFolder if ``folder`` is a file."""
     if folder.exists() and not folder.is_dir():
         raise ForeignFolder(f"{folder} is a file: use a folder, such as --out {suggestion}")
     return foreign_entries(folder) if folder.exists() else []
@@ -84,8 +85,8 @@ def _refuse_links_to_files(folder: Path) -> None:
             raise LinkInFolder(f"{path} is a link out of the folder: remove it")
 
 
-def _refuse(folder: Path, names: Sequence[str], suggestion: str) -> None:
-    """Raise ForeignFolder if there are files of the user in a folder."""
+def _refuse_foreign_files(folder: Path, names: Sequence[str], suggestion: str) -> None:
+    """Raise ForeignFolder if there are names of files of the user."""
     if names:
         more = f" and {len(names) - MAX_NAMED_FILES} more" if len(names) > MAX_NAMED_FILES else ""
         raise ForeignFolder(

@@ -1,4 +1,4 @@
-"""Measured features of a study compared with the simulated ones: at the same parameters, or between two cases."""
+"""Comparison of measured features of a study with simulated ones, at the same parameters or between two cases."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite, pi, remainder
@@ -13,16 +13,18 @@ if TYPE_CHECKING:
     import pandas as pd
 
 POWERS = {"m": 1, "m/s": 1, "m/s^2": 1, "m^2/s^4": 2}
-"""Powers of the factor of a signal in its features, by SI unit; 0 for other features, such as kurtosis."""
+"""Exponent with which the scale factor of a signal enters its features, by SI unit; 0 for other features, such as
+kurtosis."""
 
 Values = Mapping[str, float | str]
 
 
 class Comparison(NamedTuple):
-    """Measured feature (SI, without the factor of its set) and the simulated one.
+    """Measured feature (SI, not scaled by the factor of its set) and the simulated one.
 
-    parameters: those that the point names; others: swept parameters that it does not name, at which it is compared
-    too; job: id of the case, "" if the value is interpolated linearly between two cases.
+    place: location of the point in its file; parameters: those of the point; others: values of the swept
+    parameters that the point does not have, one comparison for each combination; job: id of the case, "" if the
+    simulated value is interpolated linearly between two cases.
     """
 
     feature: str
@@ -37,7 +39,7 @@ class Comparison(NamedTuple):
 class MeasuredSet(NamedTuple):
     """Points of one source as in the plan, their comparisons, and the factor on measured values (1: none).
 
-    is_scaled: whether the study requests a factor; remarks: on its signals, and on points outside the study.
+    is_scaled: True if the study requests a factor; remarks: on the signals, and on points outside the study.
     """
 
     label: str
@@ -65,13 +67,13 @@ def measured_sets(plan: Mapping[str, Any], table: "pd.DataFrame") -> list[Measur
     sets = plan.get("measured", ())
     rows = list(_cases(plan, table)) if sets else []
     groups = _Groups(rows, list(plan["units"]))
-    result = []
+    measured = []
     for entry in sets:
         compared = [item for point in entry["points"] for item in _compare(point, groups)]
-        factor = _factor(compared) if entry["scale"] else 1.0
+        factor = _median_factor(compared) if entry["scale"] else 1.0
         remarks = entry.get("remarks", ())  # plans of earlier versions have none
-        result.append(MeasuredSet(entry["label"], entry["points"], compared, factor, entry["scale"], remarks))
-    return result
+        measured.append(MeasuredSet(entry["label"], entry["points"], compared, factor, entry["scale"], remarks))
+    return measured
 
 
 def _cases(plan: Mapping[str, Any], table: "pd.DataFrame") -> Iterator[dict[Any, Any]]:
@@ -83,28 +85,31 @@ def _cases(plan: Mapping[str, Any], table: "pd.DataFrame") -> Iterator[dict[Any,
 
 
 class _Groups:
-    """Cases grouped by the swept paths that a point does not specify, cached."""
+    """Cases grouped by their values of swept paths, cached by paths.
+
+    rows: rows of the table; swept: all swept paths.
+    """
 
     def __init__(self, rows: Sequence[Mapping[Any, Any]], swept: Sequence[str]) -> None:
         self.rows, self.swept = rows, swept
         self.cache: dict[tuple[str, ...], list[list[Mapping[Any, Any]]]] = {}
 
-    def of(self, free: tuple[str, ...]) -> list[list[Mapping[Any, Any]]]:
-        """Return lists of cases with equal values of the paths ``free``."""
-        if free not in self.cache:
+    def by(self, paths: tuple[str, ...]) -> list[list[Mapping[Any, Any]]]:
+        """Return lists of cases with equal values of some paths."""
+        if paths not in self.cache:
             groups: dict[tuple[str, ...], list[Mapping[Any, Any]]] = {}
             for row in self.rows:
-                groups.setdefault(tuple(str(row.get(path)) for path in free), []).append(row)
-            self.cache[free] = list(groups.values())
-        return self.cache[free]
+                groups.setdefault(tuple(str(row.get(path)) for path in paths), []).append(row)
+            self.cache[paths] = list(groups.values())
+        return self.cache[paths]
 
 
 def _compare(point: Mapping[str, Any], groups: _Groups) -> Iterator[Comparison]:
     """Yield the comparisons of a point, one for each feature and combination of the other swept parameters."""
     parameters = point["parameters"]
-    free = tuple(path for path in groups.swept if path not in parameters)
-    for cases in groups.of(free):
-        others = {path: cases[0][path] for path in free if _has(cases[0].get(path))}
+    other_paths = tuple(path for path in groups.swept if path not in parameters)
+    for cases in groups.by(other_paths):
+        others = {path: cases[0][path] for path in other_paths if _has_value(cases[0].get(path))}
         for feature, value in point["features"].items():
             job, simulated = _value_at(cases, parameters, feature)
             if isfinite(simulated):
@@ -112,9 +117,10 @@ def _compare(point: Mapping[str, Any], groups: _Groups) -> Iterator[Comparison]:
 
 
 def _value_at(cases: Sequence[Mapping[Any, Any]], parameters: Values, feature: str) -> tuple[str, float]:
-    """Return id and feature of the case at parameters; without a case, ("", value) between its two neighbours.
+    """Return id and feature value of the case at some parameters.
 
-    The value is nan if more than one parameter lies between cases, or one lies outside of them.
+    Without such a case, the id is "" and the value is interpolated linearly between the two nearest cases; it is
+    NaN if more than one parameter differs from those of the cases, or one lies outside their range.
     """
     unequal = [[path for path, value in parameters.items() if not same(row.get(path), value)] for row in cases]
     for row, paths in zip(cases, unequal, strict=True):
@@ -123,17 +129,17 @@ def _value_at(cases: Sequence[Mapping[Any, Any]], parameters: Values, feature: s
     for path, value in parameters.items():
         if isinstance(value, str):
             continue
-        along = [row for row, paths in zip(cases, unequal, strict=True) if paths == [path]]
+        differing = [row for row, paths in zip(cases, unequal, strict=True) if paths == [path]]
         numbers = sorted(
             (float(row[path]), _finite(row.get(feature)))
-            for row in along
+            for row in differing
             if isinstance(row.get(path), int | float)
         )
         below, above = [pair for pair in numbers if pair[0] < value], [pair for pair in numbers if pair[0] > value]
         if below and above:
             (x0, y0), (x1, y1) = below[-1], above[0]
-            between = y0 + difference(feature, y1, y0) * (value - x0) / (x1 - x0)
-            return "", difference(feature, between, 0.0)  # a phase again from -pi to pi
+            interpolated = y0 + difference(feature, y1, y0) * (value - x0) / (x1 - x0)
+            return "", difference(feature, interpolated, 0.0)  # reduces a phase to -pi to pi
     return "", float("nan")
 
 
@@ -142,7 +148,7 @@ def difference(feature: str, value: float, other: float) -> float:
     return remainder(value - other, 2.0 * pi) if feature.endswith(".phase") else value - other
 
 
-def _factor(comparisons: Iterable[Comparison]) -> float:
+def _median_factor(comparisons: Iterable[Comparison]) -> float:
     """Return the median ratio of simulated to measured signals; 1 without a feature that a factor changes."""
     ratios = [
         (entry.simulated / entry.measured) ** (1.0 / POWERS[FEATURES[entry.feature].unit])
@@ -153,11 +159,12 @@ def _factor(comparisons: Iterable[Comparison]) -> float:
 
 
 def gives_factor(entry: Comparison) -> bool:
-    """Check if a feature is proportional to its signal, or to its square, and both values are above zero."""
+    """Check if a feature is proportional to its signal or to the square, and both its values are above zero."""
     return FEATURES[entry.feature].unit in POWERS and entry.measured > 0.0 and entry.simulated > 0.0
 
 
-def _has(value: Any) -> bool:
+def _has_value(value: Any) -> bool:
+    """Return True unless a value of the table is missing: None, NaN or an empty string."""
     return value is not None and value == value and value != ""
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from bearingsim.errors import UserError
 from bearingsim.store.choices import read_choices, read_plans, write_choices
-from bearingsim.store.files import copy, refuse_links, sweep, write_bytes
+from bearingsim.store.files import copy, refuse_links, remove_leftovers, write_bytes
 from bearingsim.store.folder import claim_results
 from bearingsim.store.journal import Failure, clear_failure, log, read_failures
 from bearingsim.store.own_files import TRIALS, UNITS
@@ -44,8 +44,8 @@ class Unmergeable(UserError):
 class MergeSummary:
     """Result of a merge.
 
-    folders: number of merged folders; copied: units copied; existing: units present before; jobs: number of jobs
-    of the plan by status.
+    folders, copied, existing: numbers of merged folders, of copied units, and of units present before; jobs:
+    number of jobs of the plan by status.
     """
 
     folders: int
@@ -82,7 +82,7 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     study_file = None if out in sources else _read_study_file(folders[0])
     claim_results(out, results[0].plan["study"], results[0].plan["quick"])
     refuse_links(out)
-    sweep(out)
+    remove_leftovers(out)
     if study_file is not None:
         write_bytes(out / STUDY_FILE, study_file)
         write_json(out / "plan.json", results[0].plan | {OWN_FILE: False})
@@ -91,7 +91,7 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     copy_scans(scans, out)
     for folder in folders:
         _copy_trials(folder, out)
-    # The first folder takes precedence.
+    # Reversed, because of units of the same name that of the first folder is copied.
     new_units = {path.stem: path for folder in reversed(folders) for path in units[folder]}
     for path in units[out]:
         new_units.pop(path.stem, None)
@@ -114,10 +114,7 @@ def _refuse_out_among(folders: Sequence[Path], out: Path) -> None:
 
 
 def _read_study_file(folder: Path) -> bytes:
-    """Read the study file of a folder, which is done before anything is written.
-
-    Raises Unmergeable for a folder without it, and for a link.
-    """
+    """Read the study file of a folder. Raises Unmergeable if it is missing or a link."""
     try:
         return read_regular(folder / STUDY_FILE)
     except FileNotFoundError:
@@ -128,6 +125,7 @@ def _read_study_file(folder: Path) -> bytes:
 
 
 def _refuse_other_plan(results: Results, other: Results) -> None:
+    """Raise Unmergeable if the plans of two folders differ in an entry other than ``RUN_ENTRIES``."""
     differing = {
         name
         for name in {*results.plan, *other.plan} - RUN_ENTRIES
@@ -135,7 +133,7 @@ def _refuse_other_plan(results: Results, other: Results) -> None:
     }
     for name in [*REPORTED_FIRST, *sorted(differing)]:
         if name in differing:
-            difference = _difference(name, results.plan, other.plan)
+            difference = _describe_plan_difference(name, results.plan, other.plan)
             raise Unmergeable(
                 f"{results.path} and {other.path} contain results of two plans: {difference}"
                 + (" (run the same study file in both; finished jobs are kept)" if name != "study" else "")
@@ -143,10 +141,11 @@ def _refuse_other_plan(results: Results, other: Results) -> None:
 
 
 def _entry_text(results: Results, name: str) -> str:
+    """Return an entry of a plan as JSON, without the parts that may differ between runs of one study."""
     value = results.plan.get(name)
-    if name == "accuracy" and value:  # the notes depend on the run: they mention the plan of each choice
+    if name == "accuracy" and value:  # the notes mention the plan of each choice, which depends on the run
         value = {key: entry for key, entry in value.items() if key != "notes"}
-    if name == "measured" and value:  # the folder of the study may be another on each machine
+    if name == "measured" and value:  # the folder of the study may differ between machines
         value = [entry | {"points": [_without_folder(point) for point in entry["points"]]} for entry in value]
     return json.dumps(value, sort_keys=True)
 
@@ -157,7 +156,8 @@ def _without_folder(point: dict[str, Any]) -> dict[str, Any]:
     return point if signal is None else point | {"signal": signal | {"path": Path(signal["path"]).name}}
 
 
-def _difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:
+def _describe_plan_difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:
+    """Describe the difference of two plans in one entry, with both values if they are short."""
     if name == "jobs":
         jobs, other_jobs = ({entry["job"] for entry in entries["jobs"]} for entries in (plan, other))
         if jobs != other_jobs:
@@ -174,13 +174,13 @@ def _difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:
 
 
 def _check_units(paths: Sequence[Path]) -> set[str]:
-    """Check all units, and return the ids of their jobs.
+    """Check the units at all paths; return the ids of their jobs.
 
     Raises DamagedUnit, and Unmergeable if a job has different results in two units.
     """
     units = defaultdict[str, list[Path]](list)
     for path in paths:
-        for job in _jobs(path):
+        for job in _check_unit(path):
             units[job].append(path)
     shared = defaultdict[tuple[Path, Path], list[str]](list)
     for job, unit_paths in units.items():
@@ -192,7 +192,8 @@ def _check_units(paths: Sequence[Path]) -> set[str]:
     return set(units)
 
 
-def _jobs(path: Path) -> list[str]:
+def _check_unit(path: Path) -> list[str]:
+    """Check a unit, and return the ids of its jobs. Raises DamagedUnit with advice."""
     try:
         return check_unit(path)
     except DamagedUnit as damage:
@@ -201,6 +202,7 @@ def _jobs(path: Path) -> list[str]:
 
 
 def _refuse_other_results(unit: Path, other: Path, jobs: Sequence[str]) -> None:
+    """Raise Unmergeable if one of the jobs has different results in two units."""
     digests, other_digests = result_digests(unit, jobs), result_digests(other, jobs)
     for job in jobs:
         for name in sorted({*digests[job], *other_digests[job]}):
@@ -214,7 +216,10 @@ def _refuse_other_results(unit: Path, other: Path, jobs: Sequence[str]) -> None:
 
 
 def _describe_difference(name: str, *contents: bytes | None) -> str:
-    """Describe the difference of one quantity of a job between two units, with both values if they are numbers."""
+    """Describe the difference of a quantity of a job between two units, with both values if they are numbers.
+
+    contents: from ``result_digests``, None for a unit without the quantity.
+    """
     if any(content is None for content in contents):
         return f"only one has `{name}`"
     if all(content is not None and len(content) == 8 for content in contents):
@@ -242,7 +247,7 @@ def _copy_trials(source: Path, root: Path) -> None:
 def _merge_choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the choices of all folders, and the plan of each choice, by key.
 
-    Raises DamagedChoices, and Unmergeable if two folders chose different models for a case.
+    Raises DamagedChoices, and Unmergeable if two folders have different choices for a case.
     """
     choices: dict[str, Any] = {}
     plans: dict[str, str] = {}

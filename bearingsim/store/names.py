@@ -11,30 +11,30 @@ from bearingsim.text.units import UNITS, Dimension
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-FREE_TEXT = ("source",)  # fields that do not influence results; not stored
-PATH_FIELDS = ("file",)  # fields stored as short paths
-OMITTED_FIELDS = ("record", "features")  # fields that ``case_of`` leaves out
+UNSTORED_FIELDS = ("source",)  # free text, which does not influence results
+PATH_FIELDS = ("file",)  # stored as short paths
+OMITTED_FIELDS = ("record", "features")  # left out by ``case_of``
 
 
 def flat_parameters(case: Any) -> dict[str, float | str]:
     """Flatten a case to one mapping in SI: ``bearing.roller_diameter``, ``defects.1.width``, ``model`` ...
 
     List items are numbered from 1, and lists of strings are joined by spaces. Values that are not set and the
-    fields in ``FREE_TEXT`` are omitted. Paths outside the working folder are reduced to the file name.
+    fields in ``UNSTORED_FIELDS`` are omitted. Paths outside the working folder are reduced to the file name.
     """
-    return dict(_flat("", case.model_dump()))
+    return dict(_flatten("", case.model_dump()))
 
 
-def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
+def _flatten(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
     if isinstance(value, Mapping):
         for name, item in value.items():
-            if name not in FREE_TEXT:
-                yield from _flat(f"{path}.{name}" if path else str(name), item)
+            if name not in UNSTORED_FIELDS:
+                yield from _flatten(f"{path}.{name}" if path else str(name), item)
     elif isinstance(value, list | tuple) and value and all(isinstance(item, str) for item in value):
         yield path, " ".join(value)
     elif isinstance(value, list | tuple):
         for number, item in enumerate(value, 1):
-            yield from _flat(f"{path}.{number}", item)
+            yield from _flatten(f"{path}.{number}", item)
     elif isinstance(value, bool):
         yield path, str(value).lower()
     elif isinstance(value, int | float):
@@ -57,12 +57,14 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
         if value == value and value != "":
             _set_nested(tree, str(path).split("."), _as_integer(as_number(str(path), value)))
     if root is not None:
-        surfaces = _mapping(tree.get("surfaces", {}))
-        races = [_mapping(surfaces.get(race, {})) for race in ("outer", "inner")]
+        surfaces = _check_mapping(tree.get("surfaces", {}))
+        races = [_check_mapping(surfaces.get(race, {})) for race in ("outer", "inner")]
         profiles = [race.get("roundness", {}) for race in races]
-        for section in (*_mapping(tree.get("defects", {})).values(), *profiles):
-            _use_scan_copy(root, _mapping(section))
-    return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in OMITTED_FIELDS})
+        for section in (*_check_mapping(tree.get("defects", {})).values(), *profiles):
+            _use_scan_copy(root, _check_mapping(section))
+    return Case.model_validate(
+        {name: _convert_to_lists(item) for name, item in tree.items() if name not in OMITTED_FIELDS}
+    )
 
 
 def _use_scan_copy(root: Path, section: dict[str, Any]) -> None:
@@ -72,7 +74,10 @@ def _use_scan_copy(root: Path, section: dict[str, Any]) -> None:
 
 
 def as_number(path: str, value: Any) -> Any:
-    """Convert a number stored as text, because other jobs have a word such as `auto` there, to float."""
+    """Convert a number stored as text to float; other values are returned unchanged.
+
+    A column is stored as text if some jobs have a word such as `auto` there.
+    """
     from bearingsim.study import dimension
 
     if not isinstance(value, str) or not is_number(value):
@@ -85,32 +90,33 @@ def as_number(path: str, value: Any) -> Any:
 
 
 def _as_integer(value: Any) -> Any:
-    """Convert integers stored as floats to int."""
+    """Convert a float with an integer value to int; other values are returned unchanged."""
     return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e9 else value
 
 
 def _set_nested(tree: dict[str, Any], path: list[str], value: Any) -> None:
     for name in path[:-1]:
-        tree = _mapping(tree.setdefault(name, {}))
+        tree = _check_mapping(tree.setdefault(name, {}))
     tree[path[-1]] = value
 
 
-def _mapping(item: Any) -> dict[str, Any]:
+def _check_mapping(item: Any) -> dict[str, Any]:
+    """Return a mapping unchanged. Raises ValueError for another value."""
     if not isinstance(item, dict):
         raise ValueError("a parameter is a value and has parts")
     return item
 
 
-def _lists(item: Any) -> Any:
-    """Convert mappings with keys 1, 2, ... to lists."""
+def _convert_to_lists(item: Any) -> Any:
+    """Convert mappings with keys 1, 2, ... to lists, at all levels."""
     if not isinstance(item, dict):
         return item
-    items = {name: _lists(value) for name, value in item.items()}
+    items = {name: _convert_to_lists(value) for name, value in item.items()}
     return [items[name] for name in sorted(items, key=int)] if all(map(str.isdecimal, items)) else items
 
 
 def parameter_attributes(name: str) -> dict[str, str]:
-    """Return ``units`` of a parameter; empty for strings and dimensionless numbers."""
+    """Return ``units`` of a parameter; an empty mapping for strings and dimensionless numbers."""
     from bearingsim.study import dimension
 
     try:
@@ -122,8 +128,8 @@ def parameter_attributes(name: str) -> dict[str, str]:
 
 
 def si_unit(dimension: Dimension) -> str:
-    """Return the SI unit of a dimension, which has the factor 1; "" for a ratio."""
-    return next((word for word, factor in UNITS[dimension].items() if factor.exact == 1 and not factor.pi), "")
+    """Return the SI unit of a dimension, that with the factor 1; "" for a ratio."""
+    return next((unit for unit, factor in UNITS[dimension].items() if factor.exact == 1 and not factor.pi), "")
 
 
 def channel_attributes(name: str) -> dict[str, str]:
@@ -146,7 +152,7 @@ def channel_unit(name: str) -> str:
 
 
 def feature_attributes(name: str) -> dict[str, str]:
-    """Return ``units`` and ``long_name`` of a feature; empty for an unknown feature."""
+    """Return ``units`` and ``long_name`` of a feature; an empty mapping for an unknown feature."""
     from bearingsim.config import FEATURES
 
     if name not in FEATURES:

@@ -1,7 +1,7 @@
 """Error bounds of the results of a study with `accuracy`, and differences found by audits.
 
-Errors are relative to the largest value on the curve of the result. A result on several curves uses the smallest
-of these values, a result on no curve its own value.
+Errors are relative to the scale of the result, which is the largest value on its curve. The scale of a result on
+several curves is the smallest of these values, that of a result on no curve its own value.
 """
 
 from collections.abc import Iterator, Mapping
@@ -16,7 +16,7 @@ from bearingsim.study.uncertainty import RIGID_RING
 if TYPE_CHECKING:
     import pandas as pd
 
-STEP_KINDS = {"rms": "rms", "max": "force"}  # kind by the suffix of a feature; all others are spectral lines
+STEP_KINDS = {"rms": "rms", "max": "force"}  # kind by suffix of a feature; without one of these it is a line
 RECORD_FEATURES = ("acceleration.rms", "displacement.rms")
 """Features bounded by the largest step error of all recorded channels, not by that of the velocity RMS."""
 START_SUFFIXES = {"line": "", "rms": ".rms", "force": ".force"}
@@ -24,14 +24,14 @@ START_SUFFIXES = {"line": "", "rms": ".rms", "force": ".force"}
 ERROR_PARTS = ("error.model", "error.friction", "error.nodes", "error.start", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
+"""Half width of the confidence interval of a difference, in standard errors (about 95 %)."""
 
 
 class AuditResult(NamedTuple):
     """Difference of a feature between an audited job and the same job computed with the reference model.
 
     job: id of the audited job; difference: relative difference; scatter: relative difference that random scatter
-    explains (``STANDARD_ERRORS`` standard errors). Both are relative to the largest value on the curve of the
-    feature.
+    explains (``STANDARD_ERRORS`` standard errors). Both are relative to the scale of the feature.
     """
 
     job: str
@@ -45,7 +45,7 @@ class AuditResult(NamedTuple):
 
 
 def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return by job the reference value (SI) for relative errors of a feature: the largest on its curve."""
+    """Return by job the scale (SI) of a feature, to which its errors are relative."""
     values = frame[f"features/{feature}"].abs()
     largest = values.copy()
     largest[:] = float("inf")
@@ -57,12 +57,12 @@ def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 
 
 def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return ``PARTS`` and their sum ``error`` by case, each the largest over the requested features.
+    """Return ``ERROR_PARTS`` and the error bound ``error`` by case, each the largest over the requested features.
 
-    ``error`` is NaN if a rigid ring is among the assumptions of the study, because ring bending may change the
-    results more than the choice of the model. A part and ``error`` are NaN if the part is unknown for a requested
-    feature, or if the feature has no value: the difference that a failed audit has found is no bound of these.
-    Otherwise ``error`` is the largest of ``feature_bounds``.
+    ``error`` is the largest of ``feature_bounds``. It is NaN if a rigid ring is among the assumptions of the
+    study, because ring bending may change the results more than the choice of the model. A part and ``error`` are
+    NaN if the part is unknown for a requested feature, or if the feature has no value, because the difference that
+    a failed audit has found does not bound these. Empty without `accuracy`.
     """
     import pandas as pd
 
@@ -82,23 +82,24 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
 def error_parts(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "dict[str, pd.DataFrame]":
     """Return the columns ``ERROR_PARTS`` by case for each requested feature, infinite where unknown.
 
-    NaN for cases that are not done, and for the change from healthy of a healthy bearing. If the audit of a case
-    has found more than their sum and its scatter, `error.model` is larger by the rest.
+    NaN for cases that are not done, and for the change from healthy of a healthy bearing. If the difference found
+    by the audit of a case exceeds the sum of the parts and its scatter, `error.model` is increased by the excess.
     """
     cases = [job for job in plan["accuracy"]["jobs"] if job in frame.index]
     parts = {feature: _parts(plan, frame, feature).loc[cases] for feature in plan["accuracy"]["of"]}
     for audit in audit_results(plan, frame):
         errors = parts[audit.feature]
-        rest = audit.difference - audit.scatter - errors.drop(columns="error.model").sum(axis=1, skipna=False)
-        is_larger = (errors.index == audit.job) & (rest > errors["error.model"])
-        errors["error.model"] = errors["error.model"].mask(is_larger, rest)
+        other_parts = errors.drop(columns="error.model").sum(axis=1, skipna=False)
+        model_error = audit.difference - audit.scatter - other_parts
+        is_larger = (errors.index == audit.job) & (model_error > errors["error.model"])
+        errors["error.model"] = errors["error.model"].mask(is_larger, model_error)
     return parts
 
 
 def total_errors(parts: "Mapping[str, pd.DataFrame]") -> "pd.Series[float]":
     """Return by case the largest sum of the parts of one feature, infinite if unknown; parts: ``error_parts``.
 
-    The largest parts of a case may be those of different features, so their sum may exceed every error.
+    The largest parts of a case may belong to different features, so the sum of these could exceed every error.
     """
     import pandas as pd
 
@@ -107,10 +108,10 @@ def total_errors(parts: "Mapping[str, pd.DataFrame]") -> "pd.Series[float]":
 
 
 def feature_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return the error bound of each requested feature by case, relative to the largest value on its curve.
+    """Return the error bound of each requested feature by case, relative to the scale of the feature.
 
     It is the sum of the parts, or the difference of this feature found by a failed audit if that is larger;
-    infinite if a part is unknown. The bending of a ring that is assumed rigid is left out.
+    infinite if a part is unknown. The bending of a ring that is assumed rigid is not included.
     """
     import pandas as pd
 
@@ -169,28 +170,31 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the relative step error of a feature: for an envelope, a square, twice that of the acceleration."""
+    """Return the relative step error of a feature.
+
+    That of a line of the squared envelope is twice that of the acceleration.
+    """
     band = read_band(feature)
     factor = 2.0 if band is not None and band.line else 1.0
     from_acceleration = band is not None and (band.line or band.quantity == "acceleration")
     kind = "record" if from_acceleration or feature.partition("@")[0] in RECORD_FEATURES else _kind(feature)
-    return factor * _relative(frame, f"step_error.{kind}")
+    return factor * _stored_error(frame, f"step_error.{kind}")
 
 
 def _kind(feature: str) -> str:
-    """Return the kind of a feature: `line`, `rms` or `force`."""
+    """Return the kind of a feature, `line`, `rms` or `force`."""
     return STEP_KINDS.get(feature.partition("@")[0].rpartition(".")[2], "line")
 
 
-def _relative(frame: "pd.DataFrame", name: str) -> "pd.Series[float]":
-    """Return a relative error stored as a feature, 0 for jobs without it."""
+def _stored_error(frame: "pd.DataFrame", name: str) -> "pd.Series[float]":
+    """Return a relative error that is stored as a feature; 0 for jobs without it."""
     import pandas as pd
 
     return frame.get(f"features/{name}", pd.Series(0.0, frame.index)).fillna(0.0)
 
 
 def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[AuditResult]:
-    """Yield the differences found by audits, by job and feature, for pairs of finished jobs."""
+    """Yield the result of each audit and requested feature for which both jobs are done and have a value."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
     features = [feature for feature in accuracy["of"] if f"features/{feature}" in frame]
     scale_values = {feature: scales(plan, frame, feature) for feature in features if accuracy["audits"]}
@@ -210,7 +214,8 @@ def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Au
 
 
 def incomplete_audits(plan: Mapping[str, Any], frame: "pd.DataFrame") -> list[str]:
-    """List the audited jobs without a difference of at least one requested feature that a job can have."""
+    """List the audited jobs for which a requested feature has no difference, although the job can have the
+    feature."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
     compared = {(audit.job, audit.feature) for audit in audit_results(plan, frame)}
     healthy = frame.get("healthy")
@@ -239,20 +244,19 @@ def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str
 def _refuted_features(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, dict[str, float]]:
     """Return by feature and job the largest difference of the feature found by failed audits on its curves.
 
-    A failed audit of a feature on no curve concerns the audited job only. The difference (SI) of the audited job
-    is assumed for the other jobs, and is relative to their own ``scales``, which differ if a job lies on several
-    curves.
+    A failed audit of a feature on no curve concerns only the audited job. For the other jobs of a curve the same
+    difference (SI) is assumed, relative to their own ``scales``, which differ if a job lies on several curves.
     """
     accuracy = plan.get("accuracy") or {"within": inf, "curves": []}
     by_feature: dict[str, dict[str, float]] = {}
     for audit in audit_results(plan, frame):
         if not audit.fails(accuracy["within"]):
             continue
-        largest, sizes = by_feature.setdefault(audit.feature, {}), scales(plan, frame, audit.feature)
+        largest, by_job = by_feature.setdefault(audit.feature, {}), scales(plan, frame, audit.feature)
         curves = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
         curve_jobs = [job for jobs in curves if audit.job in jobs for job in jobs]
         for job in (audit.job, *curve_jobs):
-            size, audited_size = sizes.get(job, 0.0), sizes[audit.job]
-            ratio = float(audited_size / size) if size > 0.0 and audited_size > 0.0 else 1.0
+            scale, audited_scale = by_job.get(job, 0.0), by_job[audit.job]
+            ratio = float(audited_scale / scale) if scale > 0.0 and audited_scale > 0.0 else 1.0
             largest[job] = max(largest.get(job, 0.0), ratio * audit.difference)
     return by_feature

@@ -12,13 +12,13 @@ ID = "[0-9a-f]{16}"
 
 
 class OwnFiles(NamedTuple):
-    """Files of one kind: glob pattern of their folders, and regular expression of their paths."""
+    """Files of one kind: glob pattern of their folder, and regular expression of their paths."""
 
     folder: str
     path: str
 
     def find(self, root: Path) -> list[Path]:
-        """List the files of this kind in a results folder, sorted; folders with such a name are left out."""
+        """List the files of this kind in a results folder, sorted; folders with matching names are left out."""
         paths = sorted(root.glob(f"{self.folder}*"))
         return [path for path in paths if self._matches(path.relative_to(root)) and not path.is_dir()]
 
@@ -26,36 +26,38 @@ class OwnFiles(NamedTuple):
         return re.fullmatch(self.path, path.as_posix()) is not None
 
 
-UNIT = r"units/(?=(..)/\1)../" + ID
-"""Pattern of the path of a unit; the folder is named after the first two digits."""
-UNITS = OwnFiles("units/??/", rf"{UNIT}\.h5")
+UNIT_PATTERN = r"units/(?=(..)/\1)../" + ID
+"""Regular expression of the path of a unit without its suffix; the folder is named after the first two digits."""
+UNITS = OwnFiles("units/??/", rf"{UNIT_PATTERN}\.h5")
 FAILURES = OwnFiles("failed/", rf"failed/{ID}\.json")
 TRIALS = OwnFiles("trials/", rf"trials/{ID}\.json")
 SCANS = OwnFiles("scans/", rf"scans/{ID}\.\w+")
 CHOICES = OwnFiles("", r"choices\.json")
 TABLES = OwnFiles("", r"study\.h5|results\.csv")
-DAMAGED = (OwnFiles("units/??/", rf"{UNIT}\.damaged"), OwnFiles("failed/", rf"failed/{ID}\.damaged"))
+DAMAGED = (OwnFiles("units/??/", rf"{UNIT_PATTERN}\.damaged"), OwnFiles("failed/", rf"failed/{ID}\.damaged"))
 FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
-"""Subfolders of a results folder; none may be a link."""
+"""Glob patterns of the subfolders of a results folder; none may be a link."""
 
 TOP_FILES = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
-TEMPORARY = re.compile(rf"(run|{TOP_FILES}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
+TEMPORARY_NAME = re.compile(rf"(run|{TOP_FILES}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
 LOCK = ".lock"
 
 
 def temporary_files(root: Path) -> list[Path]:
-    """List the ``.part`` files and start markers of a results folder, whether their writers still run or not."""
+    """List the ``.part`` files and start markers of a results folder, also those of running processes."""
     folders = [root, *(path for name in FOLDERS for path in root.glob(name) if path.is_dir())]
-    return [path for folder in folders for path in sorted(folder.iterdir()) if TEMPORARY.fullmatch(path.name)]
+    return [path for folder in folders for path in sorted(folder.iterdir()) if TEMPORARY_NAME.fullmatch(path.name)]
 
 
 def foreign_entries(root: Path) -> list[str]:
     """List the entries of a folder, except temporary files and the lock of a run that was killed at its start."""
-    return sorted(path.name for path in root.iterdir() if not (TEMPORARY.fullmatch(path.name) or _is_lock(path)))
+    return sorted(
+        path.name for path in root.iterdir() if not (TEMPORARY_NAME.fullmatch(path.name) or _is_lock(path))
+    )
 
 
 def _is_lock(path: Path) -> bool:
-    """Return True for the lock file, which is always empty: locking a file truncates it."""
+    """Return True for the lock file, which is always empty because locking truncates it."""
     return path.name == LOCK and path.is_file() and not path.is_symlink() and path.stat().st_size == 0
 
 

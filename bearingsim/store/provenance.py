@@ -1,4 +1,4 @@
-"""Provenance of a result: model, packages, commit, host."""
+"""Provenance of a result: study, model version, packages, git commit and host."""
 
 import hashlib
 import json
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Study
 
 PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
+"""Packages that influence results."""
 
 
 def provenance(study: "Study") -> dict[str, str | int]:
@@ -40,8 +41,9 @@ def provenance(study: "Study") -> dict[str, str | int]:
 def study_digest(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> str:
     """Return the SHA-256 of everything that determines the expansion of a study.
 
-    "" if the files are unknown or the checkout has uncommitted changes. files: digests of the files read, from
-    ``text/files_read.py``. The order of overrides counts: a section replaces its parts that were set before it.
+    Returns "" if the files are unknown or the checkout has uncommitted changes. files: digests of the files read,
+    from ``text/files_read.py``. The order of the overrides is included, because an override of a section replaces
+    earlier overrides of its parts.
     """
     from bearingsim.catalogue import extension_digest
     from bearingsim.core import MODEL_VERSION

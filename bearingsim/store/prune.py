@@ -49,7 +49,8 @@ def _files(count: int) -> str:
 
 
 class _Unit(NamedTuple):
-    """Readable unit: all its jobs, those in the plan, and the digests of the scans of the planned jobs."""
+    """Intact unit: path, ids of all jobs and of those in the plan, and digests of the scans of the planned
+    jobs."""
 
     path: Path
     jobs: set[str]
@@ -67,7 +68,7 @@ def find_removable(root: Path) -> RemovableFiles:
     units, notes = list[_Unit](), list[str]()
     for path in own_files.UNITS.find(root):
         try:
-            units.append(_unit(path, planned))
+            units.append(_read_unit(path, planned))
         except DamagedUnit as damage:
             notes.append(f"{path.parent}/{damage}: kept (a run with --verify recomputes its jobs)")
     scans = own_files.SCANS.find(root)
@@ -85,7 +86,7 @@ def find_removable(root: Path) -> RemovableFiles:
             path for path in own_files.FAILURES.find(root) if path.stem not in planned
         ],
         "damaged files (.damaged)": [path for kind in own_files.DAMAGED for path in kind.find(root)],
-        "unused trials": _trials(results),
+        "unused trials": _find_unused_trials(results),
         "scans of no job": [path for path in scans if path.stem not in used_scans],
         "temporary files of ended processes": [path for path in temporary if _is_leftover(path)],
     }
@@ -95,7 +96,7 @@ def find_removable(root: Path) -> RemovableFiles:
     )
 
 
-def _unit(path: Path, planned: set[str]) -> _Unit:
+def _read_unit(path: Path, planned: set[str]) -> _Unit:
     columns = read_unit(path)
     jobs = list(columns["job"])
     digests = [
@@ -113,7 +114,7 @@ def _unit(path: Path, planned: set[str]) -> _Unit:
 
 
 def _mixed_unit_notes(units: Iterable[_Unit]) -> Iterator[str]:
-    """Yield a note on units with jobs both in the plan and outside it, if there are any."""
+    """Yield a note on units with jobs both in the plan and outside it, if there are such units."""
     mixed = [unit for unit in units if unit.planned and unit.planned != unit.jobs]
     if mixed:
         kept_text = f"{len(mixed)} units are kept" if len(mixed) > 1 else "1 unit is kept"
@@ -127,8 +128,8 @@ def _is_leftover(path: Path) -> bool:
         return is_leftover
 
 
-def _trials(results: Results) -> list[Path]:
-    """List unreadable trials, or all trials if the study has no `accuracy`."""
+def _find_unused_trials(results: Results) -> list[Path]:
+    """List the unreadable trials, or all trials if the study has no `accuracy`."""
     return [
         path
         for path in own_files.TRIALS.find(results.path)
@@ -145,7 +146,7 @@ def _is_readable(path: Path) -> bool:
 
 
 def prune(root: Path) -> RemovableFiles:
-    """Remove the files listed by ``superfluous``, and rebuild the table; return the list.
+    """Remove the files listed by ``find_removable``, and rebuild the table; return the list.
 
     Raises FolderInUse if a run uses the folder.
     """

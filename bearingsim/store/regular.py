@@ -1,4 +1,4 @@
-"""Safe opening of files for reading: no links, no special files, nothing larger than memory.
+"""Safe opening of files for reading, which refuses links, special files and files larger than memory.
 
 Results folders may come from untrusted sources. A link could point outside the folder, and reading a pipe could
 block forever.
@@ -14,9 +14,11 @@ from bearingsim import memory
 from bearingsim.errors import UserError
 
 MEMORY_RATIO = 32
-"""Largest ratio of the memory for the contents of a file to its size; results need up to 13."""
+"""Largest ratio of the memory for the contents of a file to its size; it is up to 13 for results."""
 BLOCK_BYTES = 1 << 20  # bytes read at a time
-_FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+_OPEN_FLAGS = (
+    os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+)
 
 
 class Unreadable(UserError):
@@ -30,7 +32,7 @@ def open_regular(path: Path) -> BufferedReader:
     """
     if path.is_symlink():
         raise Unreadable("it is a link; copy the folder with its link targets (`cp -rL`)")
-    descriptor = os.open(path, _FLAGS)
+    descriptor = os.open(path, _OPEN_FLAGS)
     try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
@@ -50,11 +52,11 @@ def digest(path: Path) -> str:
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a text file. Raises the errors of ``open_regular``, and Unreadable for a zero byte."""
+    """Read a text file as bytes. Raises the errors of ``open_regular``, and Unreadable for a zero byte."""
     blocks = []
     with open_regular(path) as file:
         while block := file.read(BLOCK_BYTES):
-            if b"\0" in block:  # a sparse file may state any size, and reads as zeros
+            if b"\0" in block:  # a sparse file may declare any size, and is read as zeros
                 raise Unreadable("it is not a text file")
             blocks.append(block)
     return b"".join(blocks)

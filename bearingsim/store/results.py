@@ -1,4 +1,4 @@
-"""Access to a results folder: table of its jobs, series of a job, all data for xarray."""
+"""Access to a results folder: table of its jobs, series of a job, and all data as a dataset of xarray."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.errors import ResultsError
-from bearingsim.store.arrays import dataset, swept_paths
+from bearingsim.store.arrays import build_dataset, swept_paths
 from bearingsim.store.files import refuse_links
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.measured import MeasuredSet, measured_sets
@@ -62,7 +62,8 @@ def planned_jobs(root: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class Results:
-    """Results of a study at the time of the first access: they are read once and cached."""
+    """Results of a study. They are read on first access and cached, so later changes of the folder have no
+    effect."""
 
     path: Path
 
@@ -148,14 +149,15 @@ class Results:
         return read_series(unit_path(self.path, str(row["unit"])), job)
 
     def to_xarray(self, jobs: Sequence[str] | None = None, grid: bool = False) -> "xr.Dataset":
-        """Return series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
+        """Return series, features and swept values of finished jobs over ``job`` and ``time``.
 
-        grid: a dimension for each swept path instead of ``job``, without healthy baselines; paths that follow from
-        others, as in a `zip` or `derived`, are coordinates along them, and jobs that are not done are NaN.
-        Loads all series into memory. Raises ResultsError if xarray is missing, a job is unknown, time axes differ,
-        or the cases do not form a full grid.
+        jobs: ids of the jobs, by default of all; grid: True for a dimension for each swept path instead of
+        ``job``, without healthy baselines. Paths that are determined by others, as in a `zip` or `derived`, are
+        then coordinates along these, and jobs that are not done are NaN. Loads all series into memory. Raises
+        ResultsError if xarray is missing, a job is unknown, time axes differ, or the cases do not form a full
+        grid.
         """
-        return dataset(self.plan, self._table, self.has_feature, self.series, jobs, grid)
+        return build_dataset(self.plan, self._table, self.has_feature, self.series, jobs, grid)
 
     def has_feature(self, name: str) -> bool:
         """Check if any job has a feature."""

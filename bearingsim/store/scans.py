@@ -22,20 +22,20 @@ def store_scans(root: Path, cases: Iterable["Case"]) -> None:
 
     Raises ScanError if a scan is missing, or has changed since the study was read.
     """
-    for digest, file in _scans(cases):
+    for digest, file in _list_scans(cases):
         copy_path = scan_path(root, digest, file)
         if not _is_intact(copy_path, digest):
-            write_bytes(copy_path, _content(Path(file), digest))
+            write_bytes(copy_path, _read_scan(Path(file), digest))
 
 
 def read_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
     """Read the stored scans of some cases, by file name ``<digest>.<ext>``."""
-    paths = (scan_path(root, digest, file) for digest, file in _scans(cases))
+    paths = (scan_path(root, digest, file) for digest, file in _list_scans(cases))
     return {path.name: path.read_bytes() for path in paths}
 
 
 def with_short_paths(case: "Case") -> "Case":
-    """Return the case with shortened paths of its scans, for a machine without the original files."""
+    """Return a case with shortened paths of its scans, for a machine without the original files."""
     if not any(defect.file for defect in case.defects) and not (case.surfaces and case.surfaces.profiles):
         return case
     defects = tuple(
@@ -57,7 +57,7 @@ def _with_short_profiles(surfaces: "Surfaces | None") -> "Surfaces | None":
     return surfaces.model_copy(update=races)
 
 
-def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
+def _list_scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
     """List the digest and file of each scan and roundness profile of some cases, without duplicates."""
     files = set[tuple[str | None, str | None]]()
     for case in cases:
@@ -97,7 +97,7 @@ def find_scan_copy(root: Path, digest: str, file: str) -> Path:
 
 
 def scan_path(root: Path, digest: str, file: str) -> Path:
-    """Return the path for the copy of a scan in a results folder, whether it exists or not."""
+    """Return the path of the copy of a scan in a results folder, which need not exist."""
     return root / "scans" / f"{digest}{Path(file).suffix.lower()}"
 
 
@@ -116,7 +116,8 @@ def _is_intact(path: Path, digest: str) -> bool:
         return False
 
 
-def _content(path: Path, digest: str) -> bytes:
+def _read_scan(path: Path, digest: str) -> bytes:
+    """Read an original scan. Raises ScanError if it is missing or does not match its digest."""
     from bearingsim.config.scan.file import ScanError, digest_of
 
     try:

@@ -20,14 +20,15 @@ from bearingsim.store.files import write_bytes
 from bearingsim.store.regular import BLOCK_BYTES, MEMORY_RATIO, Unreadable, open_regular, read_regular
 
 SCHEMA = 2  # version of the layout of all files
-LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
+LIBVER = ("v108", "v108")  # format of HDF5 1.8: checksums of object headers, no 64 kB limit on attributes
 MIN_BYTES_PER_ENTRY = 8
-"""Smallest average number of characters per list or mapping of a JSON file: each takes 64 bytes of memory."""
+"""Smallest average number of characters per list or mapping of a JSON file, each of which takes 64 bytes of
+memory."""
 HDF5_MARK, JSON_MARK = b"\nSHA-256 ", ',\n "sha256": "'
 
 
 UNREADABLE = (OSError, LookupError, TypeError, ValueError, RuntimeError, AttributeError, MemoryError, Unreadable)
-"""Exceptions raised on reading damaged files."""
+"""Exceptions that reading a damaged file may raise."""
 
 
 def _digest(content: bytes) -> str:
@@ -48,14 +49,15 @@ def mark_damaged(path: Path) -> None:
 # HDF5
 
 
-def new_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
-    """Create an HDF5 file in memory and write it on exit, so that a full disk cannot interrupt HDF5 itself."""
+def create_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
+    """Create an HDF5 file in memory, and write it on exit, so that a full disk does not interrupt the HDF5
+    library."""
     return hdf5_in_memory(partial(write_bytes, path))
 
 
 @contextmanager
 def hdf5_in_memory(save: Callable[[bytes], None]) -> Iterator[h5py.File]:
-    """Create an HDF5 file in memory; on exit pass its bytes and their digest to ``save``.
+    """Create an HDF5 file in memory; on exit pass its bytes with the checksum to ``save``.
 
     The core driver of HDF5 1.14 is not used, because the superblock of its image has a wrong checksum.
     """
@@ -96,10 +98,10 @@ def open_unverified(path: Path) -> Hdf5:
 def open_sealed(stream: BinaryIO) -> Hdf5:
     """Open the file in a stream after checking its digest; the stream is closed with the file.
 
-    One read may use at most ``MEMORY_RATIO`` times the file size of memory. Raises one of UNREADABLE.
+    The memory of one read is limited to ``MEMORY_RATIO`` times the file size. Raises one of UNREADABLE.
     """
     try:
-        size, digest, seal = _read_through(stream)
+        size, digest, seal = _digest_stream(stream)
         if not seal.startswith(HDF5_MARK):
             raise Unreadable("its checksum is missing")
         if seal != _seal_text(digest):
@@ -112,7 +114,7 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
     return file
 
 
-def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
+def _digest_stream(stream: BinaryIO) -> tuple[int, str, bytes]:
     """Read a stream; return its size, the digest of all bytes before the seal, and the seal."""
     size = stream.seek(0, io.SEEK_END)
     remaining, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
@@ -129,7 +131,7 @@ def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
 def write_json(path: Path, entries: Mapping[str, Any], indent: int | None = 1) -> None:
     """Write a mapping with its schema version and digest.
 
-    Bytes of a path that are not UTF-8 become `?`, because JSON has only characters.
+    Bytes of a path that are not UTF-8 become `?`, because JSON cannot contain them.
     """
     text = json.dumps({"schema": SCHEMA, **entries}, indent=indent, ensure_ascii=False)
     body = text.encode(errors="replace").decode()[:-1].rstrip()

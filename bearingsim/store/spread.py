@@ -1,4 +1,4 @@
-"""Spread of results due to uncertain parameters: the variations of `uncertainty:` and the nominal jobs.
+"""Spread of results due to uncertain parameters, over the variations of `uncertainty:` and the nominal jobs.
 
 Results of chaotic motions are random samples, so the spread includes their standard errors.
 """
@@ -12,13 +12,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BLOCK_ERRORS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
-"""Columns with relative standard errors from blocks of ball passes; results of earlier versions lack them."""
+"""Columns with relative standard errors from blocks of ball passes, by feature; results of earlier versions do not
+have them."""
 FORCE_ERROR = "features/error.start.force"
 """Column whose relative error of the largest outer force includes its scatter in a chaotic motion."""
 NOTABLE_ERROR = 0.005
 """Relative standard error above which a result of a chaotic motion is reported as a random sample."""
 
-STANDARD_DEVIATIONS = 2.5  # standard deviations in `rms_scatter`; it has more if few passes were compared
+SCATTER_FACTOR = 2.5
+"""Smallest number of standard errors that `rms_scatter` contains; it contains more if few passes were compared."""
 
 
 def spread(
@@ -26,9 +28,10 @@ def spread(
 ) -> "pd.DataFrame":
     """Return ``least`` and ``largest`` of a feature (SI) over a job and its variations.
 
-    quantity: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs that have a result, as
-    all of their variations; the range is NaN if one of their standard errors is unknown. The column ``chaotic`` is
-    True if any of the motions is chaotic. Empty for a phase, which has no range.
+    plan: from ``read_plan``; frame: from ``job_frame``; quantity: the varied quantity, None for all. Rows are the
+    jobs that have a result, like all of their variations; the range is NaN if one of their standard errors is
+    unknown. The column ``chaotic`` is True if any of the motions is chaotic. Empty for a phase, which has no
+    range.
     """
     import numpy as np
     import pandas as pd
@@ -52,7 +55,7 @@ def spread(
     pairs = pairs.assign(least=value - standard_errors, largest=value + standard_errors)
     pairs["chaotic"] = chaotic_jobs(frame).reindex(pairs["job"]).to_numpy()
     ranges = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
-    unknown = pairs["of"][np.isnan(standard_errors)]  # chaotic, and the record is too short
+    unknown = pairs["of"][np.isnan(standard_errors)]  # chaotic motions with too short a record
     ranges.loc[ranges.index.isin(unknown), ["least", "largest"]] = np.nan
     return ranges if (value < 0.0).any() else ranges.assign(least=ranges["least"].clip(lower=0.0))
 
@@ -60,9 +63,10 @@ def spread(
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the standard error (SI) of a feature for chaotic motions and for records that ended early.
 
-    0 for all other jobs; NaN if no estimate exists, or the record is too short for it. The relative error of an
-    RMS is that of the velocity's, from blocks of ball passes, or from the pilots if there are too few; that of the
-    largest outer force is estimated from the maxima of the rollers (``simulation/start_error.py``).
+    It is 0 for all other jobs, and NaN if no estimate exists or the record is too short for one. The relative
+    error of an RMS is that of the velocity RMS, from blocks of ball passes, or from pilots if there are too few
+    blocks; that of the largest outer force is estimated from the maxima of the rollers
+    (``simulation/start_error.py``).
     """
     import numpy as np
     import pandas as pd
@@ -71,7 +75,7 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if f"features/{feature}-scatter" in frame:
         error = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
-        relative = frame["features/rms_scatter"] / STANDARD_DEVIATIONS
+        relative = frame["features/rms_scatter"] / SCATTER_FACTOR
         blocks = frame.get(f"features/{BLOCK_ERRORS['velocity.rms']}")
         relative = relative if blocks is None else blocks.where(blocks.notna(), relative)
         error = relative * frame[f"features/{feature}"].abs()
@@ -86,9 +90,10 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def reference_ratio(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the ratio to a feature of the reference of its step, start and standard errors, by job.
+    """Return by job the ratio of the value to which the errors of a feature are relative to the feature itself.
 
-    It is 1, but for a line below ``QUIET_LINE`` of the velocity's RMS the errors are relative to the latter.
+    These are the errors of step and start, and the standard error. The ratio is 1, except for a line weaker than
+    ``QUIET_LINE`` times the velocity RMS, whose errors are relative to that product.
     """
     import pandas as pd
 
@@ -100,7 +105,7 @@ def reference_ratio(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def early_end_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float] | None":
-    """Return the relative standard error of lines or RMS values at which records were ended early.
+    """Return the relative standard error of a line or RMS at which the record was ended early, by job.
 
     NaN for jobs whose record did not end early; None for an extreme value, or if no such column exists.
     """
@@ -121,9 +126,9 @@ def is_uncertain(table: "pd.DataFrame", feature: str, notable: float = NOTABLE_E
 
 
 def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the relative standard error of a feature of a table; NaN if it is unknown.
+    """Return the relative standard error of a feature of a table by job; NaN if it is unknown.
 
-    Features other than spectral lines use the error of the velocity RMS.
+    For features other than spectral lines it is that of the velocity RMS.
     """
     import pandas as pd
 
@@ -136,34 +141,37 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     block_errors = frame.get(f"features/{BLOCK_ERRORS.get(reference, '')}")
     if block_errors is not None:
         relative = block_errors.where(block_errors.notna(), relative)
-    if base != feature.removesuffix(".phase") and f"features/{base}-healthy" in frame:  # the change may be small
+    # The error of a change from healthy is that of the feature, relative to the change, which may be smaller.
+    if base != feature.removesuffix(".phase") and f"features/{base}-healthy" in frame:
         relative = relative * (frame[f"features/{base}"] / frame[f"features/{base}-healthy"]).abs()
     return relative
 
 
 def has_error_estimate(table: "pd.DataFrame", feature: str) -> bool:
-    """Check if a table has an estimate of the standard error of a feature, for jobs with a long enough record."""
+    """Check if a table has a column from which the standard error of a feature is estimated."""
     reference = _reference(_base(feature))
     return reference in table and (not is_line(reference) or f"{reference}-scatter" in table)
 
 
 def _base(feature: str) -> str:
+    """Return the feature without the suffixes of a phase and of a change from healthy."""
     return feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
 
 
 def _reference(base: str) -> str:
-    """Return the feature whose relative standard error applies to a feature: its own for a spectral line."""
+    """Return the feature whose relative standard error is used: a spectral line itself, else the velocity RMS."""
     return base if is_line(base) else "velocity.rms"
 
 
 def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
-    """Mark jobs in which the feature scatters by an unknown amount.
+    """Mark jobs in which a feature scatters by an unknown amount.
 
-    It is a line without a standard error in a chaotic record, or an extreme value in a record that ended early.
+    Such a feature is a line without a standard error in a chaotic record, or an extreme value in a record that
+    ended early.
     """
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
     is_unknown = chaotic_jobs(frame) & (not has_scatter)
-    # the error of any mean shows which records ended early
+    # The column of a mean value shows which records ended early.
     early_errors = early_end_errors(frame, feature if is_mean(feature) else "velocity.rms")
     if early_errors is None:
         return is_unknown
@@ -177,8 +185,8 @@ def chaotic_jobs(frame: "pd.DataFrame") -> "pd.Series[bool]":
     return frame["features/chaotic"] == 1.0 if "features/chaotic" in frame else pd.Series(False, frame.index)
 
 
-def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return (largest - least)/value by job, in columns such as `error.damping` and `error.damping.rms`."""
+def variation_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Return ``relative_range`` by job, in columns such as `error.damping` and `error.damping.rms`."""
     import pandas as pd
 
     table = pd.DataFrame(index=frame.index)
@@ -190,7 +198,10 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def default_ranges(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str) -> "dict[str, pd.Series[float]]":
-    """Return ``relative_range`` of the features of ``errors``; a line only for the jobs of whose defect it is."""
+    """Return ``relative_range`` of the features of ``ERROR_FEATURES``, by feature and job.
+
+    That of a line is only for the jobs with a defect on its race.
+    """
     return {
         name: column
         for suffix in ERROR_FEATURES
@@ -201,13 +212,15 @@ def default_ranges(plan: Mapping[str, Any], frame: "pd.DataFrame", quantity: str
 def _ranges(
     plan: Mapping[str, Any], frame: "pd.DataFrame", suffix: str, quantity: str
 ) -> "dict[str, pd.Series[float]]":
-    features = _features(frame, suffix)
+    """Return ``relative_range`` of the features of a suffix, each for the jobs of whose defect it is."""
+    features = _default_features(frame, suffix)
     columns = {name: relative_range(plan, frame, name, quantity) for name in features.unique()}
     return {name: column[features.reindex(column.index) == name] for name, column in columns.items()}
 
 
-def _features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
-    """Return by job the feature of a column of ``ERROR_FEATURES``; the line is that of the first defect's race."""
+def _default_features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
+    """Return by job the feature of a suffix of ``ERROR_FEATURES``; a line is that of the race of the first
+    defect."""
     import pandas as pd
 
     if suffix:

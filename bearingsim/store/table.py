@@ -27,8 +27,8 @@ from bearingsim.store.names import sort_features
 from bearingsim.store.nearness import error_bounds
 from bearingsim.store.own_files import FAILURES, UNITS
 from bearingsim.store.provenance import study_digest
-from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
-from bearingsim.store.spread import errors
+from bearingsim.store.sealed import UNREADABLE, create_hdf5, open_hdf5, read_json, write_json
+from bearingsim.store.spread import variation_errors
 from bearingsim.text.spreadsheets import csv_text
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
 
 JOB_COLUMNS = ("status", "reason", "healthy", "unit", "stamp")
+"""Text columns of a frame outside the groups of ``columns.py``."""
 STUDY_FILE, CSV_FILE = "study.yaml", "results.csv"
 OWN_FILE = "own_study_file"
 """Entry of a plan: True if ``study.yaml`` in the folder is the user's study file, False if it is a copy."""
@@ -55,7 +56,7 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequenc
 
 
 def make_plan(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the expansion of a study as plain data: name, overrides, figures, jobs and so on.
+    """Return the expansion of a study as plain data, such as its name, overrides, figures and jobs.
 
     notes: remarks on the study.
     """
@@ -95,7 +96,7 @@ def make_plan(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) 
 
 
 def _accuracy(study: "Study") -> dict[str, Any] | None:
-    """Return the accuracy goal, the chosen models, curves and audits; None for a study without `accuracy`."""
+    """Return accuracy, chosen models, curves and audits as plain data; None for a study without `accuracy`."""
     goal, selection = study.goal, study.selection
     if goal is None or selection is None:
         return None
@@ -113,7 +114,7 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
 def read_plan(root: Path) -> dict[str, Any]:
     """Read the plan of a folder. Raises one of UNREADABLE if it is missing or damaged.
 
-    In plans of versions without designs the entry `design` is None.
+    The entry `design` is None in plans of earlier versions, which had no designs.
     """
     plan = {"design": None} | read_json(root / "plan.json")
     check_plan(plan)
@@ -148,7 +149,7 @@ def job_frame(root: Path) -> "pd.DataFrame":
 def plan_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame":
     """Return the frame of ``job_frame`` for a plan that may differ from the one in the folder.
 
-    rows: rows of units read before, by unit.
+    rows: rows of units that have been read, by unit.
     """
     return _make_frame(root, plan, read_frame(root), rows, read_failures(root)).sort_index(axis=1)
 
@@ -156,7 +157,8 @@ def plan_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame
 def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
     """Build ``study.h5`` and ``results.csv`` of a folder; return the frame of ``job_frame``.
 
-    Nothing is written if both are up to date. rows: rows of units read before, by unit. Warns of unreadable files.
+    Nothing is written if both are up to date. rows: rows of units that have been read, by unit. Warns of
+    unreadable files.
     """
     with lock(root):
         fingerprint = _fingerprint(root)
@@ -185,17 +187,18 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     import pandas as pd
 
     entries = rows_of(plan)
-    spreads, bounds = errors(plan, frame), error_bounds(plan, frame)  # these need the jobs without a row, too
+    # Computed from all jobs, including those without a row.
+    ranges, bounds = variation_errors(plan, frame), error_bounds(plan, frame)
     frame = frame.loc[[entry["job"] for entry in entries]]
     swept = pd.DataFrame([entry["swept"] for entry in entries], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
-    features = pd.concat([features, spreads.reindex(frame.index)], axis=1)
+    features = pd.concat([features, ranges.reindex(frame.index)], axis=1)
     features = features[sort_features(features.columns)]
     models_chosen = (plan.get("accuracy") or {"jobs": {}})["jobs"]
     if models_chosen:
         names = [models_chosen[job]["model"] if job in models_chosen else "" for job in frame.index]
         models = pd.DataFrame({"model": names})
-        # `error.start` is also a feature: the relative error of the line, which is no part of the sum `error`.
+        # The part `error.start` of `error` replaces the feature of this name, the relative error of the line.
         features = features.drop(columns=bounds.columns, errors="ignore")
         features = pd.concat([models.set_index(frame.index), bounds.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
@@ -207,7 +210,7 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def info(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return the solver statistics of each finished job, indexed by job; frame: from ``job_frame``."""
+    """Return the solver statistics of the finished jobs, indexed by job; frame: from ``job_frame``."""
     done = frame[frame["status"] == "done"]
     return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
 
@@ -240,13 +243,13 @@ def _make_frame(
 
 
 def _is_unset(name: str, values: "pd.Series[Any]") -> bool:
-    """Check if a parameter or band feature has no value: its column is from jobs of an earlier plan."""
+    """Check if a parameter or band feature has no value, because its column is from jobs of an earlier plan."""
     is_optional = name.startswith("parameters/") or read_band(name.removeprefix("features/")) is not None
     return is_optional and values.dtype.kind == "f" and bool(values.isna().all())
 
 
 def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows, ids: Sequence[str]) -> "pd.DataFrame":
-    """Collect the rows of some jobs in intact units; a job in several units is read from the first.
+    """Collect the rows of some jobs from the intact units; a job in several units is taken from the first.
 
     Units without any of the jobs add no columns.
     """
@@ -270,9 +273,10 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows, ids: Seq
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Compute ``|A - A_healthy|`` of the complex amplitude of each spectral line with a phase.
+    """Compute the change of features from the healthy case, by job; NaN without a healthy case.
 
-    For features of a band, which have no phase, return the difference of the values. NaN without a healthy case.
+    It is ``|A - A_healthy|`` of the complex amplitudes A for each spectral line with a phase, and the difference
+    of the values for features of a band, which have no phase.
     """
     import pandas as pd
 
@@ -294,7 +298,8 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _fingerprint(root: Path) -> str:
-    """Return the digest of the sources of the table: plan, and names, sizes and times of units and failures."""
+    """Return the digest of the sources of the table: the plan, and names, sizes and times of units and
+    failures."""
     states = []
     for path in (*UNITS.find(root), *FAILURES.find(root)):
         with suppress(FileNotFoundError):  # another run has removed the failure, or renamed a damaged unit
@@ -312,7 +317,7 @@ def _digest(path: Path) -> str:
 
 
 def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
-    with new_hdf5(root / "study.h5") as file:
+    with create_hdf5(root / "study.h5") as file:
         jobs = write_jobs(file, list(frame.index))
         for name in JOB_COLUMNS:
             column = file.create_dataset(name, data=frame[name].to_numpy(object), dtype=TEXT)

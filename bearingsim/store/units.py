@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
 from bearingsim.hdf5 import Hdf5
-from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
+from bearingsim.store.columns import GROUPS, TEXT, Value, make_columns, read_columns, write_columns, write_jobs
 from bearingsim.store.files import write_bytes
 from bearingsim.store.names import channel_attributes, channel_unit, flat_parameters
 from bearingsim.store.own_files import UNITS
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from bearingsim.simulation.record import Record
     from bearingsim.study import Job
 
-CHUNK_BYTES = 1 << 16  # up to this size (bytes) a chunk contains several short jobs
+CHUNK_BYTES = 1 << 16  # bytes; largest size of a chunk with several short jobs
 ATTRIBUTES = ("overrides", "model_version", "platform", "python", "packages", "git_commit")
 """Attributes of a unit that describe its computation."""
-LONGEST_CHUNK = 1 << 18  # largest number of samples of a job in a chunk
+MAX_CHUNK_SAMPLES = 1 << 18  # largest number of samples of a job in a chunk
 
 
 class DamagedUnit(UserError):
@@ -46,9 +46,9 @@ class DamagedUnit(UserError):
 
 @dataclass(frozen=True)
 class Series(Mapping[str, NDArray[np.float32]]):
-    """Recorded series of one job: ``time`` (n,) in s, ``channels`` (n,) in SI and ``units`` by channel name.
+    """Recorded series of one job, a mapping of its channels.
 
-    The object itself is a mapping of the channels.
+    time: (n,) in s; channels: (n,) in SI, by name; units: by name of the channel.
     """
 
     time: NDArray[np.float64]
@@ -76,7 +76,7 @@ class Series(Mapping[str, NDArray[np.float32]]):
 
 
 def unit_name(jobs: Iterable[str]) -> str:
-    """Return the name of the unit with these jobs: the first 16 hex digits of SHA-256 over the sorted ids."""
+    """Return the name of the unit with some jobs: the first 16 hex digits of SHA-256 over the sorted ids."""
     return hashlib.sha256("\n".join(sorted(jobs)).encode()).hexdigest()[:16]
 
 
@@ -95,7 +95,7 @@ def unit_path(root: Path, unit: str) -> Path:
 
 def write_units(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> list[Path]:
     """Write the records of some jobs, one file per time axis and set of channels; return the paths."""
-    return [_write(unit_path(root, unit), content) for unit, content in sealed_units(done, provenance)]
+    return [_write(unit_path(root, unit), content) for unit, content in seal_units(done, provenance)]
 
 
 def _write(path: Path, content: bytes) -> Path:
@@ -103,17 +103,17 @@ def _write(path: Path, content: bytes) -> Path:
     return path
 
 
-def sealed_units(
+def seal_units(
     done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield the names and contents of the unit files for the records of some jobs."""
+    """Yield name and content, with its checksum, of each unit file for the records of some jobs."""
     ordered = sorted(done, key=lambda pair: (_shape_key(pair[1]), pair[0].id))
     for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1])):
-        yield _sealed(list(group), provenance)
+        yield _seal_unit(list(group), provenance)
 
 
 def store_unit(root: Path, unit: str, content: bytes) -> Path:
-    """Write a unit received from another machine, unchanged. Raises DamagedUnit if its digest does not match."""
+    """Check a unit received from another machine, and write it unchanged; return its path. Raises DamagedUnit."""
     path = unit_path(root, unit)
     try:
         with open_sealed(io.BytesIO(content)) as file:
@@ -124,18 +124,19 @@ def store_unit(root: Path, unit: str, content: bytes) -> Path:
 
 
 def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
+    """Return a key that is equal for records with the same time axis and channels."""
     names = tuple(sorted(record.series))
     return (np.asarray(record.time, np.float64).tobytes() if names else b""), names
 
 
-def _sealed(done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> tuple[str, bytes]:
+def _seal_unit(done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> tuple[str, bytes]:
     ids, contents = [job.id for job, _ in done], list[bytes]()
     with hdf5_in_memory(contents.append) as file:
         jobs = write_jobs(file, ids)
         _write_series(file, jobs, [record for _, record in done])
-        write_columns(file, jobs, "parameters", columns([flat_parameters(job.case) for job, _ in done]))
-        write_columns(file, jobs, "features", columns([record.features for _, record in done]))
-        write_columns(file, jobs, "info", columns([record.info for _, record in done]))
+        write_columns(file, jobs, "parameters", make_columns([flat_parameters(job.case) for job, _ in done]))
+        write_columns(file, jobs, "features", make_columns([record.features for _, record in done]))
+        write_columns(file, jobs, "info", make_columns([record.info for _, record in done]))
         _write_provenance(file, provenance)
     return unit_name(ids), contents[0]
 
@@ -158,17 +159,17 @@ def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record
 
 
 def _chunks(jobs: int, samples: int) -> tuple[int, int]:
-    """Return the shape of a chunk: one job, or several short jobs up to CHUNK_BYTES."""
-    width = max(1, min(samples, LONGEST_CHUNK))
+    """Return the shape (jobs, samples) of a chunk: of one job, or of several short jobs up to CHUNK_BYTES."""
+    width = max(1, min(samples, MAX_CHUNK_SAMPLES))
     return min(jobs, max(1, CHUNK_BYTES // (4 * width))), width
 
 
 def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
-    """Write multi-line strings, such as the text of the study, as datasets, and all else as attributes."""
-    folder = file.require_group("provenance")
+    """Write multi-line strings, such as the text of the study, as datasets, and other values as attributes."""
+    group = file.require_group("provenance")
     for name, value in provenance.items():
         if isinstance(value, str) and "\n" in value:
-            folder.create_dataset(name, data=value, dtype=TEXT)
+            group.create_dataset(name, data=value, dtype=TEXT)
         else:
             file.attrs[name] = value
     file.attrs["status"] = "complete"
@@ -179,7 +180,7 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 
 @contextmanager
 def open_unit(path: Path) -> Iterator[Hdf5]:
-    """Open a unit after checking its digest, and that its name matches its jobs.
+    """Open a unit after checking its digest, name, completeness and shapes.
 
     Raises DamagedUnit, also for read errors within the context.
     """
@@ -215,10 +216,9 @@ def read_job_ids(path: Path) -> list[str]:
 
 
 def result_digests(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
-    """Return digests or bytes of the features, time and channels of some jobs of a unit, by job and name.
+    """Return the bytes of the features, and digests of time and channels, of some jobs of a unit, by job and name.
 
-    They are equal if and only if the values are bitwise equal. Date, host and CPU time are not included. Raises
-    DamagedUnit.
+    They differ if the values are not bitwise equal. Date, host and CPU time are not included. Raises DamagedUnit.
     """
     with open_unit(path) as file:
         features = read_columns(file, ("features",))
@@ -251,6 +251,7 @@ def _digest(values: NDArray[Any]) -> bytes:
 
 
 def _check(path: Path, file: Hdf5) -> None:
+    """Raise Unreadable for an incomplete unit, ids that do not match its name, or channels of another shape."""
     ids = list(file.texts("job"))
     if not file.has_attribute("status"):  # written last
         raise Unreadable("not marked complete")
@@ -284,11 +285,12 @@ def read_series(path: Path, job: str) -> Series:
     with _add_advice(path), open_unit(path) as file:
         ids = list(file.texts("job"))
         if job in ids:
-            return _series(file, ids.index(job), len(ids))
+            return _read_channels(file, ids.index(job), len(ids))
     raise KeyError(f"{path.name} does not contain job {job}")
 
 
-def _series(file: Hdf5, row: int, rows: int) -> Series:
+def _read_channels(file: Hdf5, row: int, rows: int) -> Series:
+    """Read the series of the job at a row; rows: number of jobs in the unit."""
     names = _channels(file)
     if not names:
         return Series(np.empty(0), {}, {})
@@ -299,6 +301,7 @@ def _series(file: Hdf5, row: int, rows: int) -> Series:
 
 @contextmanager
 def _add_advice(path: Path) -> Iterator[None]:
+    """Add folder and advice to the message of a DamagedUnit raised within the context."""
     try:
         yield
     except DamagedUnit as damage:

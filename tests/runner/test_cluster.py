@@ -155,7 +155,7 @@ def test_running_jobs_finish_after_a_stop_request(tmp_path: Path, machines: Mach
     assert summary.exit_code == 130
     baselines = {job.id for job in study.jobs() if job.is_baseline}
     assert 8 < summary.done < 200
-    assert job_counts(count).keys() == store.holdings(out).sealed - baselines  # no started job is lost
+    assert job_counts(count).keys() == store.read_holdings(out).sealed - baselines  # no started job is lost
     assert compute(study, out, machines.address).done == 200 - summary.done
     assert set(job_counts(count).values()) == {1}
 
@@ -209,7 +209,7 @@ def test_run_resumes_after_the_loss_of_a_worker_and_the_scheduler(
         compute(study, out, machines.address)
     assert not caplog.records  # the message replaces the log
     wait_until(lambda: machines.processes[2].poll() is not None, "a worker stays when its scheduler has gone")
-    before, sealed = job_counts(count), store.holdings(out).sealed
+    before, sealed = job_counts(count), store.read_holdings(out).sealed
     suspects = {job for line in journal_entries(out, "worker died") for job in line["suspects"]}
     assert 5 < len(sealed) < 80
     machines.restart_scheduler()

@@ -123,7 +123,7 @@ def test_folder_cleared_by_another_study_is_refused(tmp_path: Path, monkeypatch:
 
 def test_fresh_start_names_the_deleted_results_of_an_earlier_version(tmp_path: Path) -> None:
     compute(MM, tmp_path)
-    (tmp_path / marker.MARKER).unlink()
+    (tmp_path / marker.MARKER_FILE).unlink()
     store.claim_results(tmp_path, "other", quick=False, fresh=True)
     assert marker.owner(tmp_path) == ("results", "fake")
     assert "the results of the study `fake`" in store.discard(tmp_path, "other")

@@ -119,7 +119,7 @@ def test_temporary_scan_of_an_ended_writer_is_removed(tmp_path: Path) -> None:
         / f"0123456789abcdef.csv.{store.files.writer_name().rpartition('-')[0]}-4194304-0123abcd.part"
     )
     leftover.touch()
-    assert store.sweep(tmp_path) == [leftover]
+    assert store.remove_leftovers(tmp_path) == [leftover]
 
 
 PROFILE = """\

@@ -21,7 +21,7 @@ from bearingsim import store
 from bearingsim.cli.opening import find_job
 from bearingsim.config import Case
 from bearingsim.store import files
-from bearingsim.store.columns import columns
+from bearingsim.store.columns import make_columns
 from bearingsim.store.files import temporary, write_bytes
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.own_files import FAILURES, OwnFiles
@@ -136,14 +136,14 @@ def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
     jobs: list[Any] = [FakeJob(case_id(case), case, {}, None) for case in cases]
     units = store.write_units(tmp_path, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     assert sorted(len(store.check_unit(unit)) for unit in units) == [1, 1, 2]
-    holdings = store.holdings(tmp_path)
+    holdings = store.read_holdings(tmp_path)
     assert (holdings.sealed, holdings.damaged) == ({job.id for job in jobs}, [])
     [unit_without_series] = [unit for unit in units if jobs[2].id in store.check_unit(unit)]
     assert store.read_series(unit_without_series, jobs[2].id).channels == {}
 
 
 def test_columns_keep_strings_and_mark_missing_values() -> None:
-    arrays = columns([{"a": 1.0, "step": "auto"}, {"a": 2, "step": 0.5}, {"b": 3.0}])
+    arrays = make_columns([{"a": 1.0, "step": "auto"}, {"a": 2, "step": 0.5}, {"b": 3.0}])
     assert list(arrays["step"]) == ["auto", "0.5", ""]
     np.testing.assert_array_equal(arrays["a"], [1.0, 2.0, np.nan])
 
@@ -195,7 +195,7 @@ def test_truncated_unit_is_marked_damaged(tmp_path: Path, study: FakeStudy, kept
     [damaged_unit], [_] = store_jobs(tmp_path, study, first), store_jobs(tmp_path, study, second)
     content = damaged_unit.read_bytes()
     damaged_unit.write_bytes(content[: int(kept_length if kept_length >= 1 else kept_length * len(content))])
-    holdings = store.holdings(tmp_path)
+    holdings = store.read_holdings(tmp_path)
     assert holdings.sealed == {job.id for job in second}
     assert holdings.damaged == [str(damaged_unit.relative_to(tmp_path))]
     assert not damaged_unit.exists()
@@ -243,11 +243,11 @@ def test_sweep_removes_files_of_ended_writers_only(tmp_path: Path) -> None:
     ):
         assert process.stdout is not None
         process.stdout.readline()
-        assert store.sweep(tmp_path) == [leftover]
+        assert store.remove_leftovers(tmp_path) == [leftover]
         assert len(list(folder.iterdir())) == 2
         process.kill()
         os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # dead, but not yet waited for
-        assert len(store.sweep(tmp_path)) == 1
+        assert len(store.remove_leftovers(tmp_path)) == 1
         assert [str(path) for path in folder.iterdir()] == [own_file.name]
     assert not list(folder.iterdir())
 
@@ -274,7 +274,7 @@ def test_no_file_counts_as_leftover_without_locks(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr("fcntl.flock", fail)
     (tmp_path / "plan.json.host-1-0123abcd.part").touch()
     write_bytes(tmp_path / "b", b"whole")
-    assert store.sweep(tmp_path) == []
+    assert store.remove_leftovers(tmp_path) == []
     with pytest.raises(store.FolderInUse, match="on a disk without locks"):
         store.discard(tmp_path, "study")
 
@@ -327,7 +327,7 @@ def test_case_is_rebuilt_from_a_column_of_words_and_numbers() -> None:
     bearing = {"name": "6205", "bore": 0.03, "outside_diameter": 0.07, "width": 0.015} | sizes
     base = Case.model_validate({"bearing": bearing, "speed": 100.0, "load": 50.0})
     cases = [base, base.model_copy(update={"step": 2e-6}), base.model_copy(update={"settle": 0.1})]
-    stored = columns([store.flat_parameters(case) for case in cases])
+    stored = make_columns([store.flat_parameters(case) for case in cases])
     rows = [{name: values[row] for name, values in stored.items()} for row in range(len(cases))]
     rebuilt = [store.case_of(row) for row in rows]
     assert [(case.step, case.settle) for case in rebuilt] == [("auto", "auto"), (2e-6, "auto"), ("auto", 0.1)]
@@ -350,7 +350,7 @@ def test_marker_removed_by_its_writer_does_not_stop_a_sweep(
     monkeypatch.setattr("bearingsim.store.journal.lock_leftover", removed_meanwhile)
     folder = tmp_path / "units" / "ab"
     folder.mkdir(parents=True)
-    for take in (store.sweep, lambda root: store.take_suspects(root, [UNIT])):
+    for take in (store.remove_leftovers, lambda root: store.take_suspects(root, [UNIT])):
         (folder / f"{UNIT}.host-1-00000000.started").write_text("")
         take(tmp_path)
         assert not list(folder.iterdir())

@@ -90,7 +90,9 @@ def test_altered_csv_is_written_again_and_a_current_one_is_left(tmp_path: Path, 
     assert path.stat().st_mtime_ns == written
 
 
-@pytest.mark.parametrize("action", [store.build_table, store.sweep, lambda root: store.discard(root, "study")])
+@pytest.mark.parametrize(
+    "action", [store.build_table, store.remove_leftovers, lambda root: store.discard(root, "study")]
+)
 def test_processes_that_share_a_folder_wait_for_the_lock(
     tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
 ) -> None:
