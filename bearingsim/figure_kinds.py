@@ -116,8 +116,7 @@ class OptionError(UserError):
 
 @dataclass(frozen=True)
 class View:
-    """Displayed part and scale of the signals or features of a figure; None and False mean the default of the
-    kind.
+    """Displayed part and scale of the signals or features of a figure; None and False are the kind's defaults.
 
     start, stop, span: time (s); around: event at a quarter of the time axis; range: limits of the frequency axis
     (Hz) or of the roller's angle (rad); band: band-pass filter (Hz); unit: of the y axis; db: level in decibels;

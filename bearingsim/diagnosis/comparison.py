@@ -71,8 +71,7 @@ def common_band(*signals: Signal) -> tuple[float, float]:
 def compare(
     simulated: Signal, measured: Signal, race: str, band: tuple[float, float], unit: str, detected: float
 ) -> list[Row]:
-    """Compare two signals in a band (Hz): RMS, peak, crest factor, kurtosis, and the line of a race in the
-    envelope.
+    """Compare two signals in a band (Hz): RMS, peak, crest factor, kurtosis, and a line in the envelope spectrum.
 
     race: one of ``ELEMENTS``; unit: SI unit of the series; detected: line (Hz) of the measured signal, NaN if it
     has none. Harmonics of the envelope are in dB relative to the fundamental; orders are relative to the frequency

@@ -94,8 +94,7 @@ def json_entries(size: Size | str | None) -> dict[str, list[float] | float | str
 def refuse_width_across_load(
     size: Size | str | None, name: str, channels: Mapping[str, np.ndarray], fs: float
 ) -> Size | str | None:
-    """Return the size estimated from a channel, or the reason against it if another one vibrates much more
-    strongly.
+    """Return the size estimated from a channel, or a reason against it if another one vibrates more strongly.
 
     name: name of the channel; channels: series (n,) of one unit at ``fs`` (Hz), by name.
     """

@@ -113,8 +113,7 @@ class Diagnosis(NamedTuple):
 
     @property
     def is_sideband(self) -> bool:
-        """True if the verdict is a periodicity at the first or second shaft sideband of the line of the inner
-        race.
+        """True if the verdict is a periodicity at a shaft sideband, first or second, of the inner-race line.
 
         The inner race may nevertheless be damaged: a sideband scores higher than the line in 1.5 to 3 % of the
         damaged signals at 0 to 10 dB of benchmarks/diagnosis/operating_table.py, diagnosed as the right bearing.
@@ -143,14 +142,12 @@ class Diagnosis(NamedTuple):
 
     @property
     def shaft_may_cause(self) -> bool:
-        """True if the verdict is the inner race, and a knock once per revolution explains its line nearly as
-        well."""
+        """True if the verdict is the inner race, and a knock once per revolution may explain its line."""
         return self.verdict == INNER and self.detection.of_shaft is not None
 
     @property
     def other_race(self) -> str | None:
-        """Element other than that of the verdict, whose line is the strongest other periodicity; None if there is
-        none.
+        """Element, other than the verdict, whose line is the strongest other periodicity; None if there is none.
 
         Its comb is clear without the harmonics that both share: for example, the third harmonic of a fundamental
         at 4/3 of a line is the fourth harmonic of that line.

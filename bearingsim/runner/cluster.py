@@ -135,8 +135,7 @@ class Cluster:
     def _compute_alone(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
         """Compute jobs whose worker died, each alone on a worker.
 
-        If a worker dies to which several were assigned, these are repeated one by one, because any may be the
-        cause.
+        If a worker dies to which several were assigned, any may be the cause, so these are repeated one by one.
         """
         failures: list[Outcome] = []
         ambiguous: list[Work] = []

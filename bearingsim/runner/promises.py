@@ -45,8 +45,7 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
 
 
 def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the number of cases whose accuracy failed audits withdraw, and the largest difference found by
-    audits."""
+    """Yield the number of cases whose accuracy is withdrawn, and the largest difference found by audits."""
     refuted_jobs = store.withdrawn_errors(plan, frame)
     if not refuted_jobs:
         return

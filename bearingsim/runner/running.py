@@ -321,8 +321,7 @@ def _make_works(
 
 
 def _warm(root: Path, engine: Engine, affordable: Sequence["Job"], announcements: Announcer) -> None:
-    """Compile before workers start. Errors are only logged, because the jobs that use the code raise them
-    again."""
+    """Compile before workers start. Errors are only logged, because the jobs raise them again."""
     try:
         load(engine.warm)([job.case for job in affordable], compilation_callback(announcements))
     except Exception as error:

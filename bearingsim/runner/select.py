@@ -221,8 +221,7 @@ def plan_name(study: "Study", keys: Sequence[str]) -> str:
 def earlier_choice_notes(
     study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping[str, str]
 ) -> Iterator[str]:
-    """Yield notes on models chosen for an earlier plan: number of cases, and number of curves with different
-    models.
+    """Yield notes on models chosen for an earlier plan, with the numbers of cases and of curves concerned.
 
     keys: ``selection.choices.key`` of each case; plans: ``plan_name`` for which each choice was made, by key.
     """

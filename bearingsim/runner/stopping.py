@@ -48,8 +48,10 @@ def set_stop_flag(flag: Any) -> None:
 
 
 def init_worker(flag: Any) -> None:
-    """Use an event as the stop request in a worker, and ignore signals, which a terminal sends to all
-    processes."""
+    """Use an event as the stop request in a worker, and ignore signals.
+
+    A terminal sends signals to all processes, but only the parent is to handle them.
+    """
     set_stop_flag(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)

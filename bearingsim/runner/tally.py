@@ -105,8 +105,7 @@ class Tally:
         notes: tuple[str, ...],
         statements: Findings,
     ) -> RunSummary:
-        """Summarise the run. status: of each requested job in the table, so that the counts agree with the
-        table."""
+        """Summarise the run; status: of each requested job, from the table, with which the counts then agree."""
         return RunSummary(
             study=study,
             folder=self.root,

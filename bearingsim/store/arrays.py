@@ -26,8 +26,7 @@ def build_dataset(
 ) -> "xr.Dataset":
     """Build the dataset of ``Results.to_xarray``, from the plan and the table. Raises ResultsError.
 
-    is_feature: function that checks if a column is a feature; read_series: function that reads the series of a
-    job.
+    is_feature: function that checks if a column is a feature; read_series: function that returns those of a job.
     """
     try:
         import xarray as xr
@@ -124,8 +123,7 @@ def _arrange_on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
 
 
 def _axes(cases: "pd.DataFrame") -> tuple[dict[str, dict[Any, int]], dict[str, list[str]]]:
-    """Return the values of each dimension with their indices, and for each dependent path the dimensions that
-    determine it.
+    """Return the values of each dimension with their indices, and the dimensions that determine dependent paths.
 
     A path is dependent if each combination of values of other paths has only one value of it, as in a `zip` or
     `derived`. Of paths that determine each other, the first in the order of the sweep is a dimension.

@@ -86,7 +86,7 @@ def _refuse_links_to_files(folder: Path) -> None:
 
 
 def _refuse_foreign_files(folder: Path, names: Sequence[str], suggestion: str) -> None:
-    """Raise ForeignFolder if there are names of files of the user."""
+    """Raise ForeignFolder if a folder contains files of the user; names: their names, if there are any."""
     if names:
         more = f" and {len(names) - MAX_NAMED_FILES} more" if len(names) > MAX_NAMED_FILES else ""
         raise ForeignFolder(

@@ -91,7 +91,7 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     copy_scans(scans, out)
     for folder in folders:
         _copy_trials(folder, out)
-    # Reversed, because of units of the same name that of the first folder is copied.
+    # In reverse order, so that of units with the same name that of the first folder is copied.
     new_units = {path.stem: path for folder in reversed(folders) for path in units[folder]}
     for path in units[out]:
         new_units.pop(path.stem, None)

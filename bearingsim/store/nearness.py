@@ -214,8 +214,7 @@ def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Au
 
 
 def incomplete_audits(plan: Mapping[str, Any], frame: "pd.DataFrame") -> list[str]:
-    """List the audited jobs for which a requested feature has no difference, although the job can have the
-    feature."""
+    """List the audited jobs without a difference of a requested feature that the job can have."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
     compared = {(audit.job, audit.feature) for audit in audit_results(plan, frame)}
     healthy = frame.get("healthy")

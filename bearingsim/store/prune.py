@@ -49,8 +49,7 @@ def _files(count: int) -> str:
 
 
 class _Unit(NamedTuple):
-    """Intact unit: path, ids of all jobs and of those in the plan, and digests of the scans of the planned
-    jobs."""
+    """Intact unit: path, ids of all jobs and of the planned ones, digests of the scans of the planned jobs."""
 
     path: Path
     jobs: set[str]

@@ -62,8 +62,7 @@ def planned_jobs(root: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class Results:
-    """Results of a study. They are read on first access and cached, so later changes of the folder have no
-    effect."""
+    """Results of a study, read on first access and cached, so that later changes of the folder have no effect."""
 
     path: Path
 
@@ -154,8 +153,7 @@ class Results:
         jobs: ids of the jobs, by default of all; grid: True for a dimension for each swept path instead of
         ``job``, without healthy baselines. Paths that are determined by others, as in a `zip` or `derived`, are
         then coordinates along these, and jobs that are not done are NaN. Loads all series into memory. Raises
-        ResultsError if xarray is missing, a job is unknown, time axes differ, or the cases do not form a full
-        grid.
+        ResultsError if xarray is missing, a job is unknown, time axes differ, or the grid of cases is not full.
         """
         return build_dataset(self.plan, self._table, self.has_feature, self.series, jobs, grid)
 

@@ -50,8 +50,7 @@ def mark_damaged(path: Path) -> None:
 
 
 def create_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
-    """Create an HDF5 file in memory, and write it on exit, so that a full disk does not interrupt the HDF5
-    library."""
+    """Create an HDF5 file in memory, and write it on exit, so that a full disk does not interrupt HDF5 itself."""
     return hdf5_in_memory(partial(write_bytes, path))
 
 

@@ -219,8 +219,7 @@ def _ranges(
 
 
 def _default_features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
-    """Return by job the feature of a suffix of ``ERROR_FEATURES``; a line is that of the race of the first
-    defect."""
+    """Return by job the feature of a suffix of ``ERROR_FEATURES``; a line is that of the first defect's race."""
     import pandas as pd
 
     if suffix:

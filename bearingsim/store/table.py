@@ -298,8 +298,7 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _fingerprint(root: Path) -> str:
-    """Return the digest of the sources of the table: the plan, and names, sizes and times of units and
-    failures."""
+    """Return the digest of the plan, and of names, sizes and times of units and failures: the table's sources."""
     states = []
     for path in (*UNITS.find(root), *FAILURES.find(root)):
         with suppress(FileNotFoundError):  # another run has removed the failure, or renamed a damaged unit

@@ -25,7 +25,7 @@ from bearingsim.store.columns import make_columns
 from bearingsim.store.files import temporary, write_bytes
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.own_files import FAILURES, OwnFiles
-from bearingsim.store.sealed import new_hdf5
+from bearingsim.store.sealed import create_hdf5
 from tests.scenes.fake_studies import PROVENANCE, FakeCase, FakeJob, FakeStudy, case_id, record_of, store_jobs
 
 
@@ -213,7 +213,7 @@ def test_unit_under_another_name_is_damaged(tmp_path: Path, study: FakeStudy) ->
 
 def test_unit_with_a_missing_row_is_damaged(tmp_path: Path, study: FakeStudy) -> None:
     [path] = store_jobs(tmp_path, study)
-    with h5py.File(path) as original, new_hdf5(path) as file:
+    with h5py.File(path) as original, create_hdf5(path) as file:
         for name in original:
             original.copy(name, file)
         file.attrs["status"] = "complete"

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.runner.variations import CHANGE_MEANING, variation_effects
-from bearingsim.store.spread import errors, spread, standard_error
+from bearingsim.store.spread import spread, standard_error, variation_errors
 from bearingsim.study import StudyError, load_study
 from tests.scenes.study_text import BASE, Write
 
@@ -45,7 +45,7 @@ def test_a_chaotic_value_counts_with_its_standard_error() -> None:
         "largest": 12.7,
         "chaotic": True,
     }
-    row = errors(plan, frame).loc["a"]
+    row = variation_errors(plan, frame).loc["a"]
     assert row["error.damping"] == pytest.approx((12.7 - 9.0) / 10.0)
     assert row["error.damping.rms"] == pytest.approx((105.0 - 81.0) / 100.0)
     assert row["error.damping.force"] == pytest.approx(20.0 / 200.0)
@@ -54,7 +54,7 @@ def test_a_chaotic_value_counts_with_its_standard_error() -> None:
 def test_unknown_standard_error_gives_no_rms_error() -> None:
     """An RMS of unknown standard error has no range; the line has one."""
     plan, frame = synthetic_plan(**CHAOTIC | {"rms_scatter": [0.0, math.inf, 0.0]})
-    result = errors(plan, frame)
+    result = variation_errors(plan, frame)
     assert "error.damping.rms" not in result
     assert result["error.damping"].loc["a"] > 0.0
 
@@ -75,7 +75,7 @@ def test_a_job_with_a_variation_that_failed_has_no_range() -> None:
     plan, frame = synthetic_plan(**CHAOTIC)
     frame.loc["b"] = np.nan
     assert spread(plan, frame, "velocity@BPFO").empty
-    assert "error.damping" not in errors(plan, frame)
+    assert "error.damping" not in variation_errors(plan, frame)
 
 
 def test_a_phase_has_no_range() -> None:
@@ -87,14 +87,14 @@ def test_a_job_that_failed_itself_has_neither_range_nor_error() -> None:
     plan, frame = synthetic_plan(**CHAOTIC)
     frame.loc["a"] = np.nan
     assert spread(plan, frame, "velocity@BPFO").empty
-    assert "error.damping" not in errors(plan, frame)
+    assert "error.damping" not in variation_errors(plan, frame)
 
 
 def test_line_is_that_of_the_defective_element() -> None:
     columns = CHAOTIC | {"velocity@BPFI": [1.0, 2.0, 3.0], "chaotic": [0.0] * 3}
     plan, frame = synthetic_plan(**columns)
     frame["parameters/defects.1.race"] = "inner"
-    assert errors(plan, frame).loc["a", "error.damping"] == pytest.approx(2.0)
+    assert variation_errors(plan, frame).loc["a", "error.damping"] == pytest.approx(2.0)
 
 
 def test_effect_on_a_single_job_is_no_maximum() -> None:
