@@ -31,7 +31,7 @@ def _physical_memory(root: Path) -> float:
 
 
 def _group_limits(root: Path) -> list[float]:
-    """Return the limits of the control groups of this process and of their parents, as far as they are visible."""
+    """Return the limits of the control groups of this process and of their visible parents."""
     limits = [inf]
     for line in _read_lines(root / "proc/self/cgroup"):
         _, controllers, group = line.split(":", 2)

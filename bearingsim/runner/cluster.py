@@ -306,7 +306,7 @@ class Cluster:
         return True
 
     def _run_on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
-        """Call a function on each worker; return the results by address, except of workers lost meanwhile.
+        """Call a function on each worker; return the results by address, without those of lost workers.
 
         Raises InstallationMismatch if the function fails, WorkerFailed if a worker does not answer in time.
         """

@@ -36,7 +36,7 @@ class Cost(NamedTuple):
 
 NOTABLE_RATIO = 1.1  # smallest ratio of largest to expected CPU time of a study at which both are reported
 CONDITIONS = {False: "the responses are periodic", True: "the records end early"}
-"""Conditions of an expected CPU time, by whether the record of the case has `until`."""
+"""Conditions of an expected CPU time; the key is True for a record that ends by `until`."""
 
 
 def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: float = 1.0) -> str:
@@ -45,12 +45,12 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     scale: ratio of the number of jobs in the study to that of ``costs``. Example: `2.5 s of CPU time if the
     responses are periodic, up to 30 s if not; 1.3 s to 15 s on 2 workers`.
     """
-    expected, most = (
+    expected, largest = (
         [scale * sum(seconds), max(max(seconds, default=0.0), scale * sum(seconds) / workers)]
         for seconds in ([cost.seconds for cost in costs], [max(cost.seconds, cost.most_seconds) for cost in costs])
     )
     workers_text = f"on {workers} worker{'s' * (workers > 1)}"
-    if most[0] < NOTABLE_RATIO * expected[0]:
+    if largest[0] < NOTABLE_RATIO * expected[0]:
         return f"{duration(expected[0])} of CPU time, {duration(expected[1])} {workers_text}"
     has_until = [
         getattr(case, "until", None) is not None
@@ -59,8 +59,8 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     ]
     condition = " and ".join(text for value, text in CONDITIONS.items() if value in has_until)
     return (
-        f"{duration(expected[0])} of CPU time if {condition}, up to {duration(most[0])} if not;"
-        f" {duration(expected[1])} to {duration(most[1])} {workers_text}"
+        f"{duration(expected[0])} of CPU time if {condition}, up to {duration(largest[0])} if not;"
+        f" {duration(expected[1])} to {duration(largest[1])} {workers_text}"
     )
 
 

@@ -114,7 +114,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
         return summary_of_read_only(with_models(study, out, jobs, run_trials=False), root, started)
     # Notes are collected before files from which they are read may be removed.
     notes = [*study.notes, *load(run_options.engine.notes)(study.cases())]
-    workers, connect = _workers(jobs), _make_connector(run_options.scheduler)
+    workers, connect = _count_workers(jobs), _make_connector(run_options.scheduler)
     if run_options.fresh:  # an error must not occur after results are deleted
         _test_workers(workers, connect)
     with _prepare(root, study, run_options):
@@ -224,7 +224,7 @@ def with_models(
     """
     root = store.results_folder(study.name, study.quick, out)
     with _prepare(root, study, Options()) if run_trials else nullcontext(), suppress(MissingChoices):
-        return choose_models(study, root, _workers(jobs), engine, run_trials=run_trials)
+        return choose_models(study, root, _count_workers(jobs), engine, run_trials=run_trials)
     return study
 
 
@@ -239,7 +239,7 @@ def _folder_notes(unplanned: int, damaged: Sequence[str]) -> Iterator[str]:
         yield f"{files} renamed to .damaged; the results are computed again"
 
 
-def _workers(requested: int | None) -> int:
+def _count_workers(requested: int | None) -> int:
     """Return the requested number of worker processes, or the number of CPUs. Raises ValueError below 1."""
     from joblib import cpu_count
 

@@ -65,10 +65,9 @@ class RunSummary:
     """Result of a run.
 
     planned, resumed, done: numbers of jobs requested, done by earlier runs, and done by this run; seconds: elapsed
-    time (s);
-    start_cpu_s: CPU time (s) of the workers for imports and compilation; cpu_s: their CPU time (s) after that;
-    integrator_cpu_s: the part of ``cpu_s`` spent in the integrator; interrupted: signal number, or 0; notes: lines
-    on earlier results and on repairs; findings: statements on the results, None if the run ended before its jobs.
+    time (s); start_cpu_s: CPU time (s) of the workers for imports and compilation; cpu_s: their CPU time (s) after
+    that; integrator_cpu_s: part of ``cpu_s`` spent in the integrator; interrupted: signal number, or 0; notes: on
+    earlier results and repairs; findings: statements on the results, None if the run ended before its jobs.
     """
 
     study: str

@@ -194,7 +194,7 @@ def _fit_amplitudes(
 
 
 def _stack_parts(values: np.ndarray) -> np.ndarray:
-    """Stack real and imaginary parts, because the shifts of a complex least-squares problem are real."""
+    """Stack real and imaginary parts, so that the unknowns of a complex least-squares problem are real."""
     return np.concatenate([values.real, values.imag])
 
 

@@ -223,7 +223,7 @@ def _other_runs(root: Path) -> str:
 
 
 def is_writable(root: Path) -> bool:
-    """Check if this user may write to a results folder and its lock file, as far as they exist."""
+    """Check if this user may write to a results folder and its lock file, if these exist."""
     return all(os.access(path, os.W_OK) for path in (root, root / LOCK) if path.exists())
 
 
