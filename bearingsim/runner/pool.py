@@ -160,7 +160,8 @@ def map_unordered(function: Callable, arguments: Iterable[tuple], workers: int) 
     """Yield the result of a function for each tuple of arguments, in order of completion.
 
     workers: number of processes; 1 means this process. After a signal the running calls finish, then Signalled is
-    raised, also if a worker has died by then. Raises BrokenProcessPool if a worker dies before a stop is requested.
+    raised, also if a worker has died by then. Raises BrokenProcessPool if a worker dies before a stop is
+    requested.
     """
     with defer_signals():
         if workers == 1:
