@@ -115,12 +115,12 @@ def feature_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFr
     """
     import pandas as pd
 
-    refuted_features = _refuted_features(plan, frame)
+    audited_differences = _failed_differences(plan, frame)
     bounds = {}
     for feature, parts in error_parts(plan, frame).items():
         total = parts.sum(axis=1, skipna=False)
-        refuted = pd.Series(refuted_features.get(feature, {}), dtype=float).reindex(total.index)
-        bounds[feature] = total.where(~(refuted > total), refuted)
+        difference = pd.Series(audited_differences.get(feature, {}), dtype=float).reindex(total.index)
+        bounds[feature] = total.where(~(difference > total), difference)
     return pd.DataFrame(bounds)
 
 
@@ -161,9 +161,9 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
         "error.friction": trial_errors("friction"),
         "error.nodes": trial_errors("nodes"),
     }
-    start_share = frame.get(f"features/error.start{START_SUFFIXES[_kind(base)]}", pd.Series(0.0, frame.index))
-    start = with_baselines(start_share * value).sum(axis=1, skipna=False) / scale
-    excess = (start - scatter).clip(lower=0.0)  # for non-periodic motion it includes scatter
+    start_errors = frame.get(f"features/error.start{START_SUFFIXES[_kind(base)]}", pd.Series(0.0, frame.index))
+    start = with_baselines(start_errors * value).sum(axis=1, skipna=False) / scale
+    excess = (start - scatter).clip(lower=0.0)  # the error of the start of a non-periodic motion includes scatter
     parts = pd.DataFrame(from_trials | {"error.start": excess, "error.step": step, "error.scatter": scatter})
     is_unknown = parts.isna() | frame[f"features/{feature}"].isna().to_numpy()[:, None]
     return parts.mask(is_unknown, inf).where(has_error)
@@ -235,12 +235,12 @@ def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str
     The accuracy of these jobs is withdrawn. Jobs without a failed audit on one of their curves are left out.
     """
     largest: dict[str, float] = {}
-    for differences in _refuted_features(plan, frame).values():
+    for differences in _failed_differences(plan, frame).values():
         largest |= {job: max(largest.get(job, 0.0), difference) for job, difference in differences.items()}
     return largest
 
 
-def _refuted_features(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, dict[str, float]]:
+def _failed_differences(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, dict[str, float]]:
     """Return by feature and job the largest difference of the feature found by failed audits on its curves.
 
     A failed audit of a feature on no curve concerns only the audited job. For the other jobs of a curve the same
