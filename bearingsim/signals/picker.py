@@ -17,6 +17,9 @@ SHOULDER_DISTANCE = 3.0  # bins from a strong line within which a weak one is a 
 SHOULDER_RATIO = 0.05  # amplitude of a weak line over that of the strong one, up to which it is a shoulder
 MIN_RELATIVE_AMPLITUDE = 1e-3  # of a line, relative to the strongest of the fitted lines
 MAX_LINES = 12  # lines fitted simultaneously
+MAX_ITERATIONS = 30  # of the Gauss-Newton method
+MAX_SHIFT = 0.25  # bins; largest change of a position in an iteration
+SHIFT_TOLERANCE = 1e-8  # bins; change of the positions at which the iteration ends
 INTERPOLATION_POWER = 0.23  # power of the amplitudes for which the main lobe of a Hann window is nearly parabolic
 
 
@@ -145,19 +148,19 @@ def _fit_all_lines(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[
     Returns positions (bins) and amplitudes (k,) in the order in which the lines were added. A line that converges
     within 1.5 bins of another is part of a broad line, so it is rejected, and its initial position is excluded.
     """
-    positions, lines, residual = np.zeros(0), np.zeros(0, dtype=complex), values
+    positions, amplitudes, residual = np.zeros(0), np.zeros(0, dtype=complex), values
     is_candidate = np.ones(len(bins), dtype=bool)
     for _ in range(MAX_LINES):
         magnitudes = np.where(is_candidate, np.abs(residual), 0.0)
         peak = int(np.argmax(magnitudes))
-        if magnitudes[peak] <= max(floor, MIN_RELATIVE_AMPLITUDE * np.abs(lines).max(initial=0.0)):
+        if magnitudes[peak] <= max(floor, MIN_RELATIVE_AMPLITUDE * np.abs(amplitudes).max(initial=0.0)):
             break
         refined = _refine(bins, values, np.append(positions, bins[peak]))
         if np.diff(np.sort(refined[0])).min(initial=MIN_SEPARATION) < MIN_SEPARATION:
             is_candidate[np.abs(bins - bins[peak]) < MIN_SEPARATION] = False
         else:
-            positions, lines, residual = refined
-    return positions, np.abs(lines)
+            positions, amplitudes, residual = refined
+    return positions, np.abs(amplitudes)
 
 
 def _refine(
@@ -167,15 +170,15 @@ def _refine(
 
     Returns positions (k,), complex amplitudes (k,) and the residual (n,).
     """
-    for _ in range(30):
+    for _ in range(MAX_ITERATIONS):
         shapes, amplitudes, residual = _fit_amplitudes(bins, values, positions)
         distance = bins[:, np.newaxis] - positions
         derivative = (_line_shape(distance - 1e-4) - _line_shape(distance + 1e-4)) / 2e-4
         jacobian = np.hstack([shapes, 1j * shapes, derivative * amplitudes])
         unknowns = np.linalg.lstsq(_stack_parts(jacobian), _stack_parts(residual), rcond=1e-10)[0]
         shifts = unknowns[2 * len(positions) :]
-        positions = positions + np.clip(shifts, -0.25, 0.25)
-        if np.abs(shifts).max() < 1e-8:
+        positions = positions + np.clip(shifts, -MAX_SHIFT, MAX_SHIFT)
+        if np.abs(shifts).max() < SHIFT_TOLERANCE:
             break
     _, amplitudes, residual = _fit_amplitudes(bins, values, positions)
     return positions, amplitudes, residual
