@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.defects.closed_forms import bowl, box, groove
+from bearingsim.core.defects.closed_forms import bowl_parameters, box_parameters, groove_parameters
 from bearingsim.core.defects.depth import (
     Circular,
     EasedDefect,
@@ -24,7 +24,7 @@ from bearingsim.core.defects.depth import (
     Triangular,
     section,
 )
-from bearingsim.core.defects.envelope import path_drop, path_over
+from bearingsim.core.defects.envelope import path_drop, trace_path
 from bearingsim.core.defects.excitations import Envelope, defect_response
 from bearingsim.core.defects.pairs import (
     GROUP_HALF_WIDTH,
@@ -35,7 +35,7 @@ from bearingsim.core.defects.pairs import (
 )
 from bearingsim.core.defects.profile import depth_at
 from bearingsim.core.defects.spall import Spall
-from bearingsim.core.defects.traced import cut_along_roller, group_paths, pack_traced_defects
+from bearingsim.core.defects.traced import cut_along_roller, pack_traced_defects, trace_groups
 from bearingsim.core.jit import jit
 
 R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
@@ -140,7 +140,7 @@ def error(defect: Any, z: float) -> float:
     low, high = profile.pieces[0, 0], profile.pieces[-1, 1]
     s = np.linspace(low - 0.2 * (high - low), high + 0.2 * (high - low), 401)
     exact = brute_force(profile, s)
-    return float(np.abs(path_drop(path_over(profile, R), s)[0] - exact).max() / np.abs(exact).max())
+    return float(np.abs(path_drop(trace_path(profile, R), s)[0] - exact).max() / np.abs(exact).max())
 
 
 def print_accuracy(count: int) -> None:
@@ -183,9 +183,9 @@ def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
 def print_cost() -> None:
     """Print groups of a defect, pieces of its middle path, ms to build it, ns to evaluate a group."""
     closed = {
-        "rectangular": box(1e-3, 5e-6),
-        "triangular": groove(1e-3, 5e-6, R),
-        "circular": bowl(1e-3, 5e-6, R, 0.0),
+        "rectangular": box_parameters(1e-3, 5e-6),
+        "triangular": groove_parameters(1e-3, 5e-6, R),
+        "circular": bowl_parameters(1e-3, 5e-6, R, 0.0),
     }
     print("closed form           ns in order, at random")
     for name, row in closed.items():
@@ -200,7 +200,7 @@ def print_cost() -> None:
     }
     for name, defect in (kinds | further | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
-        rows, paths = group_paths(defect, R, cut_along_roller(defect, L_W, 24))
+        rows, paths = trace_groups(defect, R, cut_along_roller(defect, L_W, 24))
         build_ms = 1e3 * (time.perf_counter() - began)
         packed = pack_traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
         k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))

@@ -13,7 +13,7 @@ from bearingsim.core.laws.damping import general as multibody
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.damping.tabulated import Tabulated
-from bearingsim.core.laws.hertz import PointContact, ball_on_race
+from bearingsim.core.laws.hertz import PointContact, make_ball_contact
 from bearingsim.core.laws.stiffness import johnson as line_contact
 from bearingsim.core.laws.stiffness import power_laws
 from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, ThreeHalves
@@ -70,7 +70,7 @@ def build_kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> K
 def build_general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:
     """Build the damping law c |v|^m2 delta^m3 of multibody programs; the coefficient c is in N, mm and s."""
     m2, m3 = section.velocity_exponent, section.indentation_exponent
-    return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
+    return multibody.make_general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
 
 
 def build_film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
@@ -109,19 +109,19 @@ def build_power_law(k: float, m: float) -> Any:
 
 def build_palmgren(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
     """Build Palmgren's line contact."""
-    return power_laws.palmgren(roller_length(case))
+    return power_laws.make_palmgren(roller_length(case))
 
 
 def build_iso16281(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
     """Build the line contact of ISO/TS 16281."""
-    return power_laws.iso16281(roller_length(case))
+    return power_laws.make_iso16281(roller_length(case))
 
 
 def build_johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
     """Build Johnson's line contact of a roller in the outer race or on the inner race."""
     b, R_w = case.bearing, case.bearing.roller_diameter / 2.0
     dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
-    return line_contact.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
+    return line_contact.make_johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
 
 
 def build_point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
@@ -139,6 +139,6 @@ def point_contact(case: Case, on_outer: bool) -> PointContact:
     b = case.bearing
     groove_radius = b.outer_groove_radius if on_outer else b.inner_groove_radius
     R = -outer_radius(case) if on_outer else inner_radius(case)
-    return ball_on_race(
+    return make_ball_contact(
         b.material.young_modulus, b.material.poisson_ratio, b.roller_diameter, float(groove_radius or 0.0), R
     )

@@ -20,18 +20,18 @@ from bearingsim.config.scan.file import TRANSFERRED_FILES
 from bearingsim.config.scan.repair import CACHED_SCANS, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE_SHAPES
 from bearingsim.core.defects import excitations
-from bearingsim.core.defects.closed_forms import groups_of, groups_of_slices
+from bearingsim.core.defects.closed_forms import make_groups, make_slice_groups
 from bearingsim.core.defects.depth import (
-    EVEN,
+    CONSTANT_SECTION,
     EasedDefect,
     MergedDefects,
     MirroredDefect,
     ScannedDefect,
     ShiftedDefect,
-    cuts,
     extent,
+    section_intervals,
 )
-from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact
+from bearingsim.core.defects.edge_contact import EdgeContact, make_edge_contact
 from bearingsim.core.defects.jumps import jump_positions
 from bearingsim.core.defects.pairs import (
     INNER,
@@ -50,10 +50,10 @@ from bearingsim.core.defects.traced import (
     burr_height,
     cut_along_roller,
     defect_span,
-    group_paths,
     pack_traced_defects,
     sharpest_cusp,
-    slice_paths,
+    trace_groups,
+    trace_slices,
 )
 from bearingsim.errors import Refused
 
@@ -141,7 +141,7 @@ def build_elastic_edge(case: Case) -> EdgeContact:
     rho = float((edge and edge.radius) or EDGE_RADIUS)
     L_w, load = contact_length(case, OUTER), largest_load(case)
     exponent = load_exponent(build_contact_law(case, on_outer=True), load)
-    return edge_contact(load, L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho, exponent)
+    return make_edge_contact(load, L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho, exponent)
 
 
 def reduced_radius(case: Case, side: int) -> float:
@@ -172,7 +172,7 @@ def build_depth_map(d: config.Defect) -> Any:
 
 def varies_along_roller(d: config.Defect) -> bool:
     """Check if the section of a defect varies along the roller, so that integration points must sample it."""
-    return any(variation != EVEN for *_, variation in cuts(build_depth_map(d)))
+    return any(variation != CONSTANT_SECTION for *_, variation in section_intervals(build_depth_map(d)))
 
 
 def build_spall(d: config.Defect) -> Any:
@@ -337,9 +337,9 @@ def build_closed_form_groups(case: Case, d: config.Defect, side: int, centres: P
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     depth_map = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
     path_groups = (
-        groups_of(depth_map, L_w, R, nodes, d.offset)
+        make_groups(depth_map, L_w, R, nodes, d.offset)
         if centres is None
-        else groups_of_slices(depth_map, R, centres, d.offset)
+        else make_slice_groups(depth_map, R, centres, d.offset)
     )
     groups = excitations.response_groups(build_excitation(case, side), depth_map, path_groups, R)
     if centres is not None and len(groups) != len(centres):
@@ -351,5 +351,5 @@ def build_traced_groups(case: Case, depth_map: Any, side: int, centres: Position
     """Build the groups and paths of a traced defect, along the contact or at the centres of slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if centres is not None:
-        return slice_paths(depth_map, R, centres)
-    return group_paths(depth_map, R, cut_along_roller(depth_map, L_w, case.contact.length_nodes))
+        return trace_slices(depth_map, R, centres)
+    return trace_groups(depth_map, R, cut_along_roller(depth_map, L_w, case.contact.length_nodes))

@@ -19,12 +19,12 @@ from bearingsim.core.laws.hertz import PointContact, effective_modulus
 from bearingsim.core.laws.octaves import tabulate
 from bearingsim.core.laws.oil_film import (
     LubricatedLine,
-    ball_as_strip,
     entrainment_speed,
+    equivalent_line_contact,
     film_damping,
-    hysteresis,
+    hysteresis_damping,
 )
-from bearingsim.core.laws.stiffness.interface import curve
+from bearingsim.core.laws.stiffness.interface import evaluate_law
 
 MAX_APPROACH = 1e-4  # m, larger than in any bearing; the tabulated damping is constant above it
 DIFFERENCE_STEP = 1e-5  # finite-difference step, relative to the approach
@@ -96,11 +96,11 @@ def tabulate_damping(contact: LubricatedContact, laws: str) -> np.ndarray:
 
 def damping(contact: LubricatedContact, delta: np.ndarray) -> np.ndarray:
     """Compute the damping (N s/m) of film and hysteresis at the approaches ``delta`` (m)."""
-    Q, k = curve(contact.stiffness, delta)
+    Q, k = evaluate_law(contact.stiffness, delta)
     omega = natural_frequency(contact, Q, k)
     line, exponent = equivalent_line(contact, Q)
     c = film_damping(Q, k, line, omega if contact.at_natural_frequency else 0.0, exponent)
-    return c + hysteresis(k, omega, contact.loss_factor)
+    return c + hysteresis_damping(k, omega, contact.loss_factor)
 
 
 def natural_frequency(contact: LubricatedContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -118,5 +118,5 @@ def equivalent_line(contact: LubricatedContact, Q: np.ndarray) -> tuple[Lubricat
     if contact.point is None:
         return contact.line, LINE_WIDTH_EXPONENT
     a, b = contact.point.semi_axes(Q)
-    L, R = ball_as_strip(a, b, 1.5 * Q / (pi * a * b), contact.line.E_star)
+    L, R = equivalent_line_contact(a, b, 1.5 * Q / (pi * a * b), contact.line.E_star)
     return contact.line._replace(L=L, R=R), POINT_WIDTH_EXPONENT

@@ -8,7 +8,7 @@ import numpy as np
 from bearingsim.assemble import contacts, defects, geometry
 from bearingsim.assemble.rest import healthy_damping, healthy_equilibrium
 from bearingsim.config import Case
-from bearingsim.core.defects.impulse_train import LoadZone, random_train, train
+from bearingsim.core.defects.impulse_train import LoadZone, make_random_train, make_train
 from bearingsim.core.defects.pairs import RollerDefectPair
 from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from bearingsim.core.laws.stiffness.series import as_power
@@ -50,8 +50,8 @@ def _build_train(case: Case, zone: LoadZone, pairs: list[RollerDefectPair], end:
     """Build the train of impulses from t = 0 to ``end`` (s)."""
     b = geometry.build_bearing(case)
     if case.excitation == "random-impulses":
-        return random_train(b, zone, pairs, 0.0, end, np.random.default_rng(case.seed))
-    return train(b, zone, pairs, 0.0, end)
+        return make_random_train(b, zone, pairs, 0.0, end, np.random.default_rng(case.seed))
+    return make_train(b, zone, pairs, 0.0, end)
 
 
 def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:

@@ -22,7 +22,7 @@ FLANGE_HEIGHT = 0.2  # default height of a flange, relative to the roller's diam
 
 def build_slices(case: Case) -> cut.Slices:
     """Divide a roller into slices, each with the drop of the roller's profile."""
-    return cut.slices(slice_ends(case), lambda z: profile_drop(case, z))
+    return cut.make_slices(slice_ends(case), lambda z: profile_drop(case, z))
 
 
 def profile_drop(case: Case, z: float) -> float:

@@ -67,11 +67,11 @@ class Section(NamedTuple):
 def compute_section(defect: Defect, z: float) -> Section:
     """Compute the section of a defect at z (m) along the roller."""
     from bearingsim.core.defects.depth import section
-    from bearingsim.core.defects.envelope import path_drop, path_over
+    from bearingsim.core.defects.envelope import path_drop, trace_path
     from bearingsim.core.defects.profile import depth_at
 
     s, profile = defect.positions(SECTION_REFINEMENT * (ROLLING_POINTS - 1) + 1), section(defect.map, z)
-    return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, defect.R), s)[0])
+    return Section(z, s, depth_at(profile, s), path_drop(trace_path(profile, defect.R), s)[0])
 
 
 def distinct_sections(defect: Defect) -> list[float]:

@@ -17,7 +17,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
 from bearingsim.core.advance import NoSamples, Samples, advance_and_sample, prepare_first_step, start_at_rest
-from bearingsim.core.defects.crossings import missed_crossings, passages
+from bearingsim.core.defects.crossings import count_missed_crossings, relative_passages
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
@@ -304,7 +304,7 @@ def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passe
     end = passes * setup.grid.steps_per_pass * setup.grid.step
     if not np.isfinite(_defect_passages(setup, end, y)).all():
         raise run_failure(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
-    missed = missed_crossings(setup.model, end, initial_passages, y) if initial_passages else 0
+    missed = count_missed_crossings(setup.model, end, initial_passages, y) if initial_passages else 0
     if missed > 0:
         raise run_failure(setup, outcomes.CROSSINGS_MISSED, missed, end)
 
@@ -358,4 +358,4 @@ def _defect_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
     """Return the roller passes over each defect until ``t`` (s); empty without contact forces or memory."""
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
-    return [passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]
+    return [relative_passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]

@@ -103,7 +103,7 @@ def contact_pressure(bearing: Bearing, force: float, on_outer: bool = False) -> 
     R = -(bearing.pitch_diameter + D_w) / 2.0 if on_outer else (bearing.pitch_diameter - D_w) / 2.0
     if bearing.roller_length is None:
         groove = float((bearing.outer_groove_radius if on_outer else bearing.inner_groove_radius) or 0.0)
-        return hertz.ball_on_race(E, nu, D_w, groove, R).pressure(force)
+        return hertz.make_ball_contact(E, nu, D_w, groove, R).pressure(force)
     radius = 1.0 / (2.0 / D_w + 1.0 / R)
     return hertz.line_pressure(force / bearing.roller_length, radius, hertz.effective_modulus(E, nu))
 

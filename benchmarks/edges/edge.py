@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.closed_forms import make_groups
 from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.edge_contact import EdgeContact
 from bearingsim.core.defects.excitations import defect_response, response_groups
@@ -88,7 +88,7 @@ def edge_contact_response(pair: Pair, slot: Slot, reference: float, s: float) ->
     excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho, LINE_CONTACT_EXPONENT)
     width = SINGLE_EDGE_WIDTH if slot.width == inf else slot.width
     defect = Rectangular(1.0, width, slot.depth)
-    (row,) = response_groups(excitation, defect, groups_of(defect, 1.0, pair.R, 1), pair.R)
+    (row,) = response_groups(excitation, defect, make_groups(defect, 1.0, pair.R, 1), pair.R)
     share, h, _ = defect_response(excitation, np.array(row), s - width / 2.0, pair.R)
     return share, h
 

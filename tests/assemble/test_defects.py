@@ -10,7 +10,7 @@ from scipy.special import ellipe, ellipk
 from bearingsim import assemble
 from bearingsim.assemble.defects import pack_case_defects, pair_defects
 from bearingsim.assemble.rest import largest_load
-from bearingsim.core.defects.closed_forms import groups_of, roller_drop
+from bearingsim.core.defects.closed_forms import make_groups, roller_drop
 from bearingsim.core.defects.depth import Circular, Rectangular, Triangular
 from bearingsim.core.defects.excitations import Envelope, TracedPath, defect_response
 from bearingsim.core.defects.on_roller import force_over_defect, is_masked, mean_response
@@ -25,9 +25,9 @@ from bearingsim.core.defects.pairs import (
     SPAN,
     passing_speed,
 )
-from bearingsim.core.defects.traced import cut_along_roller, group_paths, pack_traced_defects
+from bearingsim.core.defects.traced import cut_along_roller, pack_traced_defects, trace_groups
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.stiffness.power_laws import palmgren
+from bearingsim.core.laws.stiffness.power_laws import make_palmgren
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.errors import Refused
 from bearingsim.simulation.simulate import SimulationError, simulate
@@ -70,7 +70,7 @@ def test_part_beyond_the_roller_end_does_not_act(offset):
 def test_weights_of_a_bowl_equal_its_overlap_with_the_roller(offset):
     """The reference has 20000 slices of equal length."""
     R, length, width, depth, L_w = 7.1e-3, 3e-3, 8e-4, 5e-5, 12e-3
-    rows = groups_of(Circular(length, width, depth), L_w, R, 24, offset)
+    rows = make_groups(Circular(length, width, depth), L_w, R, 24, offset)
     assert sum(row[GROUP_WEIGHT] for row in rows) == pytest.approx(1.0, rel=1e-12)
     z = (np.arange(20000) + 0.5) / 20000 * L_w - L_w / 2
     zeta = 2 * (z - offset) / length
@@ -199,7 +199,7 @@ def test_traced_slot_gives_the_motion_of_the_closed_form():
     model = assemble.align_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
     (slot,) = pair_defects(case(defect=SLOT))
     defect = Rectangular(12e-3, 8e-4, 5e-5)
-    rows, paths = group_paths(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
+    rows, paths = trace_groups(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
     by_table = model._replace(defects=pack_traced_defects([slot._replace(groups=rows, paths=paths)]))
     expected, result = (drive(variant, Verlet(1e-6), 6289, at_rest(variant)) for variant in (model, by_table))
     scale = np.abs(expected).max(axis=1, keepdims=True) + 1e-12
@@ -211,7 +211,7 @@ def test_shapes_of_equal_sizes_are_cached_separately():
     """Named tuples of different types with the same numbers are equal in Python."""
     sizes = (3e-3, 8e-4, 2e-6)
     box, groove, bowl = (
-        group_paths(kind(*sizes), 7e-3, [(1.0, 0.0)])[1][0] for kind in (Rectangular, Triangular, Circular)
+        trace_groups(kind(*sizes), 7e-3, [(1.0, 0.0)])[1][0] for kind in (Rectangular, Triangular, Circular)
     )
     assert len({path.pieces.tobytes() for path in (box, groove, bowl)}) == 3
 
@@ -234,7 +234,7 @@ def test_undamped_crossing_does_no_work(shape):
     defects = pack_case_defects(
         case(defect=SHORT | {"shape": shape, "width": "1 mm", "depth": "3 um", "edge": {"radius": "20 um"}})
     )
-    contact = HuntCrossley(palmgren(12e-3), 0.0)
+    contact = HuntCrossley(make_palmgren(12e-3), 0.0)
     s = np.linspace(-6e-4, 6e-4, 10001)
     sideways = np.array([force_over_defect(contact, defects, 0, x, 0.0, 4e-7, 0.0)[1] for x in s])
     assert np.abs(sideways).max() > 0.01

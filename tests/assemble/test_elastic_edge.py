@@ -25,7 +25,7 @@ def test_parameters_come_from_the_case() -> None:
     excitation = assemble.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).defects.excitation
     assert isinstance(excitation, EdgeContact)
     E_star = 207e9 / (2.0 * (1.0 - 0.3**2))
-    assert excitation.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(
+    assert excitation.scaled_load * 0.012 * 3.141592653589793 * E_star == pytest.approx(
         4.09 * 150 / 13 + 2.04, abs=0.5
     )  # N
     assert excitation.rho == 1e-5
@@ -50,7 +50,7 @@ def test_exponent_of_johnson_is_that_at_the_largest_load() -> None:
     given = case(defect=SLOT, contact={"damping": CHI, "stiffness": "johnson"})
     excitation = assemble.model(given).defects.excitation
     R_w, R_o = 0.006, 0.0385
-    b = 2.0 * np.sqrt(excitation.load * R_w * R_o / (R_o - R_w))
+    b = 2.0 * np.sqrt(excitation.scaled_load * R_w * R_o / (R_o - R_w))
     Lambda = 2.0 * np.log(4.0 * np.sqrt(R_w * R_o) / np.e / b) + 1.0
     assert excitation.exponent == pytest.approx(Lambda / (Lambda - 1.0), rel=1e-5)
     assert excitation.exponent == pytest.approx(1.070, abs=1e-3)

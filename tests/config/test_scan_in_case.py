@@ -15,7 +15,7 @@ from bearingsim.config.scan.file import read_file
 from bearingsim.config.scan.notes import notes
 from bearingsim.config.scan.repair import read_scan
 from bearingsim.core.defects import traced
-from bearingsim.core.defects.envelope import path_over
+from bearingsim.core.defects.envelope import trace_path
 from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
 from bearingsim.study.schema import json_schema
@@ -120,14 +120,14 @@ def test_a_sweep_over_many_scans_reads_and_traces_each_once(
 
     def tracing(*parts: Any) -> Any:
         counts["traced"] += 1
-        return path_over(*parts)
+        return trace_path(*parts)
 
     monkeypatch.setattr(repair, "read_file", reading)
-    monkeypatch.setattr(traced, "path_over", tracing)
+    monkeypatch.setattr(traced, "trace_path", tracing)
     for _ in range(2):
         for file in files:
             (defect,) = case_with(file).defects
-            traced.paths_over(build_depth_map(defect), 0.006, (0.0,))
+            traced.trace_paths(build_depth_map(defect), 0.006, (0.0,))
     assert counts == {"read": 100, "traced": 100}
 
 

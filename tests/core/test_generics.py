@@ -13,7 +13,7 @@ import pytest
 import bearingsim.core
 from bearingsim.core import jit
 from bearingsim.core.advance import Monitor, NoSamples, Samples
-from bearingsim.core.defects.closed_forms import section_of
+from bearingsim.core.defects.closed_forms import section_parameters
 from bearingsim.core.defects.crossings import count_crossings
 from bearingsim.core.defects.depth import (
     EasedDefect,
@@ -125,7 +125,7 @@ COUNTERPARTS: dict[type, type] = {
 EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ((response_groups,), {TracedPath}, "its groups are made with its table, from paths: `defects/traced.py`"),
     (
-        (section_of,),
+        (section_parameters,),
         {Elliptical, EasedDefect, MirroredDefect, ShiftedDefect, MergedDefects, Spall, ScannedDefect},
         "their paths are traced",
     ),

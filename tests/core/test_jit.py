@@ -15,7 +15,7 @@ from numba.core.codegen import get_host_cpu_features
 
 from bearingsim.core import advance as driver
 from bearingsim.core import jit
-from bearingsim.core.laws.damping.general import general
+from bearingsim.core.laws.damping.general import make_general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.damping.kraemer import Kraemer
@@ -368,7 +368,11 @@ def force(law: Any, delta: float, v: float) -> float:
 
 @pytest.mark.parametrize(
     "law",
-    [HuntCrossley(TenNinths(1e9), 50.0), Kraemer(TenNinths(1e9), 1e-5), general(TenNinths(1e9), 1e6, 1.5, 0.7)],
+    [
+        HuntCrossley(TenNinths(1e9), 50.0),
+        Kraemer(TenNinths(1e9), 1e-5),
+        make_general(TenNinths(1e9), 1e6, 1.5, 0.7),
+    ],
     ids=lambda law: type(law).__name__,
 )
 @pytest.mark.parametrize("delta", [-1e-6, 0.0, 1e-7, 3e-6])

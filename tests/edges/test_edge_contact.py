@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from bearingsim.core.defects.closed_forms import groups_of
-from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact, narrow_contact, one_edge, two_edges
+from bearingsim.core.defects.closed_forms import make_groups
+from bearingsim.core.defects.edge_contact import EdgeContact, make_edge_contact, one_edge, sharp_edge, two_edges
 from bearingsim.core.defects.excitations import Envelope, defect_response, response_groups
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from bearingsim.core.jit import jit
@@ -24,7 +24,7 @@ from tests.scenes.defect_maps import SHAPES
 PAIR, L_W = Pair(), 0.012
 R, FORCE = PAIR.R, 47.0 / L_W
 HALF = PAIR.half_width(FORCE)
-EDGES = edge_contact(47.0, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, 2e-5, LINE_CONTACT_EXPONENT)
+EDGES = make_edge_contact(47.0, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, 2e-5, LINE_CONTACT_EXPONENT)
 
 shapes = st.sampled_from(["rectangular", "triangular", "circular"])
 widths = st.floats(5e-5, 4e-3)
@@ -33,7 +33,7 @@ positions = st.floats(-0.7, 0.7)
 
 
 def response_rows(shape, width, depth, length=L_W, excitation=EDGES):
-    rows = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
+    rows = make_groups(SHAPES[shape](length, width, depth), L_W, R, 6)
     return [np.array(row) for row in response_groups(excitation, SHAPES[shape](length, width, depth), rows, R)]
 
 
@@ -44,17 +44,17 @@ def test_a_sharp_edge_of_a_half_plane():
     unit = FORCE / (np.pi * PAIR.E_star)
     for xi in (-1.0, -0.5, 0.0, 0.5, 1.0, 3.0, 10.0):
         contact = contact_under_force(PAIR, slot, body, FORCE, xi * HALF)
-        f, _ = narrow_contact(xi)
+        f, _ = sharp_edge(xi)
         assert (contact.approach - contact.h - contact.smooth_approach) / unit == pytest.approx(f, abs=0.02)
-    assert narrow_contact(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
-    assert narrow_contact(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
+    assert sharp_edge(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
+    assert sharp_edge(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_centre_of_pressure():
     """The centre is at b before the rim for Hertz's contact, and at a third of the contact at the rim."""
-    assert narrow_contact(-1.0)[1] == pytest.approx(1.0)
-    assert narrow_contact(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
-    assert narrow_contact(-4.0)[1] == pytest.approx(4.0)
+    assert sharp_edge(-1.0)[1] == pytest.approx(1.0)
+    assert sharp_edge(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
+    assert sharp_edge(-4.0)[1] == pytest.approx(4.0)
 
 
 def test_contact_far_from_rim_is_hertzian():
@@ -147,7 +147,7 @@ def test_the_share_follows_the_exponent_of_the_stiffness():
 def test_invalid_load_and_radius_are_rejected():
     for force, rho in ((0.0, 1e-5), (47.0, 0.0)):
         with pytest.raises(ValueError, match="above 0"):
-            edge_contact(force, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho, LINE_CONTACT_EXPONENT)
+            make_edge_contact(force, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho, LINE_CONTACT_EXPONENT)
 
 
 def test_compiled_response_is_identical():

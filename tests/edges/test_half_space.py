@@ -7,8 +7,8 @@ import pytest
 
 from bearingsim.core.laws.hertz import line_pressure
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.power_laws import palmgren
+from bearingsim.core.laws.stiffness.johnson import make_johnson
+from bearingsim.core.laws.stiffness.power_laws import make_palmgren
 from benchmarks.edges.contact import press, press_to
 from benchmarks.edges.edge import contact_at_approach, contact_under_force, make_body
 from benchmarks.edges.half_space import half_plane, hat_integrals, two_half_planes
@@ -46,7 +46,7 @@ def test_a_roller_on_a_flat():
 
 
 def test_approach_equals_johnsons_law():
-    law = johnson(207e9, 0.3, LENGTH, 0.0325)
+    law = make_johnson(207e9, 0.3, LENGTH, 0.0325)
     for load in LOADS:
         assert elastic(law, PAIR.approach(load / LENGTH)) == pytest.approx(load, rel=1e-6)
 
@@ -56,7 +56,7 @@ def test_the_local_exponent():
     for load, exponent in ((5.0, 1.0605), (47.0, 1.0700), (500.0, 1.0839)):
         _, contact = smooth_contact(PAIR, load / LENGTH, 241)
         assert contact.stiffness * contact.approach / contact.force == pytest.approx(exponent, abs=1.5e-3)
-    near_palmgren = elastic(palmgren(LENGTH), PAIR.approach(47.0 / LENGTH))
+    near_palmgren = elastic(make_palmgren(LENGTH), PAIR.approach(47.0 / LENGTH))
     assert near_palmgren == pytest.approx(47.0, rel=0.01)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim import store
-from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop
+from bearingsim.core.defects.closed_forms import bowl_parameters, box_parameters, groove_parameters, roller_drop
 from bearingsim.core.defects.depth import Circular, MergedDefects, ShiftedDefect
 from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, plot
@@ -33,8 +33,8 @@ def defect(**changed):
 def group(shape, depth, z):
     """The model's own group of the section z (m) of a ``defect`` ``depth`` (m) deep."""
     if shape == "circular":
-        return bowl(0.8e-3, depth, R, 2.0 * z / 3e-3)
-    return box(0.8e-3, depth) if shape == "rectangular" else groove(0.8e-3, depth, R)
+        return bowl_parameters(0.8e-3, depth, R, 2.0 * z / 3e-3)
+    return box_parameters(0.8e-3, depth) if shape == "rectangular" else groove_parameters(0.8e-3, depth, R)
 
 
 @pytest.mark.parametrize("shape", ["circular", "rectangular", "triangular"])

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.closed_forms import make_groups
 from bearingsim.core.defects.impulse_train import LoadZone
 from bearingsim.core.defects.pairs import (
     INNER,
@@ -37,7 +37,7 @@ def defect(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape=
         side
     ]
     return RollerDefectPair(
-        side, on, angle, radius, reduced, groups_of(SHAPES[shape](length, width, depth), L_W, reduced, 6)
+        side, on, angle, radius, reduced, make_groups(SHAPES[shape](length, width, depth), L_W, reduced, 6)
     )
 
 

@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 
 from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.laws.stiffness.johnson import johnson
+from bearingsim.core.laws.stiffness.johnson import make_johnson
 from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, TenNinths, ThreeHalves
 from bearingsim.core.models.ring import DampedRates
 from tests.scenes.lanes import ROW, compiled
 
 STEEL = TenNinths(1.58e9)
-LINE = johnson(207e9, 0.3, 0.012, 0.0325)  # NF308: 12 mm roller, R_i + R_w = R_o - R_w = 32.5 mm
+LINE = make_johnson(207e9, 0.3, 0.012, 0.0325)  # NF308: 12 mm roller, R_i + R_w = R_o - R_w = 32.5 mm
 STIFFNESSES = [STEEL, ThreeHalves(2.7e10), Linear(3e8), PowerLaw(5e9, 1.2), LINE]
 every_stiffness = pytest.mark.parametrize("law", STIFFNESSES, ids=lambda law: type(law).__name__)
 

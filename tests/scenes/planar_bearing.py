@@ -7,7 +7,7 @@ import numpy as np
 from bearingsim.assemble.rest import build_static, static_model
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, start_at_rest
-from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.closed_forms import make_groups
 from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.excitations import Envelope
 from bearingsim.core.defects.pairs import INNER, ON_INNER, ON_OUTER, OUTER, RollerDefectPair, pack_defects
@@ -107,7 +107,7 @@ def defect_pairs(scene: planar_scene.Scene, defect: planar_scene.Defect) -> list
             defect.angle,
             radius,
             reduced[side],
-            groups_of(Rectangular(scene.L_w, defect.width, defect.depth), scene.L_w, reduced[side], 1),
+            make_groups(Rectangular(scene.L_w, defect.width, defect.depth), scene.L_w, reduced[side], 1),
         )
         for side in sides
     ]

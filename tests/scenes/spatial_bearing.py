@@ -10,7 +10,7 @@ import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.pairs import GROUP_COUNT, GROUP_HALF_WIDTH, GROUP_WEIGHT, HALF_WIDTH
-from bearingsim.core.geometry.slices import Slices, slices
+from bearingsim.core.geometry.slices import Slices, make_slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.curves import StaticDynamic
 from bearingsim.core.laws.stiffness.power_laws import Linear
@@ -34,13 +34,13 @@ def flat(z):
 
 def even_slices(n: int, L_w: float = L_W) -> Slices:
     """n even slices of a cylinder."""
-    return slices(np.linspace(-L_w / 2, L_w / 2, n + 1), flat)
+    return make_slices(np.linspace(-L_w / 2, L_w / 2, n + 1), flat)
 
 
 def uneven_slices(n: int, seed: int = 0, L_w: float = L_W) -> Slices:
     """n slices of random length."""
     inner = np.sort(np.random.default_rng(seed).uniform(-L_w / 2, L_w / 2, n - 1))
-    return slices(np.concatenate([[-L_w / 2], inner, [L_w / 2]]), flat)
+    return make_slices(np.concatenate([[-L_w / 2], inner, [L_w / 2]]), flat)
 
 
 def slice_defects(defects: Any, table: np.ndarray, reach: Any = None) -> Any:

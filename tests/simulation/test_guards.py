@@ -12,7 +12,7 @@ import pytest
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Monitor, advance_and_sample
-from bearingsim.core.defects.crossings import missed_crossings, passages
+from bearingsim.core.defects.crossings import count_missed_crossings, relative_passages
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, limits, step_check, time_grid
@@ -85,11 +85,11 @@ def test_number_of_crossings_agrees_with_kinematics(model: str, race: str) -> No
 def test_unobserved_crossings_are_counted_as_missed() -> None:
     setup = set_up(choice.resolve(case(**VERLET)))
     y = at_rest(setup.model)
-    first_passages = [passages(setup.model, 0, 0.0, y)]
+    first_passages = [relative_passages(setup.model, 0, 0.0, y)]
     y[lay.DEFECT_CROSSINGS] = y[lay.PAIR_CROSSINGS] = 15.0
     for observed, missed in ((16, 0), (15, 0), (14, 0), (13, 1), (3, 11)):
         y[lay.PAIR_CROSSINGS] = observed
-        assert missed_crossings(setup.model, 15.5 / RATE, first_passages, y) == missed
+        assert count_missed_crossings(setup.model, 15.5 / RATE, first_passages, y) == missed
 
 
 def test_missed_crossings_fail_the_run() -> None:

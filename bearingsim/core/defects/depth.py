@@ -1,8 +1,9 @@
-"""Defects as depth maps p(s, z), m, positive downwards: s along rolling, z along the axis, from the defect's
-middle.
+"""Depth maps of defects: depth p(s, z) (m, positive into the material), s along rolling
+and z along the axis from the defect's centre.
 
-Each kind of map is a type: ``section`` returns its profile at one z, exact or in parabolas; ``extent`` its size;
-``cuts`` the intervals along z between changes in the kind of section. Plain Python, run once per defect.
+Each kind of map is a type: ``section`` returns its profile at one z, exact or
+approximated by parabolas; ``extent`` its ends; ``section_intervals`` the intervals
+along z and how the section varies within each. Plain Python, run once per defect.
 """
 
 from dataclasses import dataclass, field
@@ -18,36 +19,42 @@ from bearingsim.core.defects.profile import (
     RACE,
     START,
     Profile,
-    curve,
-    deeper_profile,
     depth_at,
+    fit_parabolas,
+    make_piece,
+    make_polyline,
+    merge_profiles,
     mirror_profile,
-    polygon,
-    quadratic,
     separate_parts,
     shift_profile,
 )
 from bearingsim.core.jit import generic
 
 ARC_POINTS = 17  # on a rounded edge; denser where it is flat, because no roller reaches its steep part
-ELLIPSE_POINTS = 65
-EVEN, SMOOTH, ROUGH = range(3)
-EDGE_POINTS = 401  # candidate positions for the intersection of edge and wall
+ELLIPSE_POINTS = 65  # on the section of an ellipsoid
+CONSTANT_SECTION, SMOOTH_SECTION, ROUGH_SECTION = range(3)  # variation of the section along z, from least to most
+EDGE_POINTS = 401  # trial positions of the intersection of edge and wall
 
 
 @generic
 def section(depth_map: Any, z: float) -> Profile:
-    """Return the profile at ``z`` (m) from the defect's middle; ``RACE`` beyond the defect."""
+    """Return the profile at ``z`` (m) from the defect's centre; ``RACE`` beyond the
+    defect."""
 
 
 @generic
 def extent(depth_map: Any) -> tuple[float, float, float, float]:
-    """Return the extent (m, m) of the defect along rolling, then along the axis, burrs included."""
+    """Return the ends (m) of the defect along rolling, s_0 and s_1, and along the axis,
+    z_0 and z_1, burrs included."""
 
 
 @generic
-def cuts(depth_map: Any) -> list[tuple[float, float, int]]:
-    """Return intervals (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
+def section_intervals(depth_map: Any) -> list[tuple[float, float, int]]:
+    """Return intervals (m, m) along z, each with the variation of the section within
+    it.
+
+    The variation is CONSTANT_SECTION, SMOOTH_SECTION or ROUGH_SECTION.
+    """
 
 
 class Rectangular(NamedTuple):
@@ -86,9 +93,9 @@ class EasedDefect(NamedTuple):
     """A defect whose edges along rolling are rounded with ``radius`` (m), or whose walls are no steeper than
     ``depth`` over ``ramp`` (m, m).
 
-    One of radius and ramp is zero; depth: the defect's largest depth, so that the slope is the same in all
-    sections. Material above the rounded or sloping edge is removed from the race, so the opening is wider than the
-    defect.
+    One of radius and ramp is zero; depth: the defect's largest depth, so that the slope
+    is the same in all sections. The material above the rounded or sloping edge is
+    removed from the race, so the opening is wider than the original defect.
     """
 
     defect: Any
@@ -104,7 +111,7 @@ class MirroredDefect(NamedTuple):
 
 
 class ShiftedDefect(NamedTuple):
-    """A defect with its middle at s, z (m)."""
+    """A defect with its centre at s, z (m)."""
 
     defect: Any
     s: float
@@ -112,16 +119,17 @@ class ShiftedDefect(NamedTuple):
 
 
 class MergedDefects(NamedTuple):
-    """Several defects as one: the deepest of those present at each position."""
+    """Several defects as one, with the depth of the deepest at each position."""
 
     defects: tuple[Any, ...]
 
 
 @dataclass(frozen=True)
 class ScannedDefect:
-    """A measured grid: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m, linear in between.
+    """A measured defect: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m,
+    linear in between.
 
-    digest: of the file; identifies the scan.
+    digest: hash of the file, which identifies the scan.
     """
 
     digest: str
@@ -141,23 +149,23 @@ for _shape in (Rectangular, Triangular, Circular, Elliptical):
     extent.register(_shape)(_box_extent)
 
 
-@cuts.register(Rectangular)
-@cuts.register(Triangular)
-def _cuts_even(defect):
-    return [(-defect.length / 2.0, defect.length / 2.0, EVEN)]
+@section_intervals.register(Rectangular)
+@section_intervals.register(Triangular)
+def _intervals_constant(defect):
+    return [(-defect.length / 2.0, defect.length / 2.0, CONSTANT_SECTION)]
 
 
-@cuts.register(Circular)
-@cuts.register(Elliptical)
-def _cuts_round(defect):
-    return [(-defect.length / 2.0, 0.0, SMOOTH), (0.0, defect.length / 2.0, SMOOTH)]
+@section_intervals.register(Circular)
+@section_intervals.register(Elliptical)
+def _intervals_smooth(defect):
+    return [(-defect.length / 2.0, 0.0, SMOOTH_SECTION), (0.0, defect.length / 2.0, SMOOTH_SECTION)]
 
 
 @section.register(Rectangular)
 def _section_rectangular(defect, z):
     if abs(z) >= defect.length / 2.0:
         return RACE
-    return quadratic(-defect.width / 2.0, defect.width / 2.0, defect.depth)
+    return make_piece(-defect.width / 2.0, defect.width / 2.0, defect.depth)
 
 
 @section.register(Triangular)
@@ -165,7 +173,7 @@ def _section_triangular(defect, z):
     if abs(z) >= defect.length / 2.0:
         return RACE
     b = defect.width / 2.0
-    return polygon(np.array([-b, 0.0, b]), np.array([0.0, defect.depth, 0.0]))
+    return make_polyline(np.array([-b, 0.0, b]), np.array([0.0, defect.depth, 0.0]))
 
 
 @section.register(Circular)
@@ -174,7 +182,7 @@ def _section_circular(defect, z):
     if abs(zeta) >= 1.0:
         return RACE
     b, curvature = defect.width / 2.0 * sqrt(1.0 - zeta * zeta), 8.0 * defect.depth / defect.width**2
-    return quadratic(-b, b, 0.0, curvature * b, -curvature)
+    return make_piece(-b, b, 0.0, curvature * b, -curvature)
 
 
 @section.register(Elliptical)
@@ -188,7 +196,7 @@ def _section_elliptical(defect, z):
     p[[0, -1]] = 0.0
     slope = np.full(len(t), inf)
     slope[1:-1] = -2.0 * defect.depth / defect.width * np.tan(theta[1:-1])
-    return curve(t, p, slope)
+    return fit_parabolas(t, p, slope)
 
 
 # Edges
@@ -201,9 +209,9 @@ def _extent_eased(eased):
     return s_0 - margin, s_1 + margin, z_0, z_1
 
 
-@cuts.register(EasedDefect)
-def _cuts_eased(eased):
-    return cuts(eased.defect)
+@section_intervals.register(EasedDefect)
+def _intervals_eased(eased):
+    return section_intervals(eased.defect)
 
 
 @section.register(EasedDefect)
@@ -214,19 +222,21 @@ def _section_eased(eased, z):
     sizes = eased.radius, eased.ramp, eased.depth
     for part in separate_parts(profile):
         before, after = _edge_profile(part, *sizes), _edge_profile(mirror_profile(part), *sizes)
-        profile = deeper_profile(deeper_profile(profile, before), mirror_profile(after))
+        profile = merge_profiles(merge_profiles(profile, before), mirror_profile(after))
     return profile
 
 
 def _edge_profile(profile: Profile, radius: float, ramp: float, depth: float) -> Profile:
-    """Return the material removed before and at the first rim of a profile without race between its pieces.
+    """Return the profile of the material removed at the first rim of a profile without
+    race between its pieces.
 
-    At depth p an edge lies back(p) (m) before the wall. It begins where it is tangent to the wall; for a radius,
-    where a disc rolling below the race touches the wall.
+    An edge that meets the wall at depth p starts setback(p) (m) before that point. The
+    edge that starts first is tangent to the wall, and its profile is returned; a
+    rounded one is an arc of a disc below the race that touches the wall.
     """
     start = profile.pieces[0, START]
     x = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # dense at the rim, where an edge meets a steep wall
-    x[1] = min(x[1], 1e-9)  # behind a vertical wall
+    x[1] = min(x[1], 1e-9)  # just behind a vertical wall, if there is one
     t = start + (profile.pieces[-1, END] - start) * x
     p = depth_at(profile, t)
     setback = _setback_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / depth
@@ -235,16 +245,18 @@ def _edge_profile(profile: Profile, radius: float, ramp: float, depth: float) ->
     if length <= 0.0:
         return RACE
     if radius == 0.0:
-        return quadratic(begin, begin + length, 0.0, depth / ramp)
-    steepest = np.arcsin(min(length / radius, 1.0))
-    theta = steepest * np.linspace(0.0, 1.0, ARC_POINTS) ** 2
-    slope = np.append(np.tan(theta[:-1]), tan(steepest) if steepest < 1.5 else inf)
-    return curve(begin + radius * np.sin(theta), radius * (1.0 - np.cos(theta)), slope)
+        return make_piece(begin, begin + length, 0.0, depth / ramp)
+    max_angle = np.arcsin(min(length / radius, 1.0))
+    theta = max_angle * np.linspace(0.0, 1.0, ARC_POINTS) ** 2
+    slope = np.append(np.tan(theta[:-1]), tan(max_angle) if max_angle < 1.5 else inf)
+    return fit_parabolas(begin + radius * np.sin(theta), radius * (1.0 - np.cos(theta)), slope)
 
 
 def _setback_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
-    low = np.clip(p, 0.0, radius)
-    return np.sqrt(low * (2.0 * radius - low))
+    """Return the distance (m) from the start of a rounded edge at which its depth is
+    ``p`` (m)."""
+    depth = np.clip(p, 0.0, radius)
+    return np.sqrt(depth * (2.0 * radius - depth))
 
 
 # Mirrored, shifted and merged defects
@@ -256,9 +268,9 @@ def _extent_mirrored(mirrored):
     return -s_1, -s_0, z_0, z_1
 
 
-@cuts.register(MirroredDefect)
-def _cuts_mirrored(mirrored):
-    return cuts(mirrored.defect)
+@section_intervals.register(MirroredDefect)
+def _intervals_mirrored(mirrored):
+    return section_intervals(mirrored.defect)
 
 
 @section.register(MirroredDefect)
@@ -267,19 +279,19 @@ def _section_mirrored(mirrored, z):
 
 
 @extent.register(ShiftedDefect)
-def _extent_placed(placed):
-    s_0, s_1, z_0, z_1 = extent(placed.defect)
-    return s_0 + placed.s, s_1 + placed.s, z_0 + placed.z, z_1 + placed.z
+def _extent_shifted(shifted):
+    s_0, s_1, z_0, z_1 = extent(shifted.defect)
+    return s_0 + shifted.s, s_1 + shifted.s, z_0 + shifted.z, z_1 + shifted.z
 
 
-@cuts.register(ShiftedDefect)
-def _cuts_placed(placed):
-    return [(a + placed.z, b + placed.z, kind) for a, b, kind in cuts(placed.defect)]
+@section_intervals.register(ShiftedDefect)
+def _intervals_shifted(shifted):
+    return [(a + shifted.z, b + shifted.z, kind) for a, b, kind in section_intervals(shifted.defect)]
 
 
 @section.register(ShiftedDefect)
-def _section_placed(placed, z):
-    return shift_profile(section(placed.defect, z - placed.z), placed.s)
+def _section_shifted(shifted, z):
+    return shift_profile(section(shifted.defect, z - shifted.z), shifted.s)
 
 
 @extent.register(MergedDefects)
@@ -288,13 +300,13 @@ def _extent_merged(merged):
     return float(s_0.min()), float(s_1.max()), float(z_0.min()), float(z_1.max())
 
 
-@cuts.register(MergedDefects)
-def _cuts_merged(merged):
-    all_cuts = [cut for defect in merged.defects for cut in cuts(defect)]
-    ends = sorted({end for a, b, _ in all_cuts for end in (a, b)})
+@section_intervals.register(MergedDefects)
+def _intervals_merged(merged):
+    all_intervals = [interval for defect in merged.defects for interval in section_intervals(defect)]
+    ends = sorted({end for a, b, _ in all_intervals for end in (a, b)})
     intervals = []
     for a, b in pairwise(ends):
-        kinds = [kind for low, high, kind in all_cuts if low < (a + b) / 2.0 < high]
+        kinds = [kind for low, high, kind in all_intervals if low < (a + b) / 2.0 < high]
         if kinds:
             intervals.append((a, b, max(kinds)))
     return intervals
@@ -302,7 +314,7 @@ def _cuts_merged(merged):
 
 @section.register(MergedDefects)
 def _section_merged(merged, z):
-    return reduce(deeper_profile, (section(defect, z) for defect in merged.defects))
+    return reduce(merge_profiles, (section(defect, z) for defect in merged.defects))
 
 
 # Scans
@@ -310,20 +322,21 @@ def _section_merged(merged, z):
 
 @extent.register(ScannedDefect)
 def _extent_scanned(scan):
-    along, across = np.any(scan.depth != 0.0, axis=0), np.any(scan.depth != 0.0, axis=1)
-    return *_marked_extent(scan.s, along), *_marked_extent(scan.z, across)
+    damaged_s, damaged_z = np.any(scan.depth != 0.0, axis=0), np.any(scan.depth != 0.0, axis=1)
+    return *_damaged_extent(scan.s, damaged_s), *_damaged_extent(scan.z, damaged_z)
 
 
-def _marked_extent(positions: np.ndarray, marked: np.ndarray) -> tuple[float, float]:
-    """Return the extent from the last position before to the first position after those in ``marked``."""
-    k = np.flatnonzero(marked)
+def _damaged_extent(positions: np.ndarray, is_damaged: np.ndarray) -> tuple[float, float]:
+    """Return the position just before the first damaged one and the position just after
+    the last."""
+    k = np.flatnonzero(is_damaged)
     return float(positions[max(k[0] - 1, 0)]), float(positions[min(k[-1] + 1, len(positions) - 1)])
 
 
-@cuts.register(ScannedDefect)
-def _cuts_scanned(scan):
+@section_intervals.register(ScannedDefect)
+def _intervals_scanned(scan):
     _, _, z_0, z_1 = extent(scan)
-    return [(z_0, z_1, ROUGH)]
+    return [(z_0, z_1, ROUGH_SECTION)]
 
 
 @section.register(ScannedDefect)
@@ -332,4 +345,4 @@ def _section_scanned(scan, z):
         return RACE
     k = min(max(int(np.searchsorted(scan.z, z, side="right")) - 1, 0), len(scan.z) - 2)
     x = (z - scan.z[k]) / (scan.z[k + 1] - scan.z[k])
-    return polygon(scan.s, (1.0 - x) * scan.depth[k] + x * scan.depth[k + 1])
+    return make_polyline(scan.s, (1.0 - x) * scan.depth[k] + x * scan.depth[k + 1])

@@ -1,18 +1,21 @@
-"""Excitations by a defect: models from the literature.
+"""Models of the excitation by a defect, from the literature.
 
-A defect is divided along the roller into groups (``defects/closed_forms.py``). At a distance s (m) along rolling
-from the defect's middle a group of weight w carries
+A defect is divided along the roller into groups (``defects/closed_forms.py``). At a
+distance s (m) along rolling from the defect's centre the elastic force of a group of
+weight w is
 
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
-and the rate of its approach is reduced by h'(s) ds/dt. An excitation is a type that defines share and h
-(``defect_response``) and the columns of its groups (``response_groups``), except GROUP_WEIGHT and
-GROUP_HALF_WIDTH, the half width (m) beyond which the defect does not act. The slope never exceeds
-min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use this bound.
+and the rate of its approach is reduced by h'(s) ds/dt. An excitation is a type that
+defines share and h (``defect_response``) and the meaning of the columns of its groups
+(``response_groups``), except GROUP_WEIGHT and GROUP_HALF_WIDTH, the half width (m)
+beyond which the defect does not act. The slope never exceeds min(GROUP_HALF_WIDTH, X_E,
+sqrt(2 R DEPTH))/R; estimates of impact speed use this bound.
 
-Several published forms assume a flat race, into which a ball sinks by R_w - sqrt(R_w^2 - w^2/4). Here all use the
-reduced radius R of roller and race, as the roller path does. For the outer race of an NF308 this is 15 % less,
-and the forms then differ only in shape. docs/evidence/excitations.md compares them.
+Several published forms assume a flat race, into which a ball sinks by
+R_w - sqrt(R_w^2 - w^2/4). Here all use the reduced radius R of roller and race, as the
+roller path does, so that they differ only in shape. On the outer race of an NF308 the
+drop is then 15 % less. docs/evidence/excitations.md compares the excitations.
 """
 
 from math import asin, cos, pi, sin, sqrt
@@ -29,8 +32,8 @@ from bearingsim.core.jit import generic, jit
 
 @generic
 def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
-    """Return the response of one group at ``s`` (m) from the defect's middle: share (1), drop h (m) and slope
-    dh/ds (1).
+    """Return the response of one group at ``s`` (m) from the defect's centre:
+    share (1), drop h (m) and slope dh/ds (1).
 
     group: (5,) row of ``response_groups``; R: radius (m) of the roller relative to the race.
     """
@@ -38,14 +41,18 @@ def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> t
 
 @generic
 def defect_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
-    """Return the derivatives of ``defect_response`` with respect to ``s``: of the share (1/m) and of dh/ds (1/m).
-    Jumps are ignored."""
+    """Return the derivatives of share (1/m) and slope dh/ds (1/m) with respect to
+    ``s``. Jumps are ignored."""
 
 
 @generic
 def response_groups(excitation: Any, defect: Any, rows: list, R: float) -> list:
-    """Return the groups of a ``defect`` (a depth map) for ``defect_response``, from the ``rows`` of its roller
-    path. Plain Python."""
+    """Return the groups (w, half width, x_e, kappa, depth) of a ``defect`` (a depth
+    map) for ``defect_response``.
+
+    rows: groups of its roller path (``closed_forms.make_groups``); R: reduced
+    radius (m). Plain Python.
+    """
 
 
 class Envelope(NamedTuple):
@@ -95,8 +102,9 @@ def _defect_response_gradient_traced(excitation, group, s, R):
     )
 
 
-def pulses(rows: list, R: float) -> list:
-    """Return the roller path's rows with each depth replaced by the drop, h in the middle (m)."""
+def make_pulse_groups(rows: list, R: float) -> list:
+    """Return the groups of a pulse from the ``rows`` of a roller path: no wall, and as
+    depth the drop (m) at the defect's centre."""
     return [
         (row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, float(roller_drop(np.array(row), 0.0, R)[0]))
         for row in rows
@@ -106,9 +114,10 @@ def pulses(rows: list, R: float) -> list:
 class RectangularPulse(NamedTuple):
     """Step to the full drop: h = H inside the defect, 0 outside, H = min(depth, w^2/(8 R)) for a box.
 
-    After the pulses of the ball models of the 2000s (among them Patel, Tandon and Pandey 2010, Sawalhi and Randall
-    2008). Neglected: gradual entry and exit. The rate of a step is ignored, h' = 0, so at the far edge the
-    approach increases suddenly by up to H, which does work on the roller that no real edge does.
+    After the pulses of the ball models of the 2000s (among them Patel, Tandon and
+    Pandey 2010, Sawalhi and Randall 2008). Neglected: gradual entry and exit. The
+    infinite slope of a step is ignored (h' = 0), so at the far rim the approach jumps
+    by up to H, which adds energy to the roller, unlike a real edge.
     """
 
 
@@ -124,15 +133,16 @@ def _defect_response_gradient_rectangular(excitation, group, s, R):
 
 @response_groups.register(RectangularPulse)
 def _response_groups_rectangular(excitation, defect, rows, R):
-    return pulses(rows, R)
+    return make_pulse_groups(rows, R)
 
 
 class HalfSinePulse(NamedTuple):
     """Half sine h = H sin(pi (s/w + 1/2)) inside the defect, with the drop H of ``RectangularPulse``.
 
-    After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
-    larger than the defect). Smooth where the roller path over a narrow defect has its cusp, and 6/pi times its
-    area; the slope jumps at the rims. Neglected: the geometry of roller and rim, which gives parabolas.
+    After the half-sine displacement excitation of the ball models (among them Liu, Shao
+    and Lim 2012, for a ball larger than the defect). Unlike the roller path over a
+    narrow defect, it has no cusp at the centre, and its area is 6/pi times as large.
+    Its slope jumps at the rims. Neglected: the parabolic path of a roller on a rim.
     """
 
 
@@ -154,17 +164,20 @@ def _defect_response_gradient_half_sine(excitation, group, s, R):
 
 @response_groups.register(HalfSinePulse)
 def _response_groups_half_sine(excitation, defect, rows, R):
-    return pulses(rows, R)
+    return make_pulse_groups(rows, R)
 
 
 class PiecewisePulse(NamedTuple):
-    """Quarter sine down from each rim with a plateau between: h = H sin(pi x/(2 x_r)) for x < x_r, else H.
+    """Quarter sine at each rim with a plateau between: h = H sin(pi x/(2 x_r)) for
+    x < x_r, else H.
 
-    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), where a roller on the rim of a box reaches the
-    floor. The shape thus depends on the ratio of roller to defect, as in Liu, Shao and Lim 2012: a defect too
-    narrow for the roller to reach its floor gives one half sine, a wide one a plateau at full depth. Their ball
-    can also rest on the defect's sides (their ratio of length to width); a roller cannot, and the rest of its
-    length stays on the race if the defect is shorter. A V or a bowl has no floor and gives a half sine.
+    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), the distance at which
+    a roller on the rim of a box of depth d reaches the floor. The shape thus depends on
+    the ratio of roller to defect, as in Liu, Shao and Lim 2012: a defect too narrow for
+    the roller to reach its floor gives one half sine, a wide one a plateau at full
+    depth. Their ball can also rest on the defect's sides (their ratio of length to
+    width); a roller cannot, and the rest of its length stays on the race if the defect
+    is shorter. A V or a bowl has no floor and gives a half sine.
     """
 
 
@@ -191,19 +204,21 @@ def _defect_response_gradient_piecewise(excitation, group, s, R):
 
 @response_groups.register(PiecewisePulse)
 def _response_groups_piecewise(excitation, defect, rows, R):
-    floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(defect, Rectangular) else NO_WALL for row in rows]
+    floor_distances = [sqrt(2.0 * R * row[DEPTH]) if isinstance(defect, Rectangular) else NO_WALL for row in rows]
     return [
-        (w, b, min(b, floor), 0.0, drop) for (w, b, _, _, drop), floor in zip(pulses(rows, R), floors, strict=True)
+        (w, b, min(b, distance), 0.0, drop)
+        for (w, b, _, _, drop), distance in zip(make_pulse_groups(rows, R), floor_distances, strict=True)
     ]
 
 
 class ClearanceIncrease(NamedTuple):
     """Clearance increased by the defect's depth: h = depth inside the defect, 0 outside, whatever the width.
 
-    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who subtract the defect's depth from the
-    contact deformation. Neglected: the size of the roller, which cannot reach the floor of a narrow defect. The
-    rate is ignored, as for ``RectangularPulse``. A V has its full depth over its whole width; a bowl has the depth
-    of each group.
+    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who subtract the
+    defect's depth from the contact deformation. Neglected: the size of the roller,
+    which cannot reach the floor of a narrow defect. The slope is ignored, as for
+    ``RectangularPulse``. A V groove acts with its full depth over its whole width, a
+    bowl with the depth of each group.
     """
 
 
@@ -225,24 +240,29 @@ def _response_groups_clearance(excitation, defect, rows, R):
 class PressureShare(NamedTuple):
     """Loss of the contact pressure that would act over the defect, until the approach exceeds the defect's depth.
 
-    After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent follows from its size within the contact. With
-    the semi-elliptic pressure of half width b (m) centred at s, the part over the defect is
+    After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent depends on the part
+    of the contact that the dent covers. With the semi-elliptic pressure of half width
+    b (m) centred at s, the part of the load over the defect is
 
         rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
 
-    and the contact consists of two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant,
-    that of the race at the largest healthy load (``hertz.half_width``). Column KAPPA of a group contains b if the
-    group is the part over the defect, and -b if it is the other part. Neglected: the pressure shifted to the
-    dent's rims, and the increase of b with load. Valid for dents narrower than the contact, 2 b; over a wider
-    defect (most are: b is about 18 um at 47 N) the roller drops to the floor as a point would.
+    and the contact consists of two groups: the share 1 - rho at h = 0, the share rho at
+    h = depth. b is constant: the half width (``hertz.half_width``) on the race under
+    the largest load of the healthy bearing. Column KAPPA of a group contains b if the
+    group is the part over the defect, and -b if it is the other part. Neglected: the
+    pressure shifted to the dent's rims, and the increase of b with load. Valid for
+    dents narrower than the contact, 2 b. Most defects are wider (b is about 18 um at
+    47 N): over them the whole contact drops to the floor, as if the roller were a
+    point.
     """
 
     b: float
 
 
 @jit
-def pressure_before(x):
-    """Return the part of a semi-elliptic pressure over (-1, 1) that lies before ``x``."""
+def cumulative_pressure(x):
+    """Return the part (0 to 1) of the load of a semi-elliptic pressure over (-1, 1)
+    that acts before ``x``."""
     x = min(max(x, -1.0), 1.0)
     return 0.5 + (asin(x) + x * sqrt(1.0 - x * x)) / pi
 
@@ -251,15 +271,15 @@ def pressure_before(x):
 def _defect_response_pressure_share(excitation, group, s, R):
     b = abs(group[KAPPA])
     half_width = group[GROUP_HALF_WIDTH] - b
-    rho = pressure_before((half_width - s) / b) - pressure_before((-half_width - s) / b)
+    rho = cumulative_pressure((half_width - s) / b) - cumulative_pressure((-half_width - s) / b)
     if group[KAPPA] > 0.0:
         return rho, group[DEPTH], 0.0
     return 1.0 - max(rho, 0.0), 0.0, 0.0
 
 
 @jit
-def pressure_at(x):
-    """Return the derivative of ``pressure_before``."""
+def pressure_density(x):
+    """Return the derivative of ``cumulative_pressure``."""
     return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
 
 
@@ -267,34 +287,36 @@ def pressure_at(x):
 def _defect_response_gradient_pressure_share(excitation, group, s, R):
     b = abs(group[KAPPA])
     half_width = group[GROUP_HALF_WIDTH] - b
-    front, back = (half_width - s) / b, (-half_width - s) / b
-    rho_derivative = (pressure_at(back) - pressure_at(front)) / b
+    upper, lower = (half_width - s) / b, (-half_width - s) / b
+    rho_derivative = (pressure_density(lower) - pressure_density(upper)) / b
     return (rho_derivative if group[KAPPA] > 0.0 else -rho_derivative), 0.0
 
 
 @response_groups.register(PressureShare)
 def _response_groups_pressure_share(excitation, defect, rows, R):
-    response, b = [], excitation.b
+    groups, b = [], excitation.b
     for row in rows:
         if row[DEPTH] == 0.0:
-            response.append((row[GROUP_WEIGHT], 0.0, NO_WALL, -b, 0.0))
+            groups.append((row[GROUP_WEIGHT], 0.0, NO_WALL, -b, 0.0))
         else:
-            reach = row[GROUP_HALF_WIDTH] + b
-            response += [
-                (row[GROUP_WEIGHT], reach, NO_WALL, -b, 0.0),
-                (row[GROUP_WEIGHT], reach, NO_WALL, b, row[DEPTH]),
+            half_width = row[GROUP_HALF_WIDTH] + b
+            groups += [
+                (row[GROUP_WEIGHT], half_width, NO_WALL, -b, 0.0),
+                (row[GROUP_WEIGHT], half_width, NO_WALL, b, row[DEPTH]),
             ]
-    return response
+    return groups
 
 
 class SoftEdge(NamedTuple):
     """Roller path with the contact stiffness reduced to ``stiffness_share`` (1) while the roller rests on a rim.
 
-    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size has a lower contact stiffness in the defect,
-    with slip and traction (here included by the model ``planar``). 0.65 is the middle of 0.6 to 0.7, which a
-    half-space solution gives for one sharp edge. Floor and walls have full stiffness. Neglected: the transition
-    from race to edge within half a contact width, so the force jumps at the rim; and the second edge in the middle
-    of a narrow defect, where the stiffness remains that of one.
+    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size has a lower
+    contact stiffness in the defect, with slip and traction (here included by the model
+    ``planar``). 0.65 is the mean of 0.6 and 0.7, between which the share of one sharp
+    edge lies in a half-space solution. Floor and walls have full stiffness. Neglected:
+    the transition from race to edge within half a contact width, so the force jumps at
+    the rim; and the second edge, which also supports the roller at the centre of a
+    narrow defect.
     """
 
     stiffness_share: float = 0.65
@@ -319,5 +341,5 @@ def _response_groups_soft_edge(excitation, defect, rows, R):
 
 
 STEP_EXCITATIONS = (RectangularPulse, ClearanceIncrease, PressureShare)
-"""Excitations with a step, or nearly a step, at a defect's end, after which a roller with mass is suddenly deep in
-the race."""
+"""Excitations with a step, or nearly a step, at a defect's end, where the approach of a
+roller that has dropped into the defect jumps."""

@@ -1,8 +1,10 @@
-"""Time of the next jump of the force on a roller: at a cusp of its path, or at the beginning or end of a pulse.
-
-At a cusp the slope of the path drops, so the closing rate and with it the damping force jump; under a pulse the
-approach itself jumps. A step across a jump loses its order, so adaptive methods stop at these positions. They are
-computed when a roller-defect pair is built (``jump_positions``) and stored in its head (``defects/pairs.py``).
+"""Time of the next jump of the force on a roller: at a cusp of its path, or at the
+start or end of a pulse.
+At a cusp the slope of the path drops, so the closing rate and with it the damping force
+jump; under a pulse the approach itself jumps. In a step across a jump a method loses
+its order, so adaptive methods end a step there. The positions are computed when a
+roller-defect pair is built (``jump_positions``) and stored in its head
+(``defects/pairs.py``).
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.envelope import Path, S, piece_ends
+from bearingsim.core.defects.envelope import SLOPE, Path, S, piece_ends
 from bearingsim.core.defects.excitations import defect_response
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.pairs import (
@@ -31,8 +33,8 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import generic, jit
 
 PROBE = 1e-9  # m: distance to either side of a position for evaluating its jump
-MIN_SHARPNESS = 0.05  # relative to the largest jump of a pair; the error control handles smaller ones
-NEAR_JUMP = 1e-8  # m: below this distance the predicted time of a jump is not reduced
+MIN_RELATIVE_JUMP = 0.05  # relative to the largest jump of a pair; the error control handles smaller ones
+NEAR_JUMP = 1e-8  # m: below this distance from a jump its predicted time is not reduced
 JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
 MAX_JUMPS = 32  # per roller-defect pair; a rough defect has hundreds of small ones
 
@@ -50,15 +52,15 @@ def jump_positions(
     """
     jump_at: dict[float, np.ndarray] = {}
     for k, row in enumerate(groups):
-        jumps = path_cusps(paths[k]) if paths else group_jumps(excitation, np.array([*row]), R)
-        for position, jump in jumps:
+        jumps_of_group = path_cusps(paths[k]) if paths else group_jumps(excitation, np.array([*row]), R)
+        for position, jump in jumps_of_group:
             rounded = round(position, 9) + 0.0
             jump_at[rounded] = jump_at.get(rounded, np.zeros(3)) + row[GROUP_WEIGHT] * jump
-    positions, sizes = np.array([*jump_at]), np.array([*jump_at.values()]).reshape(-1, 3)
-    largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind of jump has its own scale
-    sharpness = (sizes / largest).max(axis=1)
-    sharpest = np.argsort(-sharpness, kind="stable")[:MAX_JUMPS]
-    return sorted(float(positions[i]) for i in sharpest if sharpness[i] > MIN_SHARPNESS)
+    positions, jumps = np.array([*jump_at]), np.array([*jump_at.values()]).reshape(-1, 3)
+    largest = np.maximum(jumps.max(axis=0, initial=0.0), 1e-30)  # each kind of jump has its own scale
+    relative_jumps = (jumps / largest).max(axis=1)
+    selected = np.argsort(-relative_jumps, kind="stable")[:MAX_JUMPS]
+    return sorted(float(positions[i]) for i in selected if relative_jumps[i] > MIN_RELATIVE_JUMP)
 
 
 def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
@@ -67,7 +69,7 @@ def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[floa
         0.0,
         float(group[GROUP_HALF_WIDTH]),
         float(group[GROUP_HALF_WIDTH] - group[X_E]),
-        floor_reach(excitation, group, R),
+        full_depth_reach(excitation, group, R),
     }
     jumps = []
     for position in {
@@ -88,18 +90,18 @@ def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[floa
     return jumps
 
 
-def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
-    """Return the greatest distance (m) from the middle at which a group acts with its full depth; -1 if there is
-    none."""
+def full_depth_reach(excitation: Any, group: np.ndarray, R: float) -> float:
+    """Return the largest distance (m) from the centre at which a group acts with its
+    full depth; -1 if there is none."""
     if defect_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
         return -1.0
     low, high = 0.0, float(group[GROUP_HALF_WIDTH])
     for _ in range(60):
-        middle = 0.5 * (low + high)
-        if defect_response(excitation, group, middle, R)[1] >= group[DEPTH]:
-            low = middle
+        midpoint = 0.5 * (low + high)
+        if defect_response(excitation, group, midpoint, R)[1] >= group[DEPTH]:
+            low = midpoint
         else:
-            high = middle
+            high = midpoint
     return low
 
 
@@ -107,7 +109,7 @@ def path_cusps(path: Path) -> list[tuple[float, np.ndarray]]:
     """Return the positions (m) where the slope of a path drops, with the jumps as in ``group_jumps``."""
     if len(path.pieces) == 0:
         return []
-    positions, next_slopes = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
+    positions, next_slopes = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, SLOPE], 0.0)
     slope_drops = piece_ends(path)[:, 1] - next_slopes
     return [
         (float(position), np.array([0.0, 0.0, drop]))
@@ -123,8 +125,10 @@ def path_cusps(path: Path) -> list[tuple[float, np.ndarray]]:
 def next_jump(model: Any, t: float, y: np.ndarray) -> float:
     """Return the time (s) of the next jump of a force after ``t`` (s); inf if there is none.
 
-    For freely moving rollers it is predicted from the state in ``y``, and too early until the jump is near. For
-    others ``NEXT_STOP`` in ``y`` is returned if it is later than ``t``: it must be the result for an earlier time.
+    For freely moving rollers the time is predicted from the state in ``y``; it is too
+    early until the jump is near. For rollers without slip the result is ``NEXT_STOP``
+    in ``y`` if that is later than ``t``, so ``NEXT_STOP`` must be the result for an
+    earlier time.
     """
 
 
@@ -150,7 +154,7 @@ def spacing(defects, d, Z):
 def next_jump_without_slip(model, t, y):
     """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip.
 
-    The time is exact, so the stored one is valid until it is passed.
+    The time is exact, so the stored time is valid until it is passed.
     """
     if y[lay.NEXT_STOP] > t + JUMP_GAP:
         return y[lay.NEXT_STOP]
@@ -170,10 +174,12 @@ def next_jump_without_slip(model, t, y):
 
 
 def next_jump_with_slip(model, t, y):
-    """Implement ``next_jump`` for rollers at any position, from the velocity of the roller nearest to each pair.
+    """Implement ``next_jump`` for rollers at any position, from the velocity of the
+    roller nearest to each defect.
 
-    The speed neglects the rings' transverse motion, a thousandth of it. The predicted distance is therefore
-    reduced by a hundredth until it is below ``NEAR_JUMP``. For a skewed roller the position of its middle is used.
+    The transverse motion of the rings, a thousandth of the speed, is neglected. The
+    predicted distance is therefore reduced by a hundredth until it is below
+    ``NEAR_JUMP``. For a skewed roller the position of its centre is used.
     """
     defects, b = model.defects, model.bearing
     _, rate, _ = kinematic_time(model.motion, t)

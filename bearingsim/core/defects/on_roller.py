@@ -1,5 +1,6 @@
-"""Contact of one roller over a defect, summed over the defect's groups; scalar, because few rollers are in a
-defect."""
+"""Contact of one roller over a defect, summed over the defect's groups.
+The functions are scalar, because few rollers are in a defect at the same time.
+"""
 
 from math import inf
 from typing import Any
@@ -24,8 +25,8 @@ from bearingsim.core.parameters import kinematic_angles
 
 @inlined
 def contact_stiffness(stiffness, delta):
-    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m); zero out of contact for
-    every law."""
+    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m);
+    zero out of contact."""
     return tangent(stiffness, delta) if delta > 0.0 else 0.0
 
 
@@ -34,81 +35,85 @@ def elastic_over_defect(stiffness, defects, d, s, delta):
     """Return the elastic force (N), its derivative (N/m) and the mean approach (m) of a contact in roller-defect
     pair ``d``.
 
-    delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's middle. ``d`` = -1: no defect.
+    delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's
+    centre. ``d`` = -1: no defect.
 
     Equation (M10) of docs/model.md, either side.
     """
     if d < 0:
         return elastic(stiffness, max(delta, 0.0)), contact_stiffness(stiffness, delta), max(delta, 0.0)
-    force, spring_rate, mean = 0.0, 0.0, 0.0
+    force, spring_rate, mean_approach = 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         force += weight * elastic(stiffness, approach)
         spring_rate += weight * contact_stiffness(stiffness, delta - h)
-        mean += weight * approach
-    return force, spring_rate, mean
+        mean_approach += weight * approach
+    return force, spring_rate, mean_approach
 
 
 @jit
 def force_over_defect(contact, defects, d, s, speed, delta, v):
-    """Return the force (N) of a contact in roller-defect pair ``d``, its sideways part, and mean approach (m) and
-    closing rate (m/s).
+    """Return normal force (N), tangential force (N), mean approach (m) and mean closing
+    rate (m/s) of a contact in roller-defect pair ``d``.
 
-    delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over the
-    groups in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N), minus the force in the
-    direction of increasing s.
+    delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s).
+    The tangential force, sum Q_k dh_k/ds, acts against increasing s. The means are over
+    the groups in contact, for the step monitor; without contact approach and rate are
+    those of the group closest to contact.
 
     Equation (M6) of docs/defects.md.
     """
-    force, sideways, mean, closing, nearest, nearest_rate = 0.0, 0.0, 0.0, 0.0, -inf, 0.0
+    force, tangential, approach, weighted_rate, nearest, nearest_rate = 0.0, 0.0, 0.0, 0.0, -inf, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, rate = share * group[GROUP_WEIGHT], v - slope * speed
         group_force = weight * normal_force(contact, delta - h, rate)
         force += group_force
-        sideways += group_force * slope
-        mean += weight * max(delta - h, 0.0)
-        closing += weight * max(delta - h, 0.0) * rate
+        tangential += group_force * slope
+        approach += weight * max(delta - h, 0.0)
+        weighted_rate += weight * max(delta - h, 0.0) * rate
         nearest_rate = rate if delta - h > nearest else nearest_rate
         nearest = max(nearest, delta - h)
-    if mean > 0.0:
-        return force, sideways, mean, closing / mean
-    return force, sideways, nearest, nearest_rate
+    if approach > 0.0:
+        return force, tangential, approach, weighted_rate / approach
+    return force, tangential, nearest, nearest_rate
 
 
 @jit
 def correct_contact(side, contact, defects, d, j, s, speed, y):
-    """Correct the contact of roller ``j`` in roller-defect pair ``d``; return the sideways part (N) of its force.
+    """Correct force, approach and rate of roller ``j`` for roller-defect pair ``d``;
+    return the tangential force (N).
 
-    The approach and rate stored for the roller are means over the groups in contact, for the step monitor.
+    The corrected approach and rate are means over the groups in contact, for the step
+    monitor (``force_over_defect``).
     """
     force, approach, rate, _, _ = contact_rows(side)
-    y[force + j], sideways, y[approach + j], y[rate + j] = force_over_defect(
+    y[force + j], tangential, y[approach + j], y[rate + j] = force_over_defect(
         contact, defects, d, s, speed, y[approach + j], y[rate + j]
     )
-    return sideways
+    return tangential
 
 
 @jit
-def roller_drop_rate(stiffness, defects, d, s, speed, delta):
-    """Return the mean rate (m/s) at which a contact in roller-defect pair ``d`` sinks, weighted by its elastic
-    forces; 0 for no defect.
+def mean_drop_rate(stiffness, defects, d, s, speed, delta):
+    """Return the mean rate dh/dt (m/s) over the groups of roller-defect pair ``d``,
+    weighted by their elastic forces; 0 without a defect.
 
     Equation (M11) of docs/model.md, for a defect at the inner contact.
     """
     if d < 0:
         return 0.0
-    force, moment = 0.0, 0.0
+    force, weighted_rate = 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         group_force = share * group[GROUP_WEIGHT] * elastic(stiffness, max(delta - h, 0.0))
         force += group_force
-        moment += group_force * slope * speed
-    return moment / force if force > 0.0 else 0.0
+        weighted_rate += group_force * slope * speed
+    return weighted_rate / force if force > 0.0 else 0.0
 
 
 @jit
@@ -138,9 +143,10 @@ def stiffness_over_defect(stiffness, defects, d, s, delta):
 
 
 @jit
-def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
-    """Return the derivative of ``roller_drop_rate`` with respect to the approach (1/s)."""
-    force, moment, K_sum, K_moment = 0.0, 0.0, 0.0, 0.0
+def mean_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
+    """Return the derivative of ``mean_drop_rate`` with respect to the
+    approach (1/s)."""
+    force, weighted_rate, K, K_weighted_rate = 0.0, 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
@@ -148,15 +154,16 @@ def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
         group_force = weight * elastic(stiffness, approach)
         K_group = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
         force += group_force
-        moment += group_force * slope * speed
-        K_sum += K_group
-        K_moment += K_group * slope * speed
-    return (K_moment - K_sum * moment / force) / force if force > 0.0 else 0.0
+        weighted_rate += group_force * slope * speed
+        K += K_group
+        K_weighted_rate += K_group * slope * speed
+    return (K_weighted_rate - K * weighted_rate / force) / force if force > 0.0 else 0.0
 
 
 @jit
 def mean_response(defects, d, s):
-    """Return the mean drop (m) over the roller's length, and the share of the stiffness that remains (1)."""
+    """Return the mean drop (m) over the roller's length, and the share (1) of the
+    stiffness that remains."""
     drop, total_share = 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
@@ -168,14 +175,15 @@ def mean_response(defects, d, s):
 
 @inlined
 def prevails(drop, share, other_drop, other_share):
-    """Check if the first of two responses acts at a contact: the deeper one, of equally deep ones the softer."""
+    """Check if a response acts at a contact rather than another: the deeper one, of
+    equally deep ones the softer."""
     return drop > other_drop or (drop == other_drop and share < other_share)
 
 
 @generic
 def roller_at_defect(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
-    """Return the roller nearest to roller-defect pair ``d`` at time ``t`` (s), and its distance (m) from the
-    defect's middle."""
+    """Return the roller nearest to the defect of pair ``d`` at time ``t`` (s), and its
+    distance (m) from the defect's centre."""
 
 
 def roller_at_defect_without_slip(model, d, t, y):
@@ -186,8 +194,11 @@ def roller_at_defect_without_slip(model, d, t, y):
 
 @jit
 def is_masked(model, d, j, s, t, y):
-    """Check if another pair acts at this contact of roller ``j``, because its response prevails, or is equal and
-    first."""
+    """Check if another pair than ``d`` acts at this contact of roller ``j``.
+
+    The other pair acts if its response prevails, or if the responses are equal and it
+    comes first.
+    """
     defects = model.defects
     for e in range(len(defects.head)):
         if e != d and defects.head[e, SIDE] == defects.head[d, SIDE]:

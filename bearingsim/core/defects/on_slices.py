@@ -1,9 +1,10 @@
-"""Defects under the slices of a roller, each slice at its own position along the race and with its own section.
-
-In ``spatial`` group k of a roller-defect pair belongs to slice k. The position relative to a defect of a race
-follows from the angle of a slice's n about the ring's own axis; for a defect of a roller, from this angle and the
-roller's own. (A roller's angle should be measured about the roller's axis; the error is of the order of products
-of tilts, 1e-6 of the angle at 1 mrad.)
+"""Defects under the slices of a roller: each slice has its own position along the race
+and its own section.
+In ``spatial`` group k of a roller-defect pair belongs to slice k. The position of a
+slice relative to a defect of a race follows from the angle of its contact normal n
+about the ring's own axis; relative to a defect of a roller, from this angle and the
+roller's own. (A roller's angle should be measured about the roller's axis; the error is
+of the order of products of tilts, 1e-6 of the angle at 1 mrad.)
 """
 
 from math import atan2, sqrt
@@ -30,10 +31,14 @@ ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 
 @jit
-def slice_polar_position(base, middle, b_z, zeta, y, j):
-    """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its distance (m) from that
-    axis."""
-    r = middle + y[lay.RADIAL + j] + y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
+def slice_polar_position(base, pitch_radius, b_z, zeta, y, j):
+    """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its
+    distance (m) from that axis.
+
+    base: of the rows of the roller's side; b_z: third component of the ring's axis;
+    zeta: position (m) of the slice along the roller.
+    """
+    r = pitch_radius + y[lay.RADIAL + j] + y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
     t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
     z = y[base + lay.OFFSET_Z + j] + zeta * y[base + lay.DIRECTION_Z + j]
     h = z / (1.0 + b_z)
@@ -44,10 +49,11 @@ def slice_polar_position(base, middle, b_z, zeta, y, j):
 
 @jit
 def roller_near_defect(model, d, t, y):
-    """Return the roller nearest to pair ``d``, and the distance (m) of its angle in its pocket from the defect's
-    middle.
+    """Return the roller nearest to the defect of pair ``d``, and the distance (m) along
+    rolling of its direction e_r from the defect's centre.
 
-    The distance of a slice is this plus the radius times the slice's angle (``slice_polar_position``).
+    The distance of a slice is this plus the defect's radius times the slice's angle
+    (``slice_polar_position``).
     """
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
@@ -60,10 +66,10 @@ def roller_near_defect(model, d, t, y):
 
 @jit
 def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
-    """Mark the sides of rollers over a defect, with all or possibly a part of their length; return their
+    """Mark the sides of rollers of which any slice may be over a defect; return their
     number."""
     defects, b = model.defects, model.bearing
-    middle = 0.5 * (b.R_o + b.R_i)
+    pitch_radius = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
         y[lay.OUTER_SIDE + lay.DEFECT_REACH + j], y[lay.INNER_SIDE + lay.DEFECT_REACH + j] = 0.0, 0.0
     count = 0
@@ -72,7 +78,7 @@ def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
         outer = head[SIDE] == OUTER
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if outer else (lay.INNER_SIDE, b_z_inner)
         j, s = roller_near_defect(model, d, t, y)
-        angle, rho = slice_polar_position(side, middle, b_z, 0.0, y, j)
+        angle, rho = slice_polar_position(side, pitch_radius, b_z, 0.0, y, j)
         reach = head[HALF_WIDTH] + head[RADIUS] * model.L_w * abs(y[side + lay.DIRECTION_T + j]) / rho
         if abs(s + head[RADIUS] * angle) < reach:
             y[side + lay.DEFECT_REACH + j] = ROLLER_REACHED
@@ -82,7 +88,7 @@ def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
 
 @jit
 def clear_defect_response(model, y):
-    """Clear the response of the current slice."""
+    """Clear the response of the previous slice of all marked rollers."""
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         for j in range(model.bearing.Z):
             if y[side + lay.DEFECT_REACH + j] > 0.0:
@@ -98,14 +104,15 @@ def clear_defect_response(model, y):
 
 
 @jit
-def slice_defect_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
+def fill_slice_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
-    tilt_factor: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the
-    defects within reach the deepest acts, as in ``on_roller.is_masked``, of equally deep ones the softest, of
-    equal ones the first, and a burr only where no other defect reaches.
+    tilt_factor: 1, or 0 to neglect the tilt; b_z_outer, b_z_inner: third components of
+    the rings' axes. Of the defects at a slice the deepest acts, as in
+    ``on_roller.is_masked``, of equally deep ones the softest, of equal ones the first,
+    and a burr only where there is no other defect.
     """
-    defects, zeta, middle = (
+    defects, zeta, pitch_radius = (
         model.defects,
         model.slices.table[k, ZETA],
         0.5 * (model.bearing.R_o + model.bearing.R_i),
@@ -116,7 +123,7 @@ def slice_defect_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if head[SIDE] == OUTER else (lay.INNER_SIDE, b_z_inner)
         j, s = roller_near_defect(model, d, t, y)
         if y[side + lay.DEFECT_REACH + j] > 0.0:
-            angle, rho = slice_polar_position(side, middle, b_z, zeta, y, j)
+            angle, rho = slice_polar_position(side, pitch_radius, b_z, zeta, y, j)
             s += head[RADIUS] * angle
             if abs(s) < group[GROUP_HALF_WIDTH]:
                 share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])

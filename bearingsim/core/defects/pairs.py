@@ -1,4 +1,5 @@
-"""Roller-defect pairs: the roller over each defect, and the arrays that store a case's defects for compiled code.
+"""Roller-defect pairs: which contacts each defect acts on, and the arrays that store a
+case's defects for compiled code.
 
 A defect of a race forms one pair, with the rollers' contacts on that race. A defect of a roller forms two, one
 with each race. ``head`` stores the properties of a pair, ``groups`` the path over it (``defects/closed_forms.py``,
@@ -13,18 +14,18 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 
-NO_WALL = 1.0  # m; distance of a wall that is never reached
+NO_WALL = 1.0  # m; stands for no wall: a wall at this distance is never reached
 
 GROUP_WEIGHT, GROUP_HALF_WIDTH, X_E, KAPPA, DEPTH = range(5)  # columns of a group
-GROUP = 5
+GROUP_COLUMNS = 5  # number of columns
 
 OUTER, INNER = 0, 1  # sides of a roller, on which it touches a race
-ON_OUTER, ON_INNER = -1, -2  # carrier of a defect on a ring
+ON_OUTER, ON_INNER = -1, -2  # carrier of a defect of a race; that of a roller is its number
 
 
 class RollerDefectPair(NamedTuple):
-    """A defect and the side on which it is in contact: a defect of a race on that race's side, one of a roller on
-    either side.
+    """A defect and the side of the rollers on which it acts: that of its race, or one
+    of the two for a defect of a roller.
 
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
@@ -47,7 +48,7 @@ class RollerDefectPair(NamedTuple):
 
     @property
     def half_width(self) -> float:
-        """Distance (m) from the middle beyond which the defect acts on no group."""
+        """Distance (m) from the centre beyond which no group of the defect acts."""
         return float(max(row[GROUP_HALF_WIDTH] for row in self.groups))
 
 
@@ -57,7 +58,8 @@ FIRST_JUMP = 10
 
 
 class Defects(NamedTuple):
-    """All roller-defect pairs in few arrays, because every array argument of a function costs reference counting.
+    """All roller-defect pairs, in two arrays, because every array argument of a
+    function costs reference counting.
 
     head: (D, 10 + largest number of jumps), first five as in ``RollerDefectPair``, then half_width (m), number of
     groups used, cusp (m), span (m), number of jumps and their positions (m); groups: (D, K, 5), padded with rows
@@ -70,9 +72,10 @@ class Defects(NamedTuple):
 
 
 def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, min_groups: int = 1) -> Defects:
-    """Pack the roller-defect pairs into the arrays of the core, of at least ``min_groups`` groups per pair."""
+    """Pack the roller-defect pairs into ``Defects``, with space for at least
+    ``min_groups`` groups per pair."""
     group_count = max([min_groups, *(len(pair.groups) for pair in pairs)])
-    groups = np.zeros((len(pairs), group_count, GROUP))
+    groups = np.zeros((len(pairs), group_count, GROUP_COLUMNS))
     for row, pair in zip(groups, pairs, strict=True):
         row[: len(pair.groups)] = pair.groups
     head = np.zeros((len(pairs), FIRST_JUMP + max((len(pair.jumps) for pair in pairs), default=0)))
@@ -107,8 +110,8 @@ def inner_reduced_radius(R_w: float, R_i: float) -> float:
 
 @jit
 def nearest_roller(defects, d, theta_c, theta_i, roll, Z):
-    """Return the roller nearest to roller-defect pair ``d``, and its distance s (m) along rolling from the
-    defect's middle.
+    """Return the roller nearest to the defect of pair ``d``, and its distance s (m)
+    along rolling from the defect's centre.
 
     theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll:
     angle by which a roller has rotated backwards relative to the line through its centre and the bearing's.
@@ -118,19 +121,20 @@ def nearest_roller(defects, d, theta_c, theta_i, roll, Z):
     head = defects.head[d]
     carrier = head[CARRIER]
     if carrier >= 0.0:
-        turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
-        return int(carrier), (turn - np.floor(turn + 0.5)) * 2.0 * pi * head[RADIUS]
+        revolutions = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
+        return int(carrier), (revolutions - np.floor(revolutions + 0.5)) * 2.0 * pi * head[RADIUS]
     angle = head[ANGLE] + (theta_i if carrier == ON_INNER else 0.0)
-    turn = (theta_c - angle) * Z / (2.0 * pi)
-    nearest = np.floor(turn + 0.5)
+    passages = (theta_c - angle) * Z / (2.0 * pi)
+    nearest = np.floor(passages + 0.5)
     number = -nearest - Z * np.floor(-nearest / Z)
     j = int(number) if 0.0 <= number < Z else 0
-    return j, (turn - nearest) * (2.0 * pi / Z) * head[RADIUS]
+    return j, (passages - nearest) * (2.0 * pi / Z) * head[RADIUS]
 
 
 @jit
 def passing_speed(defects, d, bearing):
-    """Return the speed (m/s) of rollers past the defect, ds/dt, at kinematic speeds."""
+    """Return the speed ds/dt (m/s) of rollers past the defect of pair ``d``, without
+    slip."""
     carrier = defects.head[d, CARRIER]
     if carrier >= 0.0:
         return defects.head[d, RADIUS] * bearing.omega_b

@@ -1,9 +1,10 @@
 """Passage of one roller over a defect between two fixed rings, or its impact on one of them.
 
-    m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + C
+    m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + Q_0
 
-x: outward displacement (m) of the roller; delta_o, delta_i: approaches at rest; C: force that balances the roller
-at rest. Other rollers and the rings' masses are neglected, so this is an estimate of the peak force before a run.
+x: outward displacement (m) of the roller; delta_o, delta_i: approaches at rest; Q_0:
+force that balances the roller at rest. Other rollers and the motion of the rings are
+neglected, so this is only an estimate of the peak force, made before a run.
 """
 
 from math import pi, sqrt
@@ -15,16 +16,17 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 
 PASSAGE_STEPS = 400  # minimum number of steps from rim to rim
-PERIOD_STEP = 0.1  # largest step of a passage, over sqrt(m/K), the time of one radian of the contact oscillation
+PERIOD_STEP = 0.1  # largest step of a passage, in units of sqrt(m/K), the time of one radian of oscillation
 STEPS_PER_CHECK = 4096  # steps between two readings of the CPU clock
-DECAY_TIMES = 10.0  # time simulated after a passage, besides one more crossing, over sqrt(m/K) at rest
+DECAY_TIMES = 10.0  # time simulated after a passage and one more crossing time, in units of sqrt(m/K) at rest
 
 
 @jit
 def passage_peak(model, d, delta_o, delta_i, cpu_end):
     """Return the largest contact force (N) during a roller's passage of roller-defect pair ``d``.
 
-    delta_o, delta_i: the approaches (m) of its contacts at rest; cpu_end: as of ``cpu_time.bounded``.
+    delta_o, delta_i: approaches (m) of its contacts at rest; cpu_end: CPU time (s) of
+    the thread at which the computation stops (``cpu_time.bounded``).
     """
     outer, inner, defects, m = model.outer, model.inner, model.defects, model.bearing.m_r
     speed, half_width = passing_speed(defects, d, model.bearing), defects.head[d, HALF_WIDTH]
@@ -62,20 +64,21 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
     return peak
 
 
-FIRST_APPROACH = 1e-15  # m, initial approach of an impact; above 0, so that damping forces that jump act
+INITIAL_APPROACH = 1e-15  # m, initial approach of an impact; above 0, so that damping forces that jump act
 LONGEST_IMPACT_STEP = 1e-7  # s, largest step of an impact
-IMPACT_STEP = 0.2  # largest step of an impact, over m/C, the time in which damping alone would stop the roller
+IMPACT_STEP = 0.2  # largest step of an impact, in units of m/C, the decay time of the speed under damping alone
 
 
 @jit
 def free_impact(m, law, speed, cpu_end):
     """Compute the impact of a free roller of mass ``m`` (kg) on one race with ``speed`` (m/s).
 
-    cpu_end: as of ``cpu_time.bounded``. Returns the peak force (N) and the largest stiffness (N/m) and damping (N
-    s/m) until it stops.
+    cpu_end: CPU time (s) of the thread at which the computation stops
+    (``cpu_time.bounded``). Returns the peak force (N) and the largest stiffness (N/m)
+    and damping (N s/m) until the roller is at rest.
     """
     h_max = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
-    delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
+    delta, v, peak, K, C = INITIAL_APPROACH, speed, 0.0, 0.0, 0.0
     n = 0
     while v > 0.0 and not (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_over(cpu_end)):
         n += 1

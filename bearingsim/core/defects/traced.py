@@ -1,5 +1,5 @@
-"""Conversion of depth maps for the core: slices of a defect along the roller, their paths, and the table of
-paths."""
+"""Conversion of depth maps for the core: slices of a roller over a defect, their paths,
+and the table of paths."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -10,34 +10,36 @@ import numpy as np
 
 from bearingsim.core.defects.closed_forms import NO_DEFECT
 from bearingsim.core.defects.depth import (
-    EVEN,
-    SMOOTH,
+    CONSTANT_SECTION,
+    SMOOTH_SECTION,
     MergedDefects,
     ScannedDefect,
     ShiftedDefect,
-    cuts,
     extent,
     section,
+    section_intervals,
 )
-from bearingsim.core.defects.envelope import FLAT, Path, cusp, pack_paths, path_over, steepest
+from bearingsim.core.defects.envelope import FLAT, Path, find_cusp, max_slope, pack_paths, trace_path
 from bearingsim.core.defects.excitations import TracedPath
 from bearingsim.core.defects.pairs import KAPPA, Defects, RollerDefectPair, pack_defects
 from bearingsim.core.defects.profile import Profile, relief
 
-PIECE_RESOLUTION = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: resolution in comparing pieces of paths
+PIECE_RESOLUTION = np.array([1e-12, 1e-18, 1e-12, 1e-6])
+"""Differences (m, m, 1, 1/m) below which pieces of paths are equal."""
 RollerSlice = tuple[float, float]
-"""Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
+"""Weight (1) of a slice of a roller and the position z (m) of its centre from the
+roller's."""
 
 
 def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
-    """Return the slices of a roller of length ``L_w`` (m) over a defect, their weights summing to its share of the
-    roller.
+    """Return the slices of a roller of length ``L_w`` (m) over a defect.
 
-    An interval of constant section has one slice. An interval of smoothly varying section has Gauss nodes,
-    ``nodes`` on the longest interval and in proportion on others. One of rough section has as many slices of equal
-    length.
+    Their weights sum to the part of the roller over the defect. An interval of constant
+    section has one slice. On one of smoothly varying section the slices are Gauss
+    nodes: ``nodes`` on the longest interval, in proportion on others. One of rough
+    section has the same number of slices, of equal length.
     """
-    intervals = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(defect)]
+    intervals = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in section_intervals(defect)]
     intervals = [(a, b, kind) for a, b, kind in intervals if b > a]
     longest = max((b - a for a, b, _ in intervals), default=0.0)
     return [
@@ -48,43 +50,47 @@ def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
 
 
 def _quadrature(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the nodes in (-1, 1) and weights (sum 2) of a quadrature."""
-    if kind == EVEN:
+    """Return the nodes in (-1, 1) and the weights (sum 2) of the quadrature for a
+    ``kind`` of interval."""
+    if kind == CONSTANT_SECTION:
         return np.zeros(1), np.full(1, 2.0)
-    if kind == SMOOTH:
+    if kind == SMOOTH_SECTION:
         return np.polynomial.legendre.leggauss(nodes)
     return (2.0 * np.arange(nodes) + 1.0) / nodes - 1.0, np.full(nodes, 2.0 / nodes)
 
 
 TracedGroup = tuple[tuple[float, ...], Path]
-"""Group without its weight (b, x_e, 0, depth), and its path."""
+"""Group without its weight, (b, x_e, 0, depth), and its path."""
 
 
-def paths_over(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
-    """Return the roller path over a defect at each z (m) of ``positions``, cached."""
-    return _paths_over(defect, repr(defect), R, tuple(float(z) for z in positions))
+def trace_paths(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
+    """Return group and path of a roller over a defect at each z (m) of ``positions``,
+    cached."""
+    return _trace_paths(defect, repr(defect), R, tuple(float(z) for z in positions))
 
 
 @lru_cache(maxsize=256)
-def _paths_over(defect: Any, shape_key: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
-    """Cache ``paths_over``; ``shape_key`` distinguishes shapes that are equal as tuples. The paths of a rough
-    defect in 41 slices take 20 kB, so the cache covers a sweep."""
+def _trace_paths(defect: Any, shape_key: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
+    """Cache ``trace_paths``; ``shape_key`` distinguishes shapes that are equal as
+    tuples. The paths of a rough defect in 41 slices take 20 kB, so the cache covers a
+    sweep."""
     return tuple(_trace(section(defect, z), R) for z in positions)
 
 
 def _trace(profile: Profile, R: float) -> TracedGroup:
-    path = path_over(profile, R)
+    """Return group and path of a roller of reduced radius ``R`` (m) over a profile."""
+    path = trace_path(profile, R)
     if len(path.pieces) == 0:
         return NO_DEFECT, path
-    x_e = R * steepest(path)
+    x_e = R * max_slope(path)  # no wall; bounds the slope, as in ``defects/excitations.py``
     return (max(-path.pieces[0, 0], path.end, x_e), x_e, 0.0, relief(profile)), path
 
 
-def group_paths(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
-    """Return groups and paths of a roller over a defect; equal slices form one group, the undamaged length
-    another."""
+def trace_groups(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
+    """Return groups and paths of a roller over a defect: one for all slices with equal
+    paths, and one for the undamaged length."""
     merged: dict[bytes, tuple[float, tuple, Path]] = {}
-    for (weight, _), (row, path) in zip(slices, paths_over(defect, R, [z for _, z in slices]), strict=True):
+    for (weight, _), (row, path) in zip(slices, trace_paths(defect, R, [z for _, z in slices]), strict=True):
         key = (np.round(np.append(path.pieces / PIECE_RESOLUTION, path.end / PIECE_RESOLUTION[0])) + 0.0).tobytes()
         previous = merged[key][0] if key in merged else 0.0
         merged[key] = (previous + weight, row, path)
@@ -94,16 +100,17 @@ def group_paths(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[l
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
-def slice_paths(defect: Any, R: float, middles: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
-    """Return a group of weight 1 and a path for each slice of a roller, with slice middles at ``middles`` (m)."""
-    traced = paths_over(defect, R, middles)
+def trace_slices(defect: Any, R: float, centres: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
+    """Return a group of weight 1 and a path for each slice of a roller, from the
+    ``centres`` (m) of the slices."""
+    traced = trace_paths(defect, R, centres)
     return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
 
 
 def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
-    """Return the position (m) of the cusp with the largest product of slope drop and share of the roller; 0 if
-    there is none."""
-    cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
+    """Return the position (m) of the cusp with the largest product of slope drop and
+    group weight; 0 if there is none."""
+    cusps = [(find_cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
     position, largest = 0.0, 0.0
     for (cusp_position, slope_drop), weight in cusps:
         if slope_drop * weight > largest:
@@ -112,12 +119,12 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
 
 
 def defect_span(defect: Any, R: float) -> float:
-    """Return the extent (m) of a defect along its middle, the shortest of merged ones; ``R``: reduced radius
-    (m)."""
+    """Return the length (m) along rolling over which a defect acts at its axial centre,
+    the shortest of merged defects; ``R``: reduced radius (m)."""
     if isinstance(defect, MergedDefects):
         return min(defect_span(part, R) for part in defect.defects)
     low, high, z_0, z_1 = extent(defect)
-    path = path_over(section(defect, (z_0 + z_1) / 2.0), R)
+    path = trace_path(section(defect, (z_0 + z_1) / 2.0), R)
     return path.end - float(path.pieces[0, 0]) if len(path.pieces) else high - low
 
 

@@ -11,7 +11,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.sides import contact_rows, normal_rows, sign
 from bearingsim.core.jit import inlined, jit
 
-PER_QUARTER = 2.0 / pi  # quarter turns per rad
+QUARTERS_PER_RAD = 2.0 / pi  # quarter turns per rad
 QUARTER_HIGH, QUARTER_LOW = 0.5 * pi, 6.123233995736766e-17
 """Quarter turn (rad) as the sum of two floats."""
 S_3, S_5, S_7 = -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04
@@ -27,7 +27,7 @@ def cos_sin(angle):
 
     The error is below 3e-16 plus 2e-16 of the angle, the rounding error of the angle.
     """
-    quarters = floor(angle * PER_QUARTER + 0.5)
+    quarters = floor(angle * QUARTERS_PER_RAD + 0.5)
     x = (angle - quarters * QUARTER_HIGH) - quarters * QUARTER_LOW
     z = x * x
     s = x + x * z * (S_3 + z * (S_5 + z * (S_7 + z * (S_9 + z * (S_11 + z * S_13)))))
@@ -54,7 +54,7 @@ def centre_at(cell, y):
 
 
 @inlined
-def roller_direction(C, S, y, j):
+def fill_roller_direction(C, S, y, j):
     """Fill the directions of roller ``j`` and of its pocket; C, S: cosine and sine of the first pocket's angle.
 
     |EPS| remains below 0.01, where the series are exact to rounding.
@@ -70,14 +70,14 @@ def roller_direction(C, S, y, j):
 
 
 @jit
-def roller_directions(theta_c, y, n):
+def fill_roller_directions(theta_c, y, n):
     """Fill the directions of all rollers and pockets, with the first pocket at ``theta_c`` (rad).
 
     Equation (P1) of docs/planar.md.
     """
     C, S = cos_sin(theta_c)
     for j in range(n):
-        roller_direction(C, S, y, j)
+        fill_roller_direction(C, S, y, j)
 
 
 @jit

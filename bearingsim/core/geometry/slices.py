@@ -42,7 +42,7 @@ def slice_edges(L_w: float, defects: Iterable[tuple[float, float]], n: int) -> n
     return np.append(np.concatenate(parts), cuts[-1])
 
 
-def slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
+def make_slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
     """Make the slices between ``ends`` (n + 1,) in m, with the roller's ``drop`` (m) at their middles."""
     middles = (ends[1:] + ends[:-1]) / 2.0
     table = np.stack([middles, np.diff(ends) / (ends[-1] - ends[0]), [drop(float(z)) for z in middles]], axis=1)

@@ -7,7 +7,7 @@ Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 4.1 and 4.2.
 from math import exp, log, pi, sqrt
 from typing import Any, NamedTuple
 
-LONGEST_ELLIPSE = 1e4  # ratio of the axes; a longer contact is treated as a line
+MAX_AXIS_RATIO = 1e4  # ratio of the axes; a longer contact is treated as a line
 
 
 def effective_modulus(E: float, nu: float) -> float:
@@ -59,7 +59,7 @@ class PointContact(NamedTuple):
         return 1.5 * Q / (pi * a * b)
 
 
-def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
+def make_ball_contact(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
     """Return the contact of a ball of diameter ``D_w`` (m) on a race with groove radius ``r_g`` (m); E in Pa.
 
     ``R``: radius of the race at the bottom of its groove (m), positive for an inner race (convex), negative for
@@ -69,10 +69,10 @@ def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> Point
     rho_along, rho_across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # curvatures relative to the race, 1/m
     if rho_along <= 0.0 or rho_across <= 0.0:
         raise ValueError(f"a ball of diameter {D_w} m does not fit a groove of {r_g} m on a race of {R} m")
-    return elliptic_contact(effective_modulus(E, nu), rho_along, rho_across)
+    return make_elliptic_contact(effective_modulus(E, nu), rho_along, rho_across)
 
 
-def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
+def make_elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
     """Return the contact of two bodies with relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any
     order.
 
@@ -125,8 +125,8 @@ def axis_ratio(ratio: float) -> float:
     """Return kappa = a/b of the contact ellipse of bodies with the ratio of curvatures B/A = ``ratio`` >= 1."""
     if ratio < 1.0 + 1e-12:
         return 1.0  # a circle, for which the ratio is 0/0
-    low, high = 0.0, log(LONGEST_ELLIPSE)
-    if ratio > curvature_ratio(LONGEST_ELLIPSE):
+    low, high = 0.0, log(MAX_AXIS_RATIO)
+    if ratio > curvature_ratio(MAX_AXIS_RATIO):
         raise ValueError(f"curvatures in the ratio {ratio:.3g} make a line, not an ellipse")
     while high - low > 1e-15 * (1.0 + high):
         middle = (low + high) / 2.0

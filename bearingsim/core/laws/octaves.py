@@ -11,20 +11,20 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 
-FIRST, LAST = -36, -6  # octaves of the table
+MIN_EXPONENT, MAX_EXPONENT = -36, -6  # octaves of the table
 CELL_BITS = 5
-CELLS = 1 << CELL_BITS  # per octave
-FLOOR, CEILING = 2.0**FIRST, 2.0**LAST
+CELLS_PER_OCTAVE = 1 << CELL_BITS  # per octave
+FLOOR, CEILING = 2.0**MIN_EXPONENT, 2.0**MAX_EXPONENT
 COEFFICIENTS = 4
 _SHIFT = 52 - CELL_BITS  # bits of a double below those of its cell's index
-_BELOW_FLOOR = ((1023 + FIRST) << CELL_BITS) - 1  # cell 0 extends from the origin to FLOOR
+_BELOW_FLOOR = ((1023 + MIN_EXPONENT) << CELL_BITS) - 1  # cell 0 extends from the origin to FLOOR
 _LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits give cell 0
 
 
 def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
     """Tabulate a function that returns values and derivatives of arrays, by cubic Hermite interpolation."""
-    octaves = 2.0 ** np.arange(FIRST, LAST)
-    y = np.append(np.outer(octaves, 1.0 + np.arange(CELLS) / CELLS).ravel(), CEILING)
+    octaves = 2.0 ** np.arange(MIN_EXPONENT, MAX_EXPONENT)
+    y = np.append(np.outer(octaves, 1.0 + np.arange(CELLS_PER_OCTAVE) / CELLS_PER_OCTAVE).ravel(), CEILING)
     x, derivative = function(y)
     h, rise = np.diff(y), np.diff(x)
     second = (3.0 * rise / h - 2.0 * derivative[:-1] - derivative[1:]) / h

@@ -103,7 +103,7 @@ def _regime_blend(
 # Damping
 
 TIME_CONSTANT = 0.946  # damping over stiffness of the film between rigid cylinders, in sqrt(2 R h)/u; exact
-L_OFFSET, Z_SCALE, Z_EXPONENT = 20.0, 21.3, 3.4  # fits, see ``transition``
+L_OFFSET, Z_SCALE, Z_EXPONENT = 20.0, 21.3, 3.4  # fits, see ``transition_parameter``
 FLATTENING_Z, FLATTENING_EXPONENT = 2.25, 4.0  # fits, see ``entrainment_damping``
 ROLL_OFF_FACTOR, ROLL_OFF_PHASE, ROLL_OFF_EXPONENT = 0.79, 1.4, 1.3  # fits of the roll-off
 MIN_LOAD = 1e-6  # N, load below which the damping is zero
@@ -115,10 +115,10 @@ def film_damping(Q: Number, k: Number, line: LubricatedLine, omega: Number = 0.0
 
     ``Q``: load (N); ``k``: tangent stiffness dQ/d(delta) (N/m) of the elastic law at this load; ``omega``: angular
     frequency of the oscillation (rad/s), 0 for a slow one. ``exponent``: of the half width, b ~ Q^exponent, 1/2
-    for lines, 1/3 for balls (``ball_as_strip``). The result is smooth in Q and tends to zero as Q^(3/2).
+    for lines, 1/3 for balls (``equivalent_line_contact``). The result is smooth in Q and tends to zero as Q^(3/2).
 
     It is the sum of ``squeeze_damping`` and ``entrainment_damping``. For slow oscillations it is within a factor
-    1.25 of 9 in 10 solutions. The others have z from 1 to 1.8 (``transition``), where the film has little damping,
+    1.25 of 9 in 10 solutions. The others have z from 1 to 1.8 (``transition_parameter``), where the film has little damping,
     and the result is 0.7 to 11 times the solution. At the natural frequency of the element on its contacts it is
     accurate only to an order of magnitude.
     """
@@ -139,7 +139,7 @@ def inlet_squeeze(h: Number, line: LubricatedLine) -> Number:
     return TIME_CONSTANT * MARTIN * 2.0**0.5 * line.eta * line.L * (line.R / h) ** 1.5
 
 
-def transition(Q: Number, line: LubricatedLine) -> Number:
+def transition_parameter(Q: Number, line: LubricatedLine) -> Number:
     """Return z = M (L + 20)/21.3: below 1 the film deflects as between rigid cylinders, above 2 the contact is
     flat."""
     M, L = moes_numbers(Q, line)
@@ -153,7 +153,7 @@ def film_compliance(Q: Number, line: LubricatedLine) -> Number:
     film is stiff.
     """
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
-    return h / Q * np.exp(-(transition(Q, line) ** Z_EXPONENT))
+    return h / Q * np.exp(-(transition_parameter(Q, line) ** Z_EXPONENT))
 
 
 def squeeze_damping(Q: Number, k: Number, line: LubricatedLine, omega: Number = 0.0) -> Number:
@@ -182,7 +182,7 @@ def entrainment_damping(
     n = 1.1/(1 + L/30) and the flattening factor z^4/(2.25^4 + z^4), which is zero without a flat contact, are
     fits.
     """
-    z = transition(Q, line)
+    z = transition_parameter(Q, line)
     _, L = moes_numbers(Q, line)
     n = 1.1 / (1.0 + L / 30.0) / (1.0 + (FLATTENING_Z / z) ** FLATTENING_EXPONENT)
     b = half_widths(Q, line)
@@ -204,13 +204,13 @@ def roll_off(omega_T: Number) -> Number:
     return 1.0 / (1.0 + (omega_T / ROLL_OFF_PHASE) ** ROLL_OFF_EXPONENT)
 
 
-def hysteresis(k: Number, omega: Number, loss_factor: float) -> Number:
+def hysteresis_damping(k: Number, omega: Number, loss_factor: float) -> Number:
     """Return the damping (N s/m) of the bodies, c = loss_factor k/omega, with a loss of pi loss_factor k X^2 per
     cycle at any frequency."""
     return loss_factor * k / omega
 
 
-def ball_as_strip(a: Number, b: Number, pressure: Number, E_star: float) -> tuple[Number, Number]:
+def equivalent_line_contact(a: Number, b: Number, pressure: Number, E_star: float) -> tuple[Number, Number]:
     """Return L and R (m) of a line contact with the half width ``b``, largest pressure and load of an ellipse.
 
     Semi-axes ``a`` > ``b`` in m, ``pressure`` in Pa; a is transverse to rolling. With Q = 2 pi a b p/3 = pi b p

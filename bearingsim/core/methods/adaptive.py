@@ -307,7 +307,7 @@ def advance_once(method, model, y):
         store_step_end(model, y, n)
         store_forces_at_end(y, rollers)
         if may_peak_within(y, rollers):
-            set_middle_state(model, y, n)
+            set_midpoint_state(model, y, n)
             update_forces_within(y, rollers)
     return attempts
 
@@ -321,7 +321,7 @@ def store_step_end(model, y, n):
 
 
 @jit
-def set_middle_state(model, y, n):
+def set_midpoint_state(model, y, n):
     """Set the state in the middle of the last step, contacts included, by Hermite's quintic through both ends.
 
     It interpolates positions (m, rad), velocities and accelerations at both ends with an error of sixth order in

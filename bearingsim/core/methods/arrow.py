@@ -123,7 +123,7 @@ def factorise(model, y):
                     product += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[lay.border_column(lay.SYSTEM, i, m) + j]
                 y[lay.ADDENDS + j] = product
             y[lay.corner_block(lay.SYSTEM, k, m)] -= sum_addends(y, n)
-    factor_border(shared, y)
+    factor_corner(shared, y)
 
 
 @jit
@@ -143,7 +143,7 @@ def solve_rollers(per_roller, column, stride, y, n):
 
 
 @jit
-def factor_border(shared, y):
+def factor_corner(shared, y):
     """Factor the border's block by LU with scaled partial pivoting."""
     for k in range(shared):
         largest = 0.0
@@ -201,7 +201,7 @@ def solve(model, block, y):
                 product += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[block + i * lay.ROW + lay.FIRST_LANE + j]
             y[lay.ADDENDS + j] = product
         y[block + lay.shared_cell(k)] -= sum_addends(y, n)
-    solve_border(shared, block, y)
+    solve_corner(shared, block, y)
     for k in range(shared):
         x_k = y[block + lay.shared_cell(k)]
         for i in range(per_roller):
@@ -212,7 +212,7 @@ def solve(model, block, y):
 
 
 @jit
-def solve_border(shared, block, y):
+def solve_corner(shared, block, y):
     """Solve the border's system in place on the shared cells of ``block``."""
     for k in range(shared):
         pivot = lay.shared_cell(int(y[PIVOTS + k]))

@@ -57,7 +57,7 @@ def set_equation(h, y, n):
 
 
 @jit
-def estimate(model, h, y, n):
+def estimate_error(model, h, y, n):
     """Compute (I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V, with S at the step's end."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[lay.VELOCITY + j] - y[START_V + j])
@@ -78,7 +78,7 @@ def _attempt(method, model, t, h, y):
         return inf
     for j in range(n):
         y[lay.ACCELERATION + j] = y[UNKNOWN + j]
-    estimate(model, h, y, n)
+    estimate_error(model, h, y, n)
     return limit_jump_error(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
 
 

@@ -17,20 +17,20 @@ from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.tableau import (
     continuous_extension,
     dense_state,
-    estimate,
+    estimate_error,
     evaluate_stages,
-    runge_kutta,
+    make_runge_kutta,
+    make_stage_rows,
     save_accelerations,
-    stage_rows,
     stage_state,
-    weights,
+    weights_tuple,
 )
 from bearingsim.core.models.interface import accelerations, state_width
 
 ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and including those of dense output
 
 
-def expand(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
+def expand_rows(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
     """Return the rows of a table as an array (count, columns)."""
     table = np.zeros((count, columns))
     for i, row in rows.items():
@@ -38,17 +38,19 @@ def expand(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.nd
     return table
 
 
-TABLE = runge_kutta(expand(STAGE_ROWS, DENSE_STAGES, DENSE_STAGES), np.zeros(DENSE_STAGES))
+TABLE = make_runge_kutta(expand_rows(STAGE_ROWS, DENSE_STAGES, DENSE_STAGES), np.zeros(DENSE_STAGES))
 _, a, A, _, _ = TABLE
-ROWS, DENSE_ROWS = stage_rows(TABLE, 1, STAGES), stage_rows(TABLE, STAGES + 1, DENSE_STAGES)
-b, B = weights(a[STAGES, :STAGES]), weights(A[STAGES, :STAGES])
-FIFTH = expand({0: E_5}, 1, DENSE_STAGES)[0]
-THIRD = a[STAGES] - expand({0: B_3}, 1, DENSE_STAGES)[0]
-E_5_V, E_5_Q = weights(FIFTH[:STAGES]), weights((FIFTH @ a)[:STAGES])
-E_3_V, E_3_Q = weights(THIRD[:STAGES]), weights((THIRD @ a)[:STAGES])
-EXTENSION_V = continuous_extension(a[STAGES], STAGES, expand(EXTENSION_ROWS, len(EXTENSION_ROWS), DENSE_STAGES))
+ROWS, DENSE_ROWS = make_stage_rows(TABLE, 1, STAGES), make_stage_rows(TABLE, STAGES + 1, DENSE_STAGES)
+b, B = weights_tuple(a[STAGES, :STAGES]), weights_tuple(A[STAGES, :STAGES])
+ERROR_5 = expand_rows({0: E_5}, 1, DENSE_STAGES)[0]
+ERROR_3 = a[STAGES] - expand_rows({0: B_3}, 1, DENSE_STAGES)[0]
+E_5_V, E_5_Q = weights_tuple(ERROR_5[:STAGES]), weights_tuple((ERROR_5 @ a)[:STAGES])
+E_3_V, E_3_Q = weights_tuple(ERROR_3[:STAGES]), weights_tuple((ERROR_3 @ a)[:STAGES])
+EXTENSION_V = continuous_extension(
+    a[STAGES], STAGES, expand_rows(EXTENSION_ROWS, len(EXTENSION_ROWS), DENSE_STAGES)
+)
 EXTENSION_Q = EXTENSION_V @ a
-F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
+F_Q, F_V = tuple(map(weights_tuple, EXTENSION_Q)), tuple(map(weights_tuple, EXTENSION_V))
 
 
 class Dop853(NamedTuple):
@@ -68,8 +70,8 @@ def _attempt(method, model, t, h, y):
         y[METHOD_STATES + k] = y[START_A + k]
     evaluate_stages(ROWS, model, t, h, y, n)
     stage_state(1.0, B, b, h, y, n)
-    norm_5 = error_norm(method, *estimate(E_5_Q, E_5_V, h, y, n), y, n)
-    norm_3 = error_norm(method, *estimate(E_3_Q, E_3_V, h, y, n), y, n)
+    norm_5 = error_norm(method, *estimate_error(E_5_Q, E_5_V, h, y, n), y, n)
+    norm_3 = error_norm(method, *estimate_error(E_3_Q, E_3_V, h, y, n), y, n)
     scale = sqrt(norm_5 * norm_5 + 0.01 * norm_3 * norm_3)
     error = norm_5 * norm_5 / scale if scale != 0.0 else 0.0
     if error <= 1.0:

@@ -14,11 +14,11 @@ from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.tableau import (
     continuous_extension,
     dense_state,
-    estimate,
+    estimate_error,
     evaluate_stages,
-    runge_kutta,
-    stage_rows,
-    weights,
+    make_runge_kutta,
+    make_stage_rows,
+    weights_tuple,
 )
 from bearingsim.core.models.interface import state_width
 
@@ -31,10 +31,10 @@ a[3, :3] = 44 / 45, -56 / 15, 32 / 9
 a[4, :4] = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
 a[5, :5] = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
 a[6, :6] = 35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
-TABLE = runge_kutta(a, a[6])
-ROWS, b = stage_rows(TABLE, 1, STAGES), TABLE.b  # the last stage is the new state
+TABLE = make_runge_kutta(a, a[6])
+ROWS, b = make_stage_rows(TABLE, 1, STAGES), TABLE.b  # the last stage is the new state
 EMBEDDED = np.array([5179 / 57600, 0.0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40])
-E_V, E_Q = weights(b - EMBEDDED), weights((b - EMBEDDED) @ a)
+E_V, E_Q = weights_tuple(b - EMBEDDED), weights_tuple((b - EMBEDDED) @ a)
 MIDDLE = np.array(
     [
         -12715105075 / 11282082432,
@@ -48,7 +48,7 @@ MIDDLE = np.array(
 )
 EXTENSION_V = continuous_extension(b, STAGES - 1, MIDDLE[None, :])
 EXTENSION_Q = EXTENSION_V @ a
-F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
+F_Q, F_V = tuple(map(weights_tuple, EXTENSION_Q)), tuple(map(weights_tuple, EXTENSION_V))
 
 
 class DormandPrince(NamedTuple):
@@ -67,7 +67,7 @@ def _attempt(method, model, t, h, y):
     for k in range(n):
         y[METHOD_STATES + k] = y[START_A + k]
     evaluate_stages(ROWS, model, t, h, y, n)
-    return error_norm(method, *estimate(E_Q, E_V, h, y, n), y, n)
+    return error_norm(method, *estimate_error(E_Q, E_V, h, y, n), y, n)
 
 
 @interpolate.register(DormandPrince)

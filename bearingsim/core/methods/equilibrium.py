@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.equilibrium import solve_equilibrium
 
-NO_ALIASING = 0.5 - 12.0**-0.5
+KINK_FRACTION = 0.5 - 12.0**-0.5
 """Fraction of a step before a kink of the position at which the kink's aliases cancel in the samples' spectrum.
 
 A kink, with a spectrum of 1/omega^2, at a fraction s of a step has the relative aliases sum over k != 0 of
@@ -30,4 +30,4 @@ def _step(method, model, t, y):
 
 
 stability_ratio.register(Equilibrium)(no_limit)
-KIND = MethodKind(Equilibrium, evaluations=1, fraction=1.0, per_period=1, cusp=NO_ALIASING)
+KIND = MethodKind(Equilibrium, evaluations=1, fraction=1.0, per_period=1, cusp=KINK_FRACTION)

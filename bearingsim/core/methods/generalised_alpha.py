@@ -37,14 +37,14 @@ class GeneralisedAlpha(NamedTuple):
 
 
 @jit
-def tight_tolerances(h):
+def newton_tolerances(h):
     """Return the tolerances of Newton's method: 1e-10 of the velocities, or the rounding error of the smallest
     ones."""
     return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
 
 
 @jit
-def equation(method, t, y, n):
+def make_equation(method, t, y, n):
     """Return the step's equation for a1, with the last a as the initial guess."""
     h = method.h
     fraction, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
@@ -58,7 +58,7 @@ def equation(method, t, y, n):
 
 
 @jit
-def finish(method, y, n):
+def finish_step(method, y, n):
     """Set the state at the step's end."""
     h = method.h
     for j in range(n):
@@ -79,11 +79,11 @@ def _step(method, model, t, y):
         return
     n = state_width(model)
     save_state(y, START_Q, n)
-    if not solve_step(tight_tolerances(method.h), model, equation(method, t, y, n), y, n):
+    if not solve_step(newton_tolerances(method.h), model, make_equation(method, t, y, n), y, n):
         y[lay.FAILED] = NEWTON_FAILED
         restore_state(y, START_Q, n)
         return
-    finish(method, y, n)
+    finish_step(method, y, n)
     accelerations(model, t + method.h, y)
     y[lay.EVALUATIONS] += 1.0
 

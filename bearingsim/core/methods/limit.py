@@ -16,7 +16,7 @@ from bearingsim.core.jit import jit
 
 NODES = 129
 TRIAL_SPACING = 0.1  # spacing of trial steps for each node, relative to h_c
-MAX_REACH = 0.8  # relative to h_c and the square of the number of stages: above the limit of every method
+MAX_TRIAL_STEP = 0.8  # relative to h_c and the square of the number of stages: above the limit of every method
 ROUNDING = 1e-9  # amplification below this counts as stable
 LIMIT_SAFETY = 0.999  # relative to the limit; margin for the error of linear interpolation between nodes
 
@@ -42,7 +42,7 @@ def table_position(K, C):
 @jit
 def step_over_limit(limits, h, K, C):
     """Return the step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from
-    ``limit_over_h_c``."""
+    ``tabulate_limits``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
     position = (NODES - 1) * table_position(max(K, 0.0), max(C, 0.0))
@@ -53,7 +53,7 @@ def step_over_limit(limits, h, K, C):
     return h / (ratio * critical_step(max(K, 0.0), max(C, 0.0)))
 
 
-def oscillators() -> tuple[np.ndarray, np.ndarray]:
+def make_oscillators() -> tuple[np.ndarray, np.ndarray]:
     """Return K and C of the oscillators of the table, each with h_c = 1: (NODES,)."""
     positions = np.linspace(0.0, 1.0, NODES)
     ratio = np.minimum(2.0 * (1.0 - positions), 1.0)  # omega over the faster root
@@ -62,7 +62,7 @@ def oscillators() -> tuple[np.ndarray, np.ndarray]:
     return np.where(zeta > 0.0, (C / np.maximum(2.0 * zeta, 1e-9)) ** 2, 4.0), C
 
 
-def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
+def amplification_matrices(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
     """Return the tableau's amplification matrices (2, 2, ...) of q and v for a step of 1 s; K, C: (...)."""
     matrices = np.empty((2, 2, *K.shape))
     for column, (q, v) in enumerate(((1.0, 0.0), (0.0, 1.0))):
@@ -82,18 +82,18 @@ def spectral_radius(M: np.ndarray) -> np.ndarray:
     return np.where(D < 0.0, np.sqrt(np.abs(det)), np.abs(half) + np.sqrt(np.maximum(D, 0.0)))
 
 
-def limit_over_h_c(tableau: Any) -> np.ndarray:
+def tabulate_limits(tableau: Any) -> np.ndarray:
     """Return the stability limit over h_c, (NODES,), at each oscillator of the table."""
-    K, C = oscillators()
+    K, C = make_oscillators()
 
     def is_unstable(h: np.ndarray) -> np.ndarray:
         h, shape = np.broadcast_arrays(h, K[:, None])[0], (-1, 1)
         return (
-            spectral_radius(amplification(tableau, h * h * K.reshape(shape), h * C.reshape(shape)))
+            spectral_radius(amplification_matrices(tableau, h * h * K.reshape(shape), h * C.reshape(shape)))
             > 1.0 + ROUNDING
         )
 
-    trial_steps = TRIAL_SPACING * np.arange(1, round(MAX_REACH * len(tableau.c) ** 2 / TRIAL_SPACING) + 1)
+    trial_steps = TRIAL_SPACING * np.arange(1, round(MAX_TRIAL_STEP * len(tableau.c) ** 2 / TRIAL_SPACING) + 1)
     unstable = is_unstable(trial_steps)
     high = trial_steps[np.where(unstable.any(axis=1), unstable.argmax(axis=1), -1)]
     low = high - trial_steps[0]

@@ -63,7 +63,7 @@ def set_state(equation, y, n):
 
 
 @jit
-def evaluate(model, equation, y, n):
+def evaluate_residual(model, equation, y, n):
     """Fill RESIDUAL r = x - B - w f at UNKNOWN."""
     set_state(equation, y, n)
     accelerations(model, equation.t, y)
@@ -107,7 +107,7 @@ def solve_step(tolerance, model, equation, y, n):
     and velocities in the state, and the factors of S; contacts are those of the last iterate, within
     STEP_TOLERANCE.
     """
-    evaluate(model, equation, y, n)
+    evaluate_residual(model, equation, y, n)
     for _ in range(MAX_ITERATIONS):
         factor_jacobian(model, equation, y)
         for j in range(n):
@@ -121,6 +121,6 @@ def solve_step(tolerance, model, equation, y, n):
         if norm <= STEP_TOLERANCE:
             set_state(equation, y, n)
             return True
-        evaluate(model, equation, y, n)
+        evaluate_residual(model, equation, y, n)
     store_worst_body(model, y)
     return False

@@ -12,12 +12,12 @@ import numpy as np
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
-from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
-from bearingsim.core.methods.tableau import cusp_fraction, runge_kutta
+from bearingsim.core.methods.limit import step_over_limit, tabulate_limits
+from bearingsim.core.methods.tableau import cusp_fraction, make_runge_kutta
 from bearingsim.core.models.interface import accelerations, state_width
 
-TABLE = runge_kutta(np.diag([1 / 2, 1 / 2, 1.0], -1), np.array([1, 2, 2, 1]) / 6)
-LIMITS = limit_over_h_c(TABLE)
+TABLE = make_runge_kutta(np.diag([1 / 2, 1 / 2, 1.0], -1), np.array([1, 2, 2, 1]) / 6)
+LIMITS = tabulate_limits(TABLE)
 START_Q, START_V, SUM_Q, SUM_V = lay.states(lay.STAGE, "m, m/s, m/s, m/s^2", "rk4", "step")
 
 
@@ -38,7 +38,7 @@ def save_start(y, n):
 
 
 @jit
-def stage(weight, dt, y, n):
+def add_stage(weight, dt, y, n):
     """Add the rates at this stage with their weight (s) and advance the start state by ``dt`` (s) along
     them."""
     for j in range(n):
@@ -50,7 +50,7 @@ def stage(weight, dt, y, n):
 
 
 @jit
-def finish(weight, y, n):
+def finish_step(weight, y, n):
     """Add the last rates and set the state at the step's end."""
     for j in range(n):
         y[lay.POSITION + j], y[lay.VELOCITY + j] = (
@@ -63,13 +63,13 @@ def finish(weight, y, n):
 def _step(method, model, t, y):
     h, n = method.h, state_width(model)
     save_start(y, n)
-    stage(h / 6.0, h / 2.0, y, n)
+    add_stage(h / 6.0, h / 2.0, y, n)
     accelerations(model, t + h / 2.0, y)
-    stage(h / 3.0, h / 2.0, y, n)
+    add_stage(h / 3.0, h / 2.0, y, n)
     accelerations(model, t + h / 2.0, y)
-    stage(h / 3.0, h, y, n)
+    add_stage(h / 3.0, h, y, n)
     accelerations(model, t + h, y)
-    finish(h / 6.0, y, n)
+    finish_step(h / 6.0, y, n)
     accelerations(model, t + h, y)
 
 

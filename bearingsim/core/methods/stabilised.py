@@ -12,12 +12,12 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.methods.tableau import Tableau, cusp_fraction, register_fixed_step, runge_kutta
+from bearingsim.core.methods.tableau import Tableau, cusp_fraction, make_runge_kutta, register_fixed_step
 
 STAGES, EPS = 8, 2 / 13
 
 
-def chebyshev_table(s: int) -> Tableau:
+def make_chebyshev_table(s: int) -> Tableau:
     """Return the method of ``s`` stages: row j contains the weights of the rates in Y_j, the last of which is the
     new state."""
     w_0 = 1.0 + EPS / s**2
@@ -35,10 +35,10 @@ def chebyshev_table(s: int) -> Tableau:
         rows[j] = mu * rows[j - 1] + nu * rows[j - 2]
         rows[j, j - 1] += mu_tilde
         rows[j, 0] -= (1.0 - b[j - 1] * float(T[j - 1](w_0))) * mu_tilde
-    return runge_kutta(rows[:s], rows[s])
+    return make_runge_kutta(rows[:s], rows[s])
 
 
-TABLE = chebyshev_table(STAGES)
+TABLE = make_chebyshev_table(STAGES)
 
 
 class Stabilised(NamedTuple):

@@ -19,7 +19,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.methods.adaptive import METHOD_STATES, START_Q, START_V
 from bearingsim.core.methods.interface import no_preparation, prepare, stability_ratio, step
-from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
+from bearingsim.core.methods.limit import step_over_limit, tabulate_limits
 from bearingsim.core.models.interface import accelerations, state_width
 
 MAX_STAGES = 47
@@ -41,18 +41,18 @@ Row = tuple[float, tuple[float, ...], tuple[float, ...]]
 """Stage: c_i, and the weights A_ij and a_ij of the preceding stages."""
 
 
-def stage_rows(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
+def make_stage_rows(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
     """Return stages ``begin`` to ``end`` (excluded) of a table as tuples, which the compiler unrolls."""
     c, a, A, _, _ = tableau
-    return tuple((float(c[i]), weights(A[i, :i]), weights(a[i, :i])) for i in range(begin, end))
+    return tuple((float(c[i]), weights_tuple(A[i, :i]), weights_tuple(a[i, :i])) for i in range(begin, end))
 
 
-def weights(values: np.ndarray) -> tuple[float, ...]:
+def weights_tuple(values: np.ndarray) -> tuple[float, ...]:
     """Return weights (n,) as a tuple, so that its length is a constant for the compiler."""
     return tuple(float(value) for value in values)
 
 
-def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
+def make_runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
     """Return the table of a Runge-Kutta method."""
     return Tableau(a.sum(axis=1), a, a @ a, b, b @ a)
 
@@ -89,7 +89,7 @@ def save_accelerations(block, y, n):
 
 @jit
 def evaluate_stages(rows, model, t, h, y, n):
-    """Evaluate the stages of ``rows`` (``stage_rows``) of the step of ``h`` (s) from ``t`` (s)."""
+    """Evaluate the stages of ``rows`` (``make_stage_rows``) of the step of ``h`` (s) from ``t`` (s)."""
     for row in literal_unroll(rows):
         stage_state(row[0], row[1], row[2], h, y, n)
         accelerations(model, t + row[0] * h, y)
@@ -98,7 +98,7 @@ def evaluate_stages(rows, model, t, h, y, n):
 
 
 @inlined
-def estimate(weights_q, weights_v, h, y, n):
+def estimate_error(weights_q, weights_v, h, y, n):
     """Compute errors of positions and velocities by their weights (tuples); return their blocks."""
     h_2 = h * h
     for k in range(n):
@@ -154,8 +154,8 @@ def cusp_fraction(tableau: Tableau) -> float:
 
 def register_fixed_step(parameters: type, tableau: Tableau) -> None:
     """Register a fixed-step method with its table; parameters: its ``NamedTuple`` (h,)."""
-    rows, limits = stage_rows(tableau, 1, len(tableau.c)), limit_over_h_c(tableau)
-    b, B = weights(tableau.b), weights(tableau.B)
+    rows, limits = make_stage_rows(tableau, 1, len(tableau.c)), tabulate_limits(tableau)
+    b, B = weights_tuple(tableau.b), weights_tuple(tableau.B)
 
     def take_step(method, model, t, y):
         h, n = method.h, state_width(model)

@@ -30,7 +30,7 @@ MAX_PARTS = 8  # of a step with several touch-downs
 
 # velocity in the middle of a step; velocity and acceleration at the start of a divided step, acceleration at its
 # end
-MIDDLE_V, START_V, START_A, END_A = lay.states(lay.STAGE, "m/s, m/s, m/s^2, m/s^2", "verlet", "step")
+HALF_STEP_V, START_V, START_A, END_A = lay.states(lay.STAGE, "m/s, m/s, m/s^2, m/s^2", "verlet", "step")
 
 
 class Verlet(NamedTuple):
@@ -45,7 +45,7 @@ def _drift(method, y, i):
     mid-step."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
     v_middle = v + 0.5 * h * a
-    y[MIDDLE_V + i] = v_middle
+    y[HALF_STEP_V + i] = v_middle
     y[lay.POSITION + i] += h * v_middle
     y[lay.VELOCITY + i] = v + h * a
 
@@ -53,7 +53,7 @@ def _drift(method, y, i):
 @kick.register(Verlet)
 def _kick(method, y, i):
     """Complete the velocity step with the new acceleration."""
-    y[lay.VELOCITY + i] = y[MIDDLE_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
+    y[lay.VELOCITY + i] = y[HALF_STEP_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 
 @inlined
@@ -102,7 +102,7 @@ def step_over_touch_downs(model, t, end, y):
 
 
 @jit
-def begin_division(y, n):
+def save_division_start(y, n):
     """Store velocity and acceleration at the start of a step that is to be divided."""
     for k in range(n):
         y[START_V + k], y[START_A + k] = y[lay.VELOCITY + k], y[lay.ACCELERATION + k]
@@ -113,7 +113,7 @@ def spread_acceleration(h, y, n):
     """Replace the acceleration at the end of a divided step of ``h`` (s), to be recorded, so that the sum of
     recorded accelerations is the change of velocity.
 
-    It is the acceleration plus the error of the trapezoidal rule over the whole step. ``resume`` restores the
+    It is the acceleration plus the error of the trapezoidal rule over the whole step. ``restore_acceleration`` restores the
     acceleration.
     """
     for k in range(n):
@@ -124,7 +124,7 @@ def spread_acceleration(h, y, n):
 
 
 @jit
-def resume(y, n):
+def restore_acceleration(y, n):
     """Restore the acceleration at the end of a divided step."""
     for k in range(n):
         y[lay.ACCELERATION + k] = y[END_A + k]
@@ -140,9 +140,9 @@ def _prepare(method, model, t, y):
 def _step(method, model, t, y):
     h, n = method.h, state_width(model)
     if y[lay.H_TAKEN] > 0.0:
-        resume(y, n)
+        restore_acceleration(y, n)
     if count_touch_downs(h, y, lanes(model.bearing)) > 0:
-        begin_division(y, n)
+        save_division_start(y, n)
         step_over_touch_downs(model, t, t + h, y)
         spread_acceleration(h, y, n)
     else:

@@ -22,7 +22,7 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 from bearingsim.core.geometry.plane import cos_sin
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.laws.stiffness.series import series_share
+from bearingsim.core.laws.stiffness.series import inner_approach
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.parts.bending import Bending, RigidRing, bend_race, race_bend
@@ -89,7 +89,7 @@ def roller_balance(model, y, j, u_r, recess_i):
         return q_touch
     q = q_touch + FIRST_APPROACH
     if approach > 0.0:
-        q = -gap - series_share(model.outer.stiffness, model.inner.stiffness, approach)
+        q = -gap - inner_approach(model.outer.stiffness, model.inner.stiffness, approach)
         if undamaged and model.bearing.m_r == 0.0:
             return q
     low, high, reach, second_last_step, last_step = q_touch, inf, FIRST_REACH, inf, inf

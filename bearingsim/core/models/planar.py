@@ -32,7 +32,7 @@ from bearingsim.core.defects.pairs import (
     nearest_roller,
 )
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.plane import Centre, approach, centre_at, cos_sin, roller_direction, small_angle
+from bearingsim.core.geometry.plane import Centre, approach, centre_at, cos_sin, fill_roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
@@ -167,7 +167,7 @@ def _shared_quantities(model, t, y):
 
 @load_roller.register(Planar)
 def _load_roller(model, common, y, j):
-    roller_direction(common.C, common.S, y, j)
+    fill_roller_direction(common.C, common.S, y, j)
     approach(OuterSide(), model.bearing, common.outer, common.omega_cage, y, j)
     approach(InnerSide(), model.bearing, common.inner, common.omega_cage, y, j)
     load_contacts(model.form, model, common, y, j)

@@ -26,10 +26,10 @@ from bearingsim.core.defects.on_roller import (
     derivatives_over_defect,
     elastic_over_defect,
     force_over_defect,
+    mean_drop_rate,
+    mean_drop_rate_derivative,
     roller_at_defect,
     roller_at_defect_without_slip,
-    roller_drop_rate,
-    roller_drop_rate_derivative,
     stiffness_over_defect,
 )
 from bearingsim.core.defects.pairs import HALF_WIDTH, Defects, passing_speed
@@ -42,7 +42,7 @@ from bearingsim.core.laws.damping.interface import (
     stiffness_bound,
 )
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.laws.stiffness.series import series_share
+from bearingsim.core.laws.stiffness.series import inner_approach
 from bearingsim.core.models import interface
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
@@ -147,7 +147,7 @@ def divide_approach(model, common, c, s, y, j):
     delta = -(common.u_x * c + common.u_y * s) - 2.0 * model.bearing.gap
     delta = delta - recess(form, RECESS_O, y, j) - recess(form, RECESS_I, y, j)
     rate = -(common.w_x * c + common.w_y * s) - recess(form, RECESS_V_O, y, j) - recess(form, RECESS_V_I, y, j)
-    inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
+    inner = inner_approach(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
     part = outer_rate_part(model.rate_division, model, delta - inner, inner)
     y[lay.V_O + j], y[lay.V_I + j] = part * rate, (1.0 - part) * rate
@@ -170,7 +170,7 @@ def outer_rate_part_over_defect(model, d_i, s_i, inner):
     approach of the inner contact is that of an undamaged race if the defect is as long as the roller.
     """
     _, _, mean = elastic_over_defect(model.inner.stiffness, model.defects, d_i, s_i, inner)
-    share = series_share(model.outer.stiffness, model.inner.stiffness, 2.0 * mean)
+    share = inner_approach(model.outer.stiffness, model.inner.stiffness, 2.0 * mean)
     outer = mean * ((2.0 * mean - share) / max(share, TINY))
     return outer_rate_part(model.rate_division, model, outer, mean)
 
@@ -191,7 +191,7 @@ def correct_for_defect(model, y, j):
     part = outer_rate_part_over_defect(model, d_i, s_i, inner)
     if d >= 0:
         if d_i >= 0:
-            rate -= roller_drop_rate(
+            rate -= mean_drop_rate(
                 model.inner.stiffness, defects, d_i, s_i, passing_speed(defects, d_i, bearing), inner
             )
         speed = part * passing_speed(defects, d, bearing)
@@ -316,8 +316,8 @@ def derivatives_over_defect_in_series(model, y, j):
     drop_derivative = 0.0  # of the drop rate over the inner defect with respect to the inner approach (1/s)
     if d_i >= 0:
         speed, stiffness = passing_speed(defects, d_i, bearing), model.inner.stiffness
-        rate -= roller_drop_rate(stiffness, defects, d_i, s_i, speed, inner)
-        drop_derivative = roller_drop_rate_derivative(stiffness, defects, d_i, s_i, speed, inner)
+        rate -= mean_drop_rate(stiffness, defects, d_i, s_i, speed, inner)
+        drop_derivative = mean_drop_rate_derivative(stiffness, defects, d_i, s_i, speed, inner)
     speed = part * passing_speed(defects, d, bearing)
     K, C = derivatives_over_defect(model.outer, defects, d, s, speed, outer, part * rate)
     return share * K - (1.0 - share) * drop_derivative * part * C, part * C

@@ -23,14 +23,14 @@ from bearingsim.core.defects.jumps import next_jump, next_jump_with_slip
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.on_slices import (
     clear_defect_response,
+    fill_slice_response,
     mark_rollers_at_defects,
     roller_near_defect,
-    slice_defect_response,
     slice_polar_position,
 )
 from bearingsim.core.defects.pairs import OUTER, RADIUS, SIDE, Defects
 from bearingsim.core.geometry.orientation import axis_acceleration, axis_precession, axis_z
-from bearingsim.core.geometry.plane import roller_directions
+from bearingsim.core.geometry.plane import fill_roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
 from bearingsim.core.jit import jit
@@ -149,7 +149,7 @@ def compute_race_contacts(model, t, tilt_factor, outer, inner, omega_cage, y, n)
     for k in range(len(table)):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if marked > 0:
-            slice_defect_response(model, t, k, tilt_factor, outer.a_z, inner.a_z, y)
+            fill_slice_response(model, t, k, tilt_factor, outer.a_z, inner.a_z, y)
         read_form(model.form, model, t, tilt_factor, zeta, (outer.a_z, inner.a_z), y, n)
         add_slice(OuterSide(), model.outer, model.friction, model.form, b, outer, zeta, weight, drop, k, y, n)
         add_slice(InnerSide(), model.inner, model.friction, model.form, b, inner, zeta, weight, drop, k, y, n)
@@ -196,7 +196,7 @@ def _accelerations(model, t, y):
     b = model.bearing
     n = lanes(b)
     common = bodies_at(model, t, y)
-    roller_directions(b.theta_0 + b.omega_c * common.time + y[lay.POSITION + lay.PHI_C], y, n)
+    fill_roller_directions(b.theta_0 + b.omega_c * common.time + y[lay.POSITION + lay.PHI_C], y, n)
     fill_roller_axes(common.spin, common.omega_cage, b.R_w, y, n)
     fill_external_loads(model, common.omega_cage, y, n)
     compute_race_contacts(model, t, 1.0, common.outer, common.inner, common.omega_cage, y, n)

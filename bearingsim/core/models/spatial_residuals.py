@@ -13,7 +13,7 @@ import numpy as np
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.orientation import body_at
-from bearingsim.core.geometry.plane import roller_directions
+from bearingsim.core.geometry.plane import fill_roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import WEIGHT, ZETA
 from bearingsim.core.jit import jit
@@ -115,7 +115,7 @@ def compute_contacts_at_rest(model, t, y, n):
     time, _, _ = kinematic_time(model.motion, t)
     outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
     inner = body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, 0.0)
-    roller_directions(b.theta_0 + b.omega_c * time, y, n)
+    fill_roller_directions(b.theta_0 + b.omega_c * time, y, n)
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         tilt = y[lay.TILT + j]

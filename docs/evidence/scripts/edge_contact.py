@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from bearingsim import assemble, simulate
 from bearingsim.assemble.rest import largest_load
 from bearingsim.config import Case
-from bearingsim.core.defects.edge_contact import edge_contact
+from bearingsim.core.defects.edge_contact import make_edge_contact
 from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 from benchmarks.edges.edge import (
@@ -221,7 +221,7 @@ def features(width: float, excitation: str, rho: float = 0.0, factor: float = 1.
     if rho == 0.0:
         return np.array([simulate(given).features[name] for name in ANSWERS])
     load = factor * largest_load(given)
-    elastic = edge_contact(load, LENGTH, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho, LINE_CONTACT_EXPONENT)
+    elastic = make_edge_contact(load, LENGTH, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho, LINE_CONTACT_EXPONENT)
     with mock.patch.object(assemble.defects, "build_excitation", return_value=elastic):
         return np.array([simulate(given).features[name] for name in ANSWERS])
 

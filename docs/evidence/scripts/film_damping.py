@@ -28,7 +28,7 @@ from bearingsim.core.laws.oil_film import (
     half_widths,
     inlet_squeeze,
     moes_numbers,
-    transition,
+    transition_parameter,
 )
 from bearingsim.core.laws.oil_viscosity import iso_viscosity
 from tests.independent.ehl import Contact, at_rest, light_contact, stiffness
@@ -100,7 +100,7 @@ def measure(case: Drawn) -> dict[str, Any]:
     A, B = inlet_squeeze(thickness.minimum, line), 0.69 * thickness.central / line.u * k * k * b / (2.0 * Q)
     row = (
         case.race, case.D * 1e3, line.L * 1e3, case.share, Q, case.rpm, line.eta * 1e3, line.alpha * 1e9,
-        line.u, M, L, transition(Q, line), film.contact.hertz / 1e9, film.flow * 1e6, thickness.central * 1e6,
+        line.u, M, L, transition_parameter(Q, line), film.contact.hertz / 1e9, film.flow * 1e6, thickness.central * 1e6,
         film.thinnest * 1e6, thickness.minimum * 1e6, K[0].real / k, slow, closed, closed / slow,
         min(A, B) / slow, slow / k * 1e6, case.own / (2.0 * pi), case.own * T, fast,
         film_damping(Q, k, line, case.own),

@@ -5,21 +5,21 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.closed_forms import make_groups
 from bearingsim.core.defects.edge_contact import (
-    edge_contact,
+    contact_half_width,
     edge_softening,
-    half_contact,
-    narrow_contact,
-    narrow_contact_derivatives,
+    make_edge_contact,
     one_edge,
     one_edge_derivative,
     remaining_share,
     remaining_share_derivative,
     ridge,
     ridge_derivative,
-    softening,
-    softening_derivative,
+    sharp_edge,
+    sharp_edge_derivatives,
+    wall_softening,
+    wall_softening_derivative,
 )
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
 from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, outer_reduced_radius
@@ -29,8 +29,8 @@ from tests.scenes.defect_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)
-EDGES = edge_contact(47.0, L_W, R_W, R_O, 113.7e9, 2e-5, LINE_CONTACT_EXPONENT)
-HALF = half_contact(EDGES, R)
+EDGES = make_edge_contact(47.0, L_W, R_W, R_O, 113.7e9, 2e-5, LINE_CONTACT_EXPONENT)
+HALF = contact_half_width(EDGES, R)
 
 shapes = st.sampled_from(["rectangular", "triangular", "circular"])
 widths = st.floats(5e-5, 4e-3)
@@ -42,7 +42,7 @@ walls = st.sampled_from([0.0, 1e-6, 1e-5, 1e-4])
 
 def response_rows(shape, width, depth):
     defect = SHAPES[shape](L_W, width, depth)
-    return [np.array(row) for row in response_groups(EDGES, defect, groups_of(defect, L_W, R, 6), R)]
+    return [np.array(row) for row in response_groups(EDGES, defect, make_groups(defect, L_W, R, 6), R)]
 
 
 def derivative(f, x, h):
@@ -55,20 +55,18 @@ def derivative(f, x, h):
 def test_narrow_contact_derivatives(xi):
     assume(abs(xi + 1.0) > 2e-3)  # there, and at the rim, the curvature jumps
     assume(abs(xi) > 2e-3)
-    assert narrow_contact_derivatives(xi) == pytest.approx(
-        derivative(narrow_contact, xi, 5e-4), rel=1e-6, abs=1e-9
-    )
+    assert sharp_edge_derivatives(xi) == pytest.approx(derivative(sharp_edge, xi, 5e-4), rel=1e-6, abs=1e-9)
 
 
 def test_hertz_contact_has_constant_derivatives():
-    assert narrow_contact_derivatives(-1.0) == (0.0, -1.0)
-    assert narrow_contact_derivatives(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
+    assert sharp_edge_derivatives(-1.0) == (0.0, -1.0)
+    assert sharp_edge_derivatives(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
 
 
 @given(position=st.floats(1e-6, 1e-3), wall=walls)
 def test_softening_derivative(position, wall):
-    expected = derivative(lambda x: softening(x, wall, 2e-5), position, 1e-3 * position)
-    assert softening_derivative(position, wall, 2e-5) == pytest.approx(expected, rel=1e-6, abs=1e-6)
+    expected = derivative(lambda x: wall_softening(x, wall, 2e-5), position, 1e-3 * position)
+    assert wall_softening_derivative(position, wall, 2e-5) == pytest.approx(expected, rel=1e-6, abs=1e-6)
 
 
 @given(xi=distances, wall=walls)

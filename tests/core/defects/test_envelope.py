@@ -8,7 +8,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core.defects import traced
-from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop, roller_drop_curvature
+from bearingsim.core.defects.closed_forms import (
+    bowl_parameters,
+    box_parameters,
+    groove_parameters,
+    roller_drop,
+    roller_drop_curvature,
+)
 from bearingsim.core.defects.depth import (
     Circular,
     Elliptical,
@@ -19,17 +25,17 @@ from bearingsim.core.defects.depth import (
     extent,
     section,
 )
-from bearingsim.core.defects.envelope import Path, drop_at, drop_curvature_at, pack_paths, path_drop, path_over
+from bearingsim.core.defects.envelope import Path, drop_at, drop_curvature_at, pack_paths, path_drop, trace_path
 from bearingsim.core.defects.excitations import defect_response
 from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, RollerDefectPair
 from bearingsim.core.defects.profile import RACE, depth_at
 from bearingsim.core.defects.spall import Spall
 from bearingsim.core.defects.traced import (
     cut_along_roller,
-    group_paths,
     pack_traced_defects,
     sharpest_cusp,
-    slice_paths,
+    trace_groups,
+    trace_slices,
 )
 from tests.scenes.defect_maps import (
     R_OUTER,
@@ -46,9 +52,9 @@ from tests.scenes.defect_maps import (
 )
 
 CLOSED_FORMS = {
-    Rectangular: lambda w, d, R: box(w, d),
-    Triangular: lambda w, d, R: groove(w, d, R),
-    Circular: lambda w, d, R: bowl(w, d, R, 0.0),
+    Rectangular: lambda w, d, R: box_parameters(w, d),
+    Triangular: lambda w, d, R: groove_parameters(w, d, R),
+    Circular: lambda w, d, R: bowl_parameters(w, d, R, 0.0),
 }
 
 
@@ -64,7 +70,7 @@ def test_the_path_is_the_minimum_over_contact_points(defect, fraction, R):
     profile = section_at(defect, fraction)
     s = positions_across(profile)
     expected = brute_force(profile, s, R)
-    assert path_drop(path_over(profile, R), s)[0] == pytest.approx(expected, abs=1e-3 * expected.max())
+    assert path_drop(trace_path(profile, R), s)[0] == pytest.approx(expected, abs=1e-3 * expected.max())
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -75,7 +81,7 @@ def test_path_over_rough_scans(seed, burr):
         profile = section(scan, z)
         s = positions_across(profile, margin=0.4)
         expected = brute_force(profile, s, R_OUTER)
-        drops, _ = path_drop(path_over(profile, R_OUTER), s)
+        drops, _ = path_drop(trace_path(profile, R_OUTER), s)
         assert drops == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
         assert -burr - 1e-15 <= drops.min() <= -0.5 * burr
 
@@ -84,7 +90,7 @@ def test_path_over_rough_scans(seed, burr):
 @given(defect=smooth_defects, fraction=fractions, R=radii)
 def test_without_a_burr_the_roller_stays_between_race_and_defect(defect, fraction, R):
     profile = section_at(defect, fraction)
-    s, path = positions_across(profile), path_over(profile, R)
+    s, path = positions_across(profile), trace_path(profile, R)
     h, _ = path_drop(path, s)
     largest = depth_at(profile, positions_across(profile, 2001)).max()
     assert h.min() >= -1e-13
@@ -101,11 +107,11 @@ def test_drop_grows_with_depth_and_width(defect, fraction, R, factor):
     z = (low + high) / 2 + fraction * (high - low) / 2
     wider, deeper = defect._replace(width=factor * defect.width), defect._replace(depth=factor * defect.depth)
     s = positions_across(section_at(defect, fraction))
-    h = path_drop(path_over(section(defect, z), R), s)[0]
+    h = path_drop(trace_path(section(defect, z), R), s)[0]
     tolerance = 2e-5 * h.max() + 1e-15  # an ellipse is approximated by parabolas
-    assert np.all(path_drop(path_over(section(deeper, z), R), s)[0] >= h - tolerance)
+    assert np.all(path_drop(trace_path(section(deeper, z), R), s)[0] >= h - tolerance)
     if not isinstance(defect, Spall):  # in a wider spall the bowls move apart
-        assert np.all(path_drop(path_over(section(wider, z), R), s)[0] >= h - tolerance)
+        assert np.all(path_drop(trace_path(section(wider, z), R), s)[0] >= h - tolerance)
 
 
 @settings(max_examples=100, deadline=None)
@@ -141,7 +147,7 @@ def test_a_full_grown_spall_fills_its_box():
 @settings(max_examples=100, deadline=None)
 @given(defect=smooth_defects, fraction=fractions, R=radii, position=st.floats(0.01, 0.99))
 def test_the_slope_is_the_derivative(defect, fraction, R, position):
-    path = path_over(section_at(defect, fraction), R)
+    path = trace_path(section_at(defect, fraction), R)
     assume(len(path.pieces))
     ends = np.append(path.pieces[:, 0], path.end)
     k = int(position * len(path.pieces))
@@ -156,7 +162,7 @@ def test_the_slope_is_the_derivative(defect, fraction, R, position):
 @settings(max_examples=100, deadline=None)
 @given(defect=smooth_defects, fraction=fractions, R=radii)
 def test_the_path_has_no_steps_and_its_kinks_are_cusps(defect, fraction, R):
-    path = path_over(section_at(defect, fraction), R)
+    path = trace_path(section_at(defect, fraction), R)
     assume(len(path.pieces))
     start, h, slope, half = path.pieces.T
     x = np.append(start[1:], path.end) - start
@@ -169,7 +175,7 @@ def test_the_path_has_no_steps_and_its_kinks_are_cusps(defect, fraction, R):
 @pytest.mark.parametrize("s", [nan, inf, -inf, 1e300])
 def test_non_finite_position_is_over_no_defect(s):
     """A diverged motion must not give an invalid index."""
-    table, (table_start,) = pack_paths([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
+    table, (table_start,) = pack_paths([trace_path(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
     assert drop_at(table, table_start, s) == (0.0, 0.0)
     assert drop_curvature_at(table, table_start, s) == 0.0
 
@@ -178,8 +184,8 @@ def test_non_finite_position_is_over_no_defect(s):
 @given(shape=st.sampled_from(sorted(CLOSED_FORMS, key=str)), width=widths, depth=depths, R=radii)
 def test_tables_equal_closed_forms(shape, width, depth, R):
     row = np.array([1.0, *CLOSED_FORMS[shape](width, depth, R)])
-    path = path_over(section(shape(1.0, width, depth), 0.0), R)
-    table, (_, table_start) = pack_paths([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), R), path])
+    path = trace_path(section(shape(1.0, width, depth), 0.0), R)
+    table, (_, table_start) = pack_paths([trace_path(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), R), path])
     largest = roller_drop(row, 0.0, R)[0]
     for s in np.linspace(-0.6, 0.6, 101) * width:
         h, slope = drop_at(table, table_start, s)
@@ -192,7 +198,7 @@ def test_tables_equal_closed_forms(shape, width, depth, R):
 @given(shape=st.sampled_from(sorted(CLOSED_FORMS, key=str)), width=widths, depth=depths, R=radii)
 def test_curvatures_of_tables_equal_closed_forms(shape, width, depth, R):
     row = np.array([1.0, *CLOSED_FORMS[shape](width, depth, R)])
-    table, (table_start,) = pack_paths([path_over(section(shape(1.0, width, depth), 0.0), R)])
+    table, (table_start,) = pack_paths([trace_path(section(shape(1.0, width, depth), 0.0), R)])
     for s in np.linspace(-0.6, 0.6, 24) * width:  # the middle, a cusp, is not among them
         neighbours = [roller_drop_curvature(row, s + h, R) for h in (-1e-6 * width, 1e-6 * width)]
         if neighbours[0] == neighbours[1]:
@@ -204,7 +210,7 @@ def test_curvatures_of_tables_equal_closed_forms(shape, width, depth, R):
 @settings(max_examples=50, deadline=None)
 @given(defect=smooth_defects, R=radii)
 def test_tables_equal_paths_within_their_bounds(defect, R):
-    groups, paths = group_paths(defect, R, cut_along_roller(defect, 12e-3, 4))
+    groups, paths = trace_groups(defect, R, cut_along_roller(defect, 12e-3, 4))
     packed = pack_traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, groups, paths)])
     assert sum(row[GROUP_WEIGHT] for row in groups) == pytest.approx(1.0, rel=1e-9)
     for row, path in zip(packed.groups[0], paths, strict=True):
@@ -230,7 +236,7 @@ def test_section_outside_a_defect_is_the_race():
         rough_scan(0),
     ):
         assert len(section(defect, 5e-3).pieces) == 0
-    assert len(path_over(RACE, R_OUTER).pieces) == 0
+    assert len(trace_path(RACE, R_OUTER).pieces) == 0
 
 
 def test_slices_across_a_defect():
@@ -252,7 +258,7 @@ def test_slices_across_a_defect():
 
 
 def test_symmetric_slices_are_grouped():
-    groups, paths = group_paths(
+    groups, paths = trace_groups(
         Elliptical(6e-3, 1e-3, 1e-5), R_OUTER, cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 6)
     )
     assert len(groups) == len(paths) == 7
@@ -265,14 +271,14 @@ def test_paths_of_different_ends_are_separate_groups(monkeypatch):
     slices = cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 4)
     ends = [4e-4 if k == 1 else 5e-4 for k in range(len(slices))]
     traced_slices = tuple(((5e-4, 5e-4, 0.0, 1e-6), Path(pieces, end)) for end in ends)
-    monkeypatch.setattr(traced, "paths_over", lambda *_: traced_slices)
-    groups, paths = group_paths(defect, R_OUTER, slices)
+    monkeypatch.setattr(traced, "trace_paths", lambda *_: traced_slices)
+    groups, paths = trace_groups(defect, R_OUTER, slices)
     assert [path.end for path in paths[1:]] == [5e-4, 4e-4]
     assert groups[2][GROUP_WEIGHT] == pytest.approx(slices[1][0])
 
 
 def test_one_group_per_slice_of_a_roller():
-    groups, paths = slice_paths(Rectangular(3e-3, 1e-3, 1e-5), R_OUTER, np.array([-3e-3, -1e-3, 1e-3]))
+    groups, paths = trace_slices(Rectangular(3e-3, 1e-3, 1e-5), R_OUTER, np.array([-3e-3, -1e-3, 1e-3]))
     assert [len(path.pieces) > 0 for path in paths] == [False, True, True]
     assert [row[GROUP_HALF_WIDTH] for row in groups] == pytest.approx([0.0, 5e-4, 5e-4])
     assert [row[GROUP_WEIGHT] for row in groups] == [1.0, 1.0, 1.0]
@@ -286,7 +292,7 @@ def test_the_sharpest_cusp_of_an_uneven_defect():
             ShiftedDefect(Rectangular(12e-3, 4e-4, 2e-7), 4e-4, 0.0),
         )
     )
-    groups, paths = group_paths(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
+    groups, paths = trace_groups(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
     s = np.linspace(-3e-4, 7e-4, 100001)
     h = brute_force(section(uneven, 0.0), s[::50], R_OUTER)
     assert sharpest_cusp(groups, paths) == pytest.approx(s[::50][np.argmin(np.diff(h, 2)) + 1], abs=1e-6)

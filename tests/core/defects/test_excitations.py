@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.closed_forms import make_groups
 from bearingsim.core.defects.depth import Elliptical
 from bearingsim.core.defects.excitations import (
     ClearanceIncrease,
@@ -22,11 +22,18 @@ from bearingsim.core.defects.excitations import (
     defect_response_gradient,
     response_groups,
 )
-from bearingsim.core.defects.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E, outer_reduced_radius
+from bearingsim.core.defects.pairs import (
+    DEPTH,
+    GROUP_COLUMNS,
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    X_E,
+    outer_reduced_radius,
+)
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.hertz import half_width
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.power_laws import palmgren
+from bearingsim.core.laws.stiffness.power_laws import make_palmgren
 from tests.scenes.defect_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
@@ -45,7 +52,7 @@ positions = st.floats(-0.6, 0.6)
 
 
 def response_rows(excitation, shape="rectangular", width=WIDE, depth=DEEP, length=L_W):
-    envelope = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
+    envelope = make_groups(SHAPES[shape](length, width, depth), L_W, R, 6)
     return [np.array(row) for row in response_groups(excitation, SHAPES[shape](length, width, depth), envelope, R)]
 
 
@@ -73,7 +80,7 @@ def test_response_stays_within_the_defect(excitation, shape, width, depth, lengt
     s = position * width
     for row in rows:
         share, h, slope = defect_response(excitation, row, s, R)
-        assert len(row) == GROUP
+        assert len(row) == GROUP_COLUMNS
         assert 0.0 <= share <= 1.0
         assert 0.0 <= h <= depth * (1 + 1e-12)
         if abs(s) > row[GROUP_HALF_WIDTH]:
@@ -84,7 +91,7 @@ def test_response_stays_within_the_defect(excitation, shape, width, depth, lengt
     excitation=excitations, shape=shapes, width=widths, depth=depths, length=lengths, margin=st.floats(1e-7, 1e-3)
 )
 def test_no_response_beyond_the_half_width(excitation, shape, width, depth, length, margin):
-    law, rows = palmgren(L_W), response_rows(excitation, shape, width, depth, length)
+    law, rows = make_palmgren(L_W), response_rows(excitation, shape, width, depth, length)
     for s in (1, -1):
         s *= max(row[GROUP_HALF_WIDTH] for row in rows) + margin
         assert elastic_force(excitation, rows, s, 2e-7, law) == pytest.approx(elastic(law, 2e-7), rel=1e-12)
@@ -205,7 +212,7 @@ def test_pressure_share_is_the_integral_over_the_defect(width, s, b):
 
 def test_pressure_share_loses_force_until_the_approach_exceeds_the_depth():
     """The share is 1 - rho, then more, in the middle of a dent 0.1 um deep and as wide as half the contact."""
-    excitation, law = PressureShare(HALF_CONTACT), palmgren(L_W)
+    excitation, law = PressureShare(HALF_CONTACT), make_palmgren(L_W)
     rows = response_rows(excitation, width=HALF_CONTACT, depth=1e-7)
     rho = 2 * (np.arcsin(0.5) + 0.5 * sqrt(0.75)) / pi
     for delta, remaining in ((0.5e-7, 1 - rho), (1e-7, 1 - rho), (2e-7, 1 - rho + rho * 0.5 ** (10 / 9))):
@@ -215,7 +222,7 @@ def test_pressure_share_loses_force_until_the_approach_exceeds_the_depth():
 
 
 def test_defect_of_half_the_roller_length_loses_half_the_force():
-    excitation, law = PressureShare(HALF_CONTACT), palmgren(L_W)
+    excitation, law = PressureShare(HALF_CONTACT), make_palmgren(L_W)
     rows = response_rows(excitation, length=L_W / 2)
     assert elastic_force(excitation, rows, 0.0, 1e-6, law) == pytest.approx(0.5 * elastic(law, 1e-6), rel=1e-12)
 
@@ -269,8 +276,8 @@ def compiled_response(excitation, group, s, R):
 
 
 def test_a_shape_without_a_closed_form_is_refused():
-    with pytest.raises(TypeError, match="`section_of` is not registered for Elliptical"):
-        groups_of(Elliptical(L_W, WIDE, DEEP), L_W, R, 6)
+    with pytest.raises(TypeError, match="`section_parameters` is not registered for Elliptical"):
+        make_groups(Elliptical(L_W, WIDE, DEEP), L_W, R, 6)
 
 
 @given(excitation=excitations, shape=shapes, width=widths, depth=depths, position=positions)

@@ -19,8 +19,8 @@ from bearingsim.core.defects.impulse_train import (
     defect_passages,
     impulse_strengths,
     load,
-    random_train,
-    train,
+    make_random_train,
+    make_train,
 )
 from bearingsim.core.defects.pairs import nearest_roller, pack_defects
 from bearingsim.core.models.equilibrium import ring_stiffness, solve_equilibrium, solve_initial_equilibrium
@@ -53,12 +53,12 @@ def test_impulses_occur_when_a_roller_is_over_the_defect(race, angle, start, len
 
 def test_several_defects_superpose():
     inner, outer = defect("inner"), defect("outer", 0.3)
-    parts = [train(BEARING, ZONE, [pair], 0.0, 0.1) for pair in (inner, outer)]
-    total = train(BEARING, ZONE, [inner, outer], 0.0, 0.1)
+    parts = [make_train(BEARING, ZONE, [pair], 0.0, 0.1) for pair in (inner, outer)]
+    total = make_train(BEARING, ZONE, [inner, outer], 0.0, 0.1)
     assert np.all(np.diff(total.times) >= 0.0)
     np.testing.assert_array_equal(total.times, np.sort(np.concatenate([part.times for part in parts])))
     assert total.J_x.sum() == pytest.approx(sum(part.J_x.sum() for part in parts), rel=1e-12)
-    assert len(train(BEARING, ZONE, [], 0.0, 1.0).times) == 0
+    assert len(make_train(BEARING, ZONE, [], 0.0, 1.0).times) == 0
 
 
 def test_load_zone():
@@ -133,11 +133,11 @@ def drop(row, s, R):
 def test_the_impulse_acts_towards_the_unloaded_roller():
     """The load acts on the ring along -e_0; the impulse is that of the missing roller force."""
     for angle in (0.0, 0.6, -0.6):
-        impulses = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 0.02)
+        impulses = make_train(BEARING, ZONE, [defect(angle=angle)], 0.0, 0.02)
         J = impulse_strengths(BEARING, ZONE, defect(angle=angle), np.array([angle]))[0]
         assert impulses.J_x == pytest.approx(np.full(len(impulses.times), -J * cos(angle)), rel=1e-12)
         assert impulses.J_y == pytest.approx(np.full(len(impulses.times), -J * sin(angle)), rel=1e-12)
-    impulses = train(BEARING, ZONE, [defect(angle=pi)], 0.0, 0.02)
+    impulses = make_train(BEARING, ZONE, [defect(angle=pi)], 0.0, 0.02)
     assert not impulses.J_x.any()
     assert len(impulses.times) > 0
 
@@ -175,7 +175,9 @@ def test_the_line_equals_static(width, depth, angle):
 
 def test_random_impulses_depend_only_on_the_seed():
     def impulses(seed, end=0.5):
-        return random_train(BEARING, ZONE, [defect(), defect("inner", 1.0)], 0.0, end, np.random.default_rng(seed))
+        return make_random_train(
+            BEARING, ZONE, [defect(), defect("inner", 1.0)], 0.0, end, np.random.default_rng(seed)
+        )
 
     for row, other in zip(impulses(7), impulses(7), strict=True):
         np.testing.assert_array_equal(row, other)
@@ -190,7 +192,7 @@ def test_random_impulses_divide_each_crossing():
     """16 asperities of 0.05 mm in 0.8 mm: mean J, standard deviation J/4, all within the crossing."""
     end = 4000.5 * PASS
     pair = defect()
-    impulses = random_train(BEARING, ZONE, [pair], 0.0, end, np.random.default_rng(1))
+    impulses = make_random_train(BEARING, ZONE, [pair], 0.0, end, np.random.default_rng(1))
     J = impulse_strengths(BEARING, ZONE, pair, np.zeros(1))[0]
     times, _ = defect_passages(BEARING, pair, 0.0, end)
     nearest = np.rint((impulses.times - times[0]) / PASS).astype(int)
@@ -208,8 +210,8 @@ def test_random_impulses_preserve_the_mean_amplitude():
     """E[line] is that of the regular train; the scatter of one crossing is averaged over the passes."""
     end, count = 1000 * PASS, 1000
     pair, f = defect(), 1 / PASS
-    regular = train(BEARING, ZONE, [pair], 0.0, end)
-    random = random_train(BEARING, ZONE, [pair], 0.0, end, np.random.default_rng(2))
+    regular = make_train(BEARING, ZONE, [pair], 0.0, end)
+    random = make_random_train(BEARING, ZONE, [pair], 0.0, end, np.random.default_rng(2))
     lines = [np.sum(part.J_x * np.exp(-2j * pi * f * part.times)) for part in (regular, random)]
     assert len(regular.times) == count
     assert lines[1] == pytest.approx(lines[0], rel=5 / 4 / sqrt(count))

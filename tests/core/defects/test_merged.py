@@ -15,23 +15,23 @@ from bearingsim.core.defects.depth import (
     Triangular,
     section,
 )
-from bearingsim.core.defects.envelope import cusp, path_drop, path_over
-from bearingsim.core.defects.profile import depth_at, polygon, separate_parts
+from bearingsim.core.defects.envelope import find_cusp, path_drop, trace_path
+from bearingsim.core.defects.profile import depth_at, make_polyline, separate_parts
 from bearingsim.core.defects.spall import Spall
 from tests.scenes.defect_maps import R_OUTER, brute_force, fractions, rough_scan, section_at, shapes
 
 
 def test_burr_lifts_the_roller_before_the_defect():
     """A rim raised by 2 um lifts a roller from sqrt(2 R 2 um) = 0.169 mm before it."""
-    low = path_over(section(rough_scan(1, 0.0), 0.0), R_OUTER).pieces[0, 0]
-    path = path_over(section(rough_scan(1, 2e-6), 0.0), R_OUTER)
+    low = trace_path(section(rough_scan(1, 0.0), 0.0), R_OUTER).pieces[0, 0]
+    path = trace_path(section(rough_scan(1, 2e-6), 0.0), R_OUTER)
     assert low - path.pieces[0, 0] > np.sqrt(2 * R_OUTER * 2e-6)
     assert path.pieces[0, 2] < 0.0 < path.pieces[0, 3]
 
 
 def test_parts_are_separate_where_there_is_race_between_them():
     """Two pieces that meet at 1 mm, and a third one after a gap."""
-    profile = polygon(1e-3 * np.array([0.0, 1.0, 2.0, 3.0, 4.0]), 1e-6 * np.array([1.0, 2.0, 0.0, 0.0, 5.0]))
+    profile = make_polyline(1e-3 * np.array([0.0, 1.0, 2.0, 3.0, 4.0]), 1e-6 * np.array([1.0, 2.0, 0.0, 0.0, 5.0]))
     parts = [(part.pieces[0, 0], part.pieces[-1, 1]) for part in separate_parts(profile)]
     assert np.array(parts) == pytest.approx(1e-3 * np.array([[0.0, 2.0], [3.0, 4.0]]))
 
@@ -45,8 +45,8 @@ def test_merged_defects_have_the_larger_depth():
         np.maximum(depth_at(section(left, 0.0), s), depth_at(section(right, 0.0), s)), abs=1e-15
     )
     apart = MergedDefects((left._replace(s=-2e-3), right._replace(s=2e-3)))
-    h = path_drop(path_over(section(apart, 0.0), R_OUTER), s - 2e-3)[0]
-    assert h == pytest.approx(path_drop(path_over(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
+    h = path_drop(trace_path(section(apart, 0.0), R_OUTER), s - 2e-3)[0]
+    assert h == pytest.approx(path_drop(trace_path(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
 
 
 def test_merging_preserves_burrs_outside_other_defects():
@@ -66,7 +66,7 @@ def test_the_ridge_between_two_hollows_carries_the_roller(apart):
     )
     s = np.linspace(-4e-4, 4e-4, 201)
     ridge = 5e-5 * (1 - (apart / 4e-4) ** 2)
-    path = path_over(pair, R_OUTER)
+    path = trace_path(pair, R_OUTER)
     assert path_drop(path, s)[0] == pytest.approx(brute_force(pair, s, R_OUTER), abs=1e-4 * 2e-6)
     assert path_drop(path, np.zeros(1))[0] == pytest.approx(ridge, rel=1e-9)
 
@@ -76,9 +76,9 @@ def test_the_edge_from_a_hollow_into_a_deeper_defect_carries_the_roller():
     bowl_, slot = Circular(12e-3, 2e-4, 2e-6), ShiftedDefect(Rectangular(12e-3, 8e-4, 5e-5), 4.5e-4, 0.0)
     s = np.linspace(-2e-4, 9e-4, 301)
     for profile in (section(MergedDefects((bowl_, slot)), 0.0), section(MergedDefects((slot, bowl_)), 0.0)):
-        drops = path_drop(path_over(profile, R_OUTER), s)[0]
+        drops = path_drop(trace_path(profile, R_OUTER), s)[0]
         assert drops == pytest.approx(brute_force(profile, s, R_OUTER), abs=1e-9)
-        edge_drop = path_drop(path_over(profile, R_OUTER), np.array([2e-4]))[0]
+        edge_drop = path_drop(trace_path(profile, R_OUTER), np.array([2e-4]))[0]
         assert edge_drop == pytest.approx(1.5e-6 + (1.5e-4) ** 2 / (2 * R_OUTER), rel=1e-6)
 
 
@@ -90,15 +90,15 @@ def test_merged_slots_equal_one_wide_slot():
             ShiftedDefect(Rectangular(1, 4e-4, 5e-5), 2e-4, 0.0),
         )
     )
-    path = path_over(section(halves, 0.0), R_OUTER)
+    path = trace_path(section(halves, 0.0), R_OUTER)
     assert path_drop(path, np.zeros(1))[0] == pytest.approx((4e-4) ** 2 / (2 * R_OUTER), rel=1e-9)
-    assert cusp(path) == pytest.approx((0.0, 2 * 4e-4 / R_OUTER), abs=1e-9)
+    assert find_cusp(path) == pytest.approx((0.0, 2 * 4e-4 / R_OUTER), abs=1e-9)
 
 
 def test_rounded_edge_starts_the_drop_earlier():
     """On an arc of radius r the drop is x^2/(2 (R + r)) from the start of the arc, r before a deep wall."""
     radius = 20e-6
-    path = path_over(section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-5), radius, 0.0, 5e-5), 0.0), R_OUTER)
+    path = trace_path(section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-5), radius, 0.0, 5e-5), 0.0), R_OUTER)
     begin = -4e-4 - radius
     assert path.pieces[0, 0] == pytest.approx(begin, abs=1e-9)
     x = np.linspace(0.0, 4e-4, 50)

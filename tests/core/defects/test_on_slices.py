@@ -10,7 +10,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.envelope import Path
 from bearingsim.core.defects.on_roller import is_masked
-from bearingsim.core.defects.on_slices import clear_defect_response, mark_rollers_at_defects, slice_defect_response
+from bearingsim.core.defects.on_slices import clear_defect_response, fill_slice_response, mark_rollers_at_defects
 from bearingsim.core.defects.pairs import ON_OUTER, OUTER, RollerDefectPair
 from bearingsim.core.defects.traced import pack_traced_defects
 from tests.scenes.nf308 import case
@@ -40,7 +40,7 @@ def slice_drop(depths):
     """Return the drop (m) of the first slice of the first roller."""
     model, y = bearing_over_defects(depths)
     assert mark_rollers_at_defects(model, 0.0, 1.0, 1.0, y) == len(depths)
-    slice_defect_response(model, 0.0, 0, 1.0, 1.0, 1.0, y)
+    fill_slice_response(model, 0.0, 0, 1.0, 1.0, 1.0, y)
     drop = y[lay.OUTER_SIDE + lay.ROLLER_DROP]
     clear_defect_response(model, y)
     assert y[lay.OUTER_SIDE + lay.ROLLER_DROP] == 0.0

@@ -8,18 +8,24 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bearingsim import assemble
-from bearingsim.core.defects.closed_forms import bowl, box, groove, groups_of, roller_drop
+from bearingsim.core.defects.closed_forms import (
+    bowl_parameters,
+    box_parameters,
+    groove_parameters,
+    make_groups,
+    roller_drop,
+)
 from bearingsim.core.defects.depth import Circular
-from bearingsim.core.defects.pairs import ANGLE, GROUP, RADIUS, nearest_roller, outer_reduced_radius
+from bearingsim.core.defects.pairs import ANGLE, GROUP_COLUMNS, RADIUS, nearest_roller, outer_reduced_radius
 from tests.scenes.defect_maps import SHAPES
 from tests.scenes.nf308 import SLOT, case
 
 R_W, R_O = 0.006, 0.0385
 R = outer_reduced_radius(R_W, R_O)
 SECTIONS = {
-    "rectangular": lambda w, d: box(w, d),
-    "triangular": lambda w, d: groove(w, d, R),
-    "circular": lambda w, d: bowl(w, d, R, 0.0),
+    "rectangular": lambda w, d: box_parameters(w, d),
+    "triangular": lambda w, d: groove_parameters(w, d, R),
+    "circular": lambda w, d: bowl_parameters(w, d, R, 0.0),
 }
 PROFILES = {
     "rectangular": lambda t, w, d: np.where(np.abs(t) < w / 2, d, 0.0),
@@ -93,8 +99,8 @@ def test_crossing_time_of_a_narrow_slot():
 
 @given(shape=shapes, length=st.floats(1e-4, 12e-3), width=widths, depth=depths, nodes=st.integers(1, 20))
 def test_group_weights_sum_to_one(shape, length, width, depth, nodes):
-    groups = groups_of(SHAPES[shape](length, width, depth), 12e-3, R, nodes)
-    assert all(len(group) == GROUP for group in groups)
+    groups = make_groups(SHAPES[shape](length, width, depth), 12e-3, R, nodes)
+    assert all(len(group) == GROUP_COLUMNS for group in groups)
     assert sum(group[0] for group in groups) == pytest.approx(1.0, rel=1e-12)
 
 
@@ -102,7 +108,7 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
     """The mean of h along a bowl with six nodes on the half length is within 0.2 % of that with sixty."""
 
     def mean(nodes):
-        groups = groups_of(Circular(9e-3, 0.8e-3, 5e-5), 12e-3, R, nodes)
+        groups = make_groups(Circular(9e-3, 0.8e-3, 5e-5), 12e-3, R, nodes)
         return sum(group[0] * roller_drop(np.array(group), 0.0, R)[0] for group in groups)
 
     assert mean(6) == pytest.approx(mean(60), rel=2e-3)

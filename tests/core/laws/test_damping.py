@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from bearingsim import assemble
-from bearingsim.core.laws.damping.general import General, Power, Power0, Power1, Power2, general
+from bearingsim.core.laws.damping.general import General, Power, Power0, Power1, Power2, make_general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.damping.kraemer import Kraemer
@@ -24,8 +24,8 @@ LAWS = [
     Kraemer(STEEL, 1e-5),
     Kraemer(Linear(1e9), 1e-5),
     Kraemer(LINE, 1e-5),
-    general(STEEL, 1e15, 1.0, 2.0),
-    general(STEEL, 1e14, 1.5, 2.0),
+    make_general(STEEL, 1e15, 1.0, 2.0),
+    make_general(STEEL, 1e14, 1.5, 2.0),
     General(STEEL, 1e15, Power(1.0), Power(2.0)),
 ]
 INTEGER_EXPONENTS = [
@@ -37,11 +37,11 @@ INTEGER_EXPONENTS = [
 DAMPINGS = [
     lambda law: HuntCrossley(law, 50.0),
     lambda law: Kraemer(law, 1e-5),
-    lambda law: general(law, 1e6, 1.0, 0.0),
-    lambda law: general(law, 1e9, 1.0, 1.0),
-    lambda law: general(law, 1e14, 1.5, 2.0),
-    lambda law: general(law, 1e12, 2.0, 1.0),
-    lambda law: general(law, 1e9, 0.7, 0.9),
+    lambda law: make_general(law, 1e6, 1.0, 0.0),
+    lambda law: make_general(law, 1e9, 1.0, 1.0),
+    lambda law: make_general(law, 1e14, 1.5, 2.0),
+    lambda law: make_general(law, 1e12, 2.0, 1.0),
+    lambda law: make_general(law, 1e9, 0.7, 0.9),
 ]
 CONTACTS = [damping(law) for law in (STEEL, Linear(3e8), LINE) for damping in DAMPINGS]
 contacts = pytest.mark.parametrize("law", CONTACTS, ids=str)
@@ -73,13 +73,13 @@ def test_no_contact_pulls_and_none_acts_at_a_distance(law, delta, v):
 
 
 def test_a_dashpot_without_indentation_exponent_acts_only_in_contact():
-    assert normal_force(general(STEEL, 1e6, 1.0, 0.0), -1e-9, 0.1) == 0.0
+    assert normal_force(make_general(STEEL, 1e6, 1.0, 0.0), -1e-9, 0.1) == 0.0
 
 
 @pytest.mark.parametrize(("v", "sign"), [(-1e-9, -1.0), (0.0, 0.0), (-0.0, 0.0), (1e-9, 1.0)])
 def test_damping_independent_of_the_rate_has_no_force_at_rest(v, sign):
     """c sgn(v) delta with c = 1e8 N/m, where the elastic force k delta^(10/9) is larger."""
-    law, delta = general(STEEL, 1e8, 0.0, 1.0), 1e-6
+    law, delta = make_general(STEEL, 1e8, 0.0, 1.0), 1e-6
     drag = 1e8 * sign
     assert normal_force(law, delta, v) == pytest.approx(elastic(STEEL, delta) + drag * delta, rel=1e-14)
     slope_at_rest = 10 / 9 * elastic(STEEL, delta) / delta + drag
@@ -88,10 +88,10 @@ def test_damping_independent_of_the_rate_has_no_force_at_rest(v, sign):
 
 @pytest.mark.parametrize(("m2", "m3", "rate", "depth"), INTEGER_EXPONENTS)
 def test_integer_exponents_have_types_and_equal_the_general_one(m2, m3, rate, depth):
-    law, reference = general(STEEL, 1e9, m2, m3), General(STEEL, 1e9, Power(m2), Power(m3))
+    law, reference = make_general(STEEL, 1e9, m2, m3), General(STEEL, 1e9, Power(m2), Power(m3))
     assert isinstance(law.m2, rate)
     assert isinstance(law.m3, depth)
-    assert isinstance(general(STEEL, 1e9, 1.0, 1.5).m3, Power)
+    assert isinstance(make_general(STEEL, 1e9, 1.0, 1.5).m3, Power)
     for function in (normal_force, damping_bound, stiffness_bound, derivatives):
         for v in (-0.1, 0.0, 2e-3, 0.3):
             for delta in (0.0, 1e-13, 1e-9, 3e-6):
@@ -101,7 +101,7 @@ def test_integer_exponents_have_types_and_equal_the_general_one(m2, m3, rate, de
 @needs_vectors
 @pytest.mark.parametrize(("m2", "m3", "rate", "depth"), [*INTEGER_EXPONENTS, (1.0, 1.5, Power1, Power)])
 def test_general_damping_keeps_the_vector_lanes_with_integer_exponents(m2, m3, rate, depth):
-    law, vectors = general(STEEL, 1e9, m2, m3), depth is not Power
+    law, vectors = make_general(STEEL, 1e9, m2, m3), depth is not Power
     assert keeps_lanes(force_of_lanes, law, rows(1e-7, 0.1, 0.0), ROW) == vectors
 
 

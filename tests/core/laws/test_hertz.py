@@ -7,13 +7,13 @@ from scipy.special import ellipe, ellipkm1
 
 from bearingsim.core.laws.hertz import (
     axis_ratio,
-    ball_on_race,
     curvature_ratio,
     effective_modulus,
-    elliptic_contact,
     elliptic_integrals,
     half_width,
     line_pressure,
+    make_ball_contact,
+    make_elliptic_contact,
 )
 
 E, NU = 207e9, 0.3
@@ -45,7 +45,7 @@ def test_line_pressure_carries_the_load():
 @pytest.mark.parametrize(("F", "a", "b", "delta"), HARRIS)
 def test_the_ellipses_of_harris(F, a, b, delta):
     """a = a* (3 Q/(2 E* S))^(1/3), delta = delta* (3 Q/(2 E* S))^(2/3) S/2, S the sum of curvatures, here 1."""
-    contact = elliptic_contact(1.0, (1.0 + F) / 2.0, (1.0 - F) / 2.0)
+    contact = make_elliptic_contact(1.0, (1.0 + F) / 2.0, (1.0 - F) / 2.0)
     assert contact.a / 1.5 ** (1 / 3) == pytest.approx(a, rel=2e-4, abs=0.0)
     assert contact.b / 1.5 ** (1 / 3) == pytest.approx(b, rel=2e-4, abs=0.0)
     assert contact.k ** (-2 / 3) / (1.5 ** (2 / 3) / 2.0) == pytest.approx(delta, rel=2e-4, abs=0.0)
@@ -55,13 +55,13 @@ def test_the_ellipses_of_harris(F, a, b, delta):
 def test_the_stiffness_of_harris(F, delta):
     """k = 2.15e5 S^(-1/2) delta*^(-3/2) N/mm^1.5 for steel, S the sum of curvatures in 1/mm (Harris)."""
     S = 0.3
-    contact = elliptic_contact(STEEL, 500.0 * S * (1.0 + F), 500.0 * S * (1.0 - F))
+    contact = make_elliptic_contact(STEEL, 500.0 * S * (1.0 + F), 500.0 * S * (1.0 - F))
     assert contact.k * 1e-3**1.5 == pytest.approx(2.15e5 * S**-0.5 * delta**-1.5, rel=3e-3, abs=0.0)
 
 
 def test_two_spheres():
     """A circle: Q = 4/3 E* sqrt(R) delta^(3/2), a^3 = 3 Q R/(4 E*) (Johnson, eqs 4.22 and 4.23)."""
-    contact = elliptic_contact(STEEL, 100.0, 100.0)
+    contact = make_elliptic_contact(STEEL, 100.0, 100.0)
     assert contact.k == pytest.approx(4.0 / 3.0 * STEEL * 0.01**0.5, rel=1e-14, abs=0.0)
     assert contact.a == pytest.approx((0.75 * 0.01 / STEEL) ** (1 / 3), rel=1e-14, abs=0.0)
     assert contact.a == contact.b
@@ -82,16 +82,16 @@ def test_axis_ratio_inverts_curvature_ratio(ratio):
 
 
 def test_the_limit_of_a_circle_is_smooth():
-    contact = elliptic_contact(STEEL, 100.0, 100.0 * (1.0 + 1e-9))
-    assert contact.k == pytest.approx(elliptic_contact(STEEL, 100.0, 100.0).k, rel=1e-9, abs=0.0)
+    contact = make_elliptic_contact(STEEL, 100.0, 100.0 * (1.0 + 1e-9))
+    assert contact.k == pytest.approx(make_elliptic_contact(STEEL, 100.0, 100.0).k, rel=1e-9, abs=0.0)
 
 
 def test_the_order_of_the_curvatures_does_not_matter():
-    assert elliptic_contact(STEEL, 300.0, 8.0) == elliptic_contact(STEEL, 8.0, 300.0)
+    assert make_elliptic_contact(STEEL, 300.0, 8.0) == make_elliptic_contact(STEEL, 8.0, 300.0)
 
 
 def test_pressure_carries_the_load():
-    contact = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, 15.55e-3)
+    contact = make_ball_contact(207e9, 0.3, 7.94e-3, 4.1e-3, 15.55e-3)
     a, b = contact.semi_axes(500.0)
     assert 2.0 / 3.0 * contact.pressure(500.0) * 3.14159265 * a * b == pytest.approx(500.0, rel=1e-8, abs=0.0)
 
@@ -99,7 +99,7 @@ def test_pressure_carries_the_load():
 def test_a_6206_against_a_published_calculation():
     """6206 under 1000 N, inner race: 1.368 x 0.112 mm and 1728 MPa (eng-tools.dev, series A2, from the fits of
     Hamrock and Brewe, which explain the 2 %)."""
-    contact = ball_on_race(210e9, 0.3, 9.525e-3, 4.89e-3, (46e-3 - 9.525e-3) / 2.0)
+    contact = make_ball_contact(210e9, 0.3, 9.525e-3, 4.89e-3, (46e-3 - 9.525e-3) / 2.0)
     a, b = contact.semi_axes(5.0 * 1000.0 / 9.0)
     assert (a, b) == pytest.approx((1.368e-3, 0.112e-3), rel=0.03, abs=0.0)
     assert contact.pressure(5.0 * 1000.0 / 9.0) == pytest.approx(1728e6, rel=0.03, abs=0.0)
@@ -107,8 +107,8 @@ def test_a_6206_against_a_published_calculation():
 
 def test_a_ball_on_an_outer_race_is_stiffer():
     """6205, 7.94 mm on 39.04 mm: the outer race curves round the ball, so its contact is the stiffer one."""
-    inner = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, 15.55e-3)
-    outer = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, -23.49e-3)
+    inner = make_ball_contact(207e9, 0.3, 7.94e-3, 4.1e-3, 15.55e-3)
+    outer = make_ball_contact(207e9, 0.3, 7.94e-3, 4.1e-3, -23.49e-3)
     assert 1.03 < outer.k / inner.k < 1.10
 
 
@@ -118,4 +118,4 @@ def test_a_ball_on_an_outer_race_is_stiffer():
 )
 def test_a_ball_that_does_not_fit_is_refused(r_g, R, message):
     with pytest.raises(ValueError, match=message):
-        ball_on_race(207e9, 0.3, 7.94e-3, r_g, R)
+        make_ball_contact(207e9, 0.3, 7.94e-3, r_g, R)

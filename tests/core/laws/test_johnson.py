@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from bearingsim.core.laws.octaves import COEFFICIENTS, cell
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
-from bearingsim.core.laws.stiffness.johnson import TABLE, johnson
-from bearingsim.core.laws.stiffness.power_laws import palmgren
+from bearingsim.core.laws.stiffness.johnson import TABLE, make_johnson
+from bearingsim.core.laws.stiffness.power_laws import make_palmgren
 from tests.scenes.laws import LINE
 
 
@@ -37,7 +37,7 @@ def test_the_pair_formula_is_the_sum_of_two_half_approaches(sign):
 
 @given(delta=st.floats(-10, -4).map(lambda power: 10.0**power), dR=st.floats(0.002, 0.25), L=st.floats(0.005, 0.1))
 def test_johnson_solves_his_formula(delta, dR, L):
-    force = elastic(johnson(207e9, 0.3, L, dR), delta)
+    force = elastic(make_johnson(207e9, 0.3, L, dR), delta)
     assert line_approach(force, 207e9, 0.3, L, dR) == pytest.approx(delta, rel=1e-9, abs=0.0)
 
 
@@ -73,11 +73,11 @@ def test_johnson_table_is_never_read_outside(y):
 
 
 def test_johnson_law_is_hashable_and_its_repr_has_its_numbers():
-    assert len({LINE, johnson(207e9, 0.3, 0.012, 0.0325), johnson(207e9, 0.3, 0.012, 0.0326)}) == 2
+    assert len({LINE, make_johnson(207e9, 0.3, 0.012, 0.0325), make_johnson(207e9, 0.3, 0.012, 0.0326)}) == 2
     assert "0.13" in repr(LINE)
 
 
 def test_johnson_and_palmgren_agree_on_steel_rollers():
     """Within 15 % for 25 to 4000 N on a 12 mm roller: Palmgren's is a fit to measured rollers of finite length."""
     for delta in (1e-7, 1e-6, 1e-5):
-        assert elastic(LINE, delta) == pytest.approx(elastic(palmgren(0.012), delta), rel=0.15, abs=0.0)
+        assert elastic(LINE, delta) == pytest.approx(elastic(make_palmgren(0.012), delta), rel=0.15, abs=0.0)

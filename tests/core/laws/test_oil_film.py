@@ -7,19 +7,19 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from bearingsim.core.laws.hertz import ball_on_race, effective_modulus, half_width, line_pressure
+from bearingsim.core.laws.hertz import effective_modulus, half_width, line_pressure, make_ball_contact
 from bearingsim.core.laws.oil_film import (
     MARTIN,
     TIME_CONSTANT,
     LubricatedLine,
-    ball_as_strip,
     entrainment_damping,
     entrainment_speed,
+    equivalent_line_contact,
     film_compliance,
     film_damping,
     film_thickness,
     half_widths,
-    hysteresis,
+    hysteresis_damping,
     inlet_squeeze,
     moes_numbers,
     roll_off,
@@ -187,16 +187,16 @@ def test_roll_off_of_film_damping():
 
 
 def test_hysteresis_has_the_same_loss_at_any_frequency():
-    assert hysteresis(3e8, 1e3, 0.015) * 1e3 == pytest.approx(
-        hysteresis(3e8, 7.0, 0.015) * 7.0, rel=1e-12, abs=0.0
+    assert hysteresis_damping(3e8, 1e3, 0.015) * 1e3 == pytest.approx(
+        hysteresis_damping(3e8, 7.0, 0.015) * 7.0, rel=1e-12, abs=0.0
     )
-    assert hysteresis(3e8, 1e3, 0.015) == pytest.approx(4500.0, rel=1e-12, abs=0.0)
+    assert hysteresis_damping(3e8, 1e3, 0.015) == pytest.approx(4500.0, rel=1e-12, abs=0.0)
 
 
 def test_the_strip_equivalent_to_an_ellipse():
-    ball = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, 15.5e-3)
+    ball = make_ball_contact(207e9, 0.3, 7.94e-3, 4.1e-3, 15.5e-3)
     a, b = ball.semi_axes(100.0)
-    L, R = ball_as_strip(a, b, ball.pressure(100.0), STEEL)
+    L, R = equivalent_line_contact(a, b, ball.pressure(100.0), STEEL)
     assert half_width(100.0, L, R, E, NU) == pytest.approx(b, rel=1e-9, abs=0.0)
     assert line_pressure(100.0 / L, R, STEEL) == pytest.approx(ball.pressure(100.0), rel=1e-9, abs=0.0)
     assert pytest.approx(1.0 / (2.0 / 7.94e-3 + 1.0 / 15.5e-3), rel=0.25, abs=0.0) == R

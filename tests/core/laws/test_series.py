@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
-from bearingsim.core.laws.stiffness.johnson import johnson
+from bearingsim.core.laws.stiffness.johnson import make_johnson
 from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PowerLaw
-from bearingsim.core.laws.stiffness.series import as_power, series_share, series_share_by_newton
+from bearingsim.core.laws.stiffness.series import as_power, inner_approach, inner_approach_by_newton
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, STIFFNESSES, every_stiffness
 
@@ -48,7 +48,7 @@ def scaled(law, factor):
 @given(delta=st.floats(1e-9, 1e-5), factor=st.sampled_from([1.0, 0.7, 30.0]))
 def test_a_share_balances_the_two_forces(outer, inner, delta, factor):
     inner = scaled(inner, factor)
-    share = series_share(outer, inner, delta)
+    share = inner_approach(outer, inner, delta)
     assert 0.0 <= share <= delta
     assert elastic(inner, share) == pytest.approx(elastic(outer, delta - share), rel=3e-9, abs=0.0)
 
@@ -56,28 +56,28 @@ def test_a_share_balances_the_two_forces(outer, inner, delta, factor):
 @every_stiffness
 @pytest.mark.parametrize("delta", [0.0, 1e-9, 1.234e-7, 1e-5])
 def test_equal_contacts_share_equally(law, delta):
-    assert series_share(law, law, delta) == delta / 2.0
+    assert inner_approach(law, law, delta) == delta / 2.0
 
 
 def test_johnson_share_equals_newton():
-    inner = johnson(150e9, 0.3, 0.009, 0.020)
+    inner = make_johnson(150e9, 0.3, 0.009, 0.020)
     for delta in np.geomspace(1e-10, 1e-4, 50):
-        assert series_share(LINE, inner, delta) == pytest.approx(
-            series_share_by_newton(LINE, inner, delta), rel=1e-9, abs=0.0
+        assert inner_approach(LINE, inner, delta) == pytest.approx(
+            inner_approach_by_newton(LINE, inner, delta), rel=1e-9, abs=0.0
         )
 
 
 @pytest.mark.parametrize(("outer", "inner"), PAIRS)
 def test_no_share_without_contact_and_nan_propagates(outer, inner):
-    assert series_share(outer, inner, 0.0) == 0.0
-    assert series_share(outer, inner, -1e-6) == 0.0
-    assert np.isnan(series_share(outer, inner, float("nan")))
+    assert inner_approach(outer, inner, 0.0) == 0.0
+    assert inner_approach(outer, inner, -1e-6) == 0.0
+    assert np.isnan(inner_approach(outer, inner, float("nan")))
 
 
 @compiled
 def fill_shares(outer, inner, y, width):
     for j in range(width):
-        y[ROW + j] = series_share(outer, inner, y[j])
+        y[ROW + j] = inner_approach(outer, inner, y[j])
 
 
 @pytest.mark.parametrize(("outer", "inner"), PAIRS)
@@ -85,7 +85,7 @@ def test_shares_from_python_equal_the_compiled_ones(outer, inner):
     y = rows(0.0, 0.0)
     y[:ROW] = np.append(0.0, np.geomspace(1e-12, 1e-5, ROW - 1))
     fill_shares(outer, scaled(inner, 2.0), y, ROW)
-    expected = [series_share(outer, scaled(inner, 2.0), delta) for delta in y[:ROW]]
+    expected = [inner_approach(outer, scaled(inner, 2.0), delta) for delta in y[:ROW]]
     assert y[ROW:] == pytest.approx(expected, rel=1e-12, abs=0.0)
 
 

@@ -14,9 +14,9 @@ from bearingsim.core.laws.stiffness.power_laws import (
     PowerLaw,
     TenNinths,
     ThreeHalves,
-    iso16281,
+    make_iso16281,
+    make_palmgren,
     ninth_root,
-    palmgren,
 )
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, every_stiffness, force_of_lanes, slope
@@ -33,12 +33,12 @@ def approach(law, force):
 
 def test_palmgren_approach_of_one_contact():
     """1000 N on 10 mm: 3.84e-5 Q^0.9/L^0.8 = 0.0030502 mm (Palmgren)."""
-    assert 1e3 * approach(palmgren(0.010), 1000.0) == pytest.approx(0.0030502, rel=1e-3, abs=0.0)
+    assert 1e3 * approach(make_palmgren(0.010), 1000.0) == pytest.approx(0.0030502, rel=1e-3, abs=0.0)
 
 
 def test_iso16281_approach_of_both_contacts():
     """1000 N on 10 mm: 0.0063080 mm for both contacts, Q = 35948 L^(8/9) delta^(10/9) (ISO/TS 16281)."""
-    assert 2e3 * approach(iso16281(0.010), 1000.0) == pytest.approx(0.0063080, rel=1e-3, abs=0.0)
+    assert 2e3 * approach(make_iso16281(0.010), 1000.0) == pytest.approx(0.0063080, rel=1e-3, abs=0.0)
 
 
 @given(st.floats(1e-30, 1e3))

@@ -18,10 +18,10 @@ from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.core.laws.octaves import FLOOR, tabulate, value
 from bearingsim.core.laws.oil_film import (
     LubricatedLine,
-    ball_as_strip,
     entrainment_speed,
+    equivalent_line_contact,
     film_damping,
-    hysteresis,
+    hysteresis_damping,
 )
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from tests.scenes.laws import STEEL
@@ -110,10 +110,10 @@ def expected(bearing_case: Case, on_outer: bool, Q: float) -> tuple[float, float
     if b.element == "ball":
         point = contacts.point_contact(bearing_case, on_outer)
         a, b_axis = point.semi_axes(Q)
-        (L, R), exponent = ball_as_strip(a, b_axis, 1.5 * Q / (pi * a * b_axis), E_star), 1.0 / 3.0
+        (L, R), exponent = equivalent_line_contact(a, b_axis, 1.5 * Q / (pi * a * b_axis), E_star), 1.0 / 3.0
     line = LubricatedLine(L, R, E_star, film.inlet_viscosity, film.pressure_coefficient, u)
     oil = film_damping(Q, k, line, omega if film.at == "own" else 0.0, exponent)
-    return float(oil), float(hysteresis(k, omega, film.loss_factor))
+    return float(oil), float(hysteresis_damping(k, omega, film.loss_factor))
 
 
 def _tangent(stiffness: Any, Q: float) -> float:

@@ -27,20 +27,20 @@ from bearingsim.core.methods.nystrom import Nystrom
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.stabilised import Stabilised
 from bearingsim.core.methods.symplectic_euler import SymplecticEuler
-from bearingsim.core.methods.tableau import runge_kutta
+from bearingsim.core.methods.tableau import make_runge_kutta
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, damping_per_mass, stiffness_per_mass
 from tests.scenes.nf308 import at_rest, case
 from tests.scenes.oscillators import Oscillator, at_even_steps, bouncing_roller, pendulum, run
 
-EIGHTH = runge_kutta(dop853.a[:12, :12], dop853.a[12, :12])
+EIGHTH = make_runge_kutta(dop853.a[:12, :12], dop853.a[12, :12])
 RUNGE_KUTTA = {
     "rk4": (rk4.TABLE, 4),
     "dormand-prince": (dormand_prince.TABLE, 5),
-    "dormand-prince, embedded": (runge_kutta(dormand_prince.a, dormand_prince.EMBEDDED), 4),
+    "dormand-prince, embedded": (make_runge_kutta(dormand_prince.a, dormand_prince.EMBEDDED), 4),
     "dop853": (EIGHTH, 8),
-    "dop853, of fifth order": (runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_5_V[:12]), 5),
-    "dop853, of third order": (runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_3_V[:12]), 3),
+    "dop853, of fifth order": (make_runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_5_V[:12]), 5),
+    "dop853, of third order": (make_runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_3_V[:12]), 3),
     "stabilised": (stabilised.TABLE, 2),
 }
 FIXED_STEP_METHODS = (Verlet, SymplecticEuler, RungeKutta4, Nystrom, Stabilised)

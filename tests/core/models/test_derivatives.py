@@ -9,7 +9,7 @@ from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.pairs import ANGLE, HALF_WIDTH, RADIUS
-from bearingsim.core.laws.damping.general import general
+from bearingsim.core.laws.damping.general import make_general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.stiffness.power_laws import TenNinths, ThreeHalves
@@ -24,7 +24,7 @@ BOWL = DEFECT | {"shape": "circular", "width": "3 mm", "depth": "0.02 mm"}
 LAWS = {
     "hunt-crossley": lambda k: HuntCrossley(TenNinths(k), 20.0),
     "kraemer": lambda k: Kraemer(ThreeHalves(20.0 * k), 2e-6),
-    "general": lambda k: general(TenNinths(k), 1e9, 1.0, 1.0),
+    "general": lambda k: make_general(TenNinths(k), 1e9, 1.0, 1.0),
 }
 
 

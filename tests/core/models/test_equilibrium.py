@@ -15,8 +15,8 @@ from bearingsim.core.defects.excitations import ClearanceIncrease
 from bearingsim.core.defects.pairs import ON_INNER, ON_OUTER, REDUCED_RADIUS, RollerDefectPair, pack_defects
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths, ThreeHalves, iso16281
+from bearingsim.core.laws.stiffness.johnson import make_johnson
+from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths, ThreeHalves, make_iso16281
 from bearingsim.core.models.equilibrium import (
     DISTANCE,
     PAIR,
@@ -88,7 +88,7 @@ def test_iso16281_load_distribution_with_clearance():
     Computed from ISO/TS 16281's lamina law Q = 35948 L^(8/9) delta^(10/9), delta of both contacts together.
     """
     model = unsupported(load=3000.0, clearance=18.4e-6)
-    law = model.outer._replace(stiffness=iso16281(0.010))
+    law = model.outer._replace(stiffness=make_iso16281(0.010))
     loads, y = forces(model._replace(outer=law, inner=law))
     assert loads.max() == pytest.approx(1280.40, rel=1e-4)
     assert -1e3 * y[lay.POSITION + lay.X] == pytest.approx(0.0170796, rel=1e-4)
@@ -211,9 +211,9 @@ def test_static_equals_the_equilibrium_of_rollers(speed, defects):
 
 BOTH_LAWS = {
     "linear": (Linear(2e8), Linear(5e7)),
-    "ten ninths": (iso16281(0.012), TenNinths(3e9)),
+    "ten ninths": (make_iso16281(0.012), TenNinths(3e9)),
     "balls": (ThreeHalves(1e10), ThreeHalves(2e10)),
-    "johnson": (johnson(207e9, 0.3, 0.012, 0.0325), johnson(207e9, 0.3, 0.012, 0.0325)),
+    "johnson": (make_johnson(207e9, 0.3, 0.012, 0.0325), make_johnson(207e9, 0.3, 0.012, 0.0325)),
 }
 
 

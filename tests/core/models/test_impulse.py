@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.impulse_train import impulse_strengths, train
+from bearingsim.core.defects.impulse_train import impulse_strengths, make_train
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import step
@@ -154,7 +154,7 @@ def test_line_of_a_defect_on_the_outer_race(angle):
     """2 J BPFO |mobility| along the load and across it: an impulse train has all its lines equal."""
     steps = 1258
     h, C = PASS / steps, 0.3 * CRITICAL
-    impulses = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 45 * PASS)
+    impulses = make_train(BEARING, ZONE, [defect(angle=angle)], 0.0, 45 * PASS)
     model = ring(impulses.times, impulses.J_x, impulses.J_y, C)
     x = drive(model, h, 40 * steps)[:2, 20 * steps :]  # samples of the velocity, which jumps, have a wrong mean
     J = impulse_strengths(BEARING, ZONE, defect(angle=angle), np.array([angle]))[0]
@@ -177,7 +177,7 @@ def test_sidebands_of_a_defect_on_the_inner_race(epsilon):
     assert 10 * rate / shaft == pytest.approx(77.0, abs=1e-9)  # ten turns of the shaft close the pattern
     steps, C = 66000, 0.3 * CRITICAL
     h = 10 / shaft / steps
-    impulses = train(BEARING, zone, [defect("inner")], -0.02, 2 * 10 / shaft + 10 * h)
+    impulses = make_train(BEARING, zone, [defect("inner")], -0.02, 2 * 10 / shaft + 10 * h)
     x = drive(ring(impulses.times, impulses.J_x, impulses.J_y, C), h, 2 * steps)[:2, steps:]
     phi = 2 * pi * np.arange(4096) / 4096
     J = impulse_strengths(BEARING, zone, defect("inner"), phi)

@@ -119,4 +119,4 @@ def test_loops_over_rollers_keep_their_lanes(fields):
     common = by_roller.shared_quantities(model, 0.0, y)
     assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, common, y, n)
     assert keeps_lanes(compiled(by_roller.accelerate_rollers.py_func), model, motion, common, 0.0, y, n)
-    assert keeps_lanes(compiled(plane.roller_directions.py_func), 0.3, y, n)
+    assert keeps_lanes(compiled(plane.fill_roller_directions.py_func), 0.3, y, n)

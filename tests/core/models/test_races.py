@@ -28,7 +28,7 @@ from bearingsim.core.defects.pairs import (
     passing_speed,
 )
 from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.laws.stiffness.power_laws import iso16281
+from bearingsim.core.laws.stiffness.power_laws import make_iso16281
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.parameters import kinematic_angles
@@ -311,7 +311,7 @@ def test_iso16281_with_two_rollers_at_one_position():
     The test case of the open-source `tribology` package; the lamina law of ISO/TS 16281 for both contacts.
     """
     model = weightless(assemble.model(case(model="static", load=3000.0, clearance=18.4e-6, start_angle=0.0)))
-    law = model.outer._replace(stiffness=iso16281(0.010))
+    law = model.outer._replace(stiffness=make_iso16281(0.010))
     model = model._replace(outer=law, inner=law, support=model.support._replace(k_b=0.0))
     angle = np.append(2 * pi * np.arange(12) / 12, 0.0)
     y = lay.make_buffer(13, 0.0)

@@ -12,7 +12,7 @@ from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.pairs import ANGLE, RADIUS
-from bearingsim.core.geometry.slices import slice_edges, slices
+from bearingsim.core.geometry.slices import make_slices, slice_edges
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.curves import StaticDynamic
 from bearingsim.core.laws.stiffness.power_laws import Linear
@@ -53,7 +53,7 @@ def model_of(setup):
     """Return a model with all effects."""
     defects = [DEFECT, DEFECT | {"race": "inner"}, DEFECT | {"race": "roller", "roller": 5}]
     model = assemble.model(case(**ALL_EFFECTS | {"defects": defects}, **SETUPS[setup]))
-    slicing = slices(slice_edges(L_W, REACH, 9), lambda z: 2e-6 * (2 * z / L_W) ** 2)
+    slicing = make_slices(slice_edges(L_W, REACH, 9), lambda z: 2e-6 * (2 * z / L_W) ** 2)
     inertia = model.bracket.inertia
     return spatial_model(
         model,

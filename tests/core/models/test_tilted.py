@@ -9,7 +9,7 @@ from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.geometry.orientation import Body
-from bearingsim.core.geometry.slices import slice_edges, slices
+from bearingsim.core.geometry.slices import make_slices, slice_edges
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.friction.curves import StaticDynamic
@@ -120,7 +120,7 @@ def slice_forces(y, count, row=lay.LOAD_O):
 def misaligned():
     """Return a bearing with both rings tilted and profiled rollers."""
     slicing, planar = (
-        slices(np.linspace(-HALF, HALF, 10), crowned),
+        make_slices(np.linspace(-HALF, HALF, 10), crowned),
         assemble.model(case(model="planar", load="400 N")),
     )
     return spatial_model(planar, slicing, mount_o=MISALIGNED, mount_i=RigidMount(-2e-4, 0.0))
@@ -166,7 +166,7 @@ def test_an_off_centre_defect_tilts_a_roller():
     """A 3 mm defect off the middle under the most loaded roller: its tilt of an independent minimum."""
     reach = (1e-3, 4e-3)
     bearing_case = case(model="planar", defect=SLOT | {"width": "0.1 mm"}, start_angle=1e-9)
-    model = spatial_model(assemble.model(bearing_case), slices(slice_edges(L_W, [reach], 12), flat), (reach,))
+    model = spatial_model(assemble.model(bearing_case), make_slices(slice_edges(L_W, [reach], 12), flat), (reach,))
     y, residual = static_state(model)
     assert residual <= 1e-8
     expected, residual_energy = minimum(model, energy_coordinates(y, 13) * 0.9)

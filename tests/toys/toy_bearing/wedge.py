@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.defects.depth import EVEN, cuts, extent, section
-from bearingsim.core.defects.profile import RACE, polygon
+from bearingsim.core.defects.depth import CONSTANT_SECTION, extent, section, section_intervals
+from bearingsim.core.defects.profile import RACE, make_polyline
 
 
 class Wedge(NamedTuple):
@@ -21,7 +21,7 @@ def _section(defect, z):
     if abs(z) >= defect.length / 2.0:
         return RACE
     b = defect.width / 2.0
-    return polygon(np.array([-b, 0.9 * b, b]), np.array([0.0, defect.depth, 0.0]))
+    return make_polyline(np.array([-b, 0.9 * b, b]), np.array([0.0, defect.depth, 0.0]))
 
 
 @extent.register(Wedge)
@@ -29,6 +29,6 @@ def _extent(defect):
     return -defect.width / 2.0, defect.width / 2.0, -defect.length / 2.0, defect.length / 2.0
 
 
-@cuts.register(Wedge)
+@section_intervals.register(Wedge)
 def _cuts(defect):
-    return [(-defect.length / 2.0, defect.length / 2.0, EVEN)]
+    return [(-defect.length / 2.0, defect.length / 2.0, CONSTANT_SECTION)]

@@ -13,7 +13,7 @@ MIN_RATE = 1e-12  # m/s: minimum rate for evaluating a derivative that is infini
 class General(NamedTuple):
     """Damping of the multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N (s/m)^m2 / m^m3.
 
-    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``general``. The first three are
+    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``make_general``. The first three are
     empty tuples, so equal to one another. Laws are distinguished by their types, not by ``==``.
     """
 
@@ -138,12 +138,12 @@ INTEGER_EXPONENTS = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
 """Exponents with a separate type, without ``pow``."""
 
 
-def power(m: float) -> Power0 | Power1 | Power2 | Power:
+def make_exponent(m: float) -> Power0 | Power1 | Power2 | Power:
     """Choose the fastest exponent type that equals ``m``."""
     kinds = [kind for exponent, kind in INTEGER_EXPONENTS if isclose(m, exponent, rel_tol=1e-12, abs_tol=1e-12)]
     return kinds[0]() if kinds else Power(float(m))
 
 
-def general(stiffness: Any, c: float, m2: float, m3: float) -> General:
+def make_general(stiffness: Any, c: float, m2: float, m3: float) -> General:
     """Return general damping with the fastest types for the exponents m2 and m3."""
-    return General(stiffness, c, power(m2), power(m3))
+    return General(stiffness, c, make_exponent(m2), make_exponent(m3))

@@ -29,14 +29,14 @@ def curvature(law: Any, delta: float) -> float:
 
 
 @jit
-def fill_curve(law: Any, delta: Any, Q: Any, k: Any) -> None:
+def fill_law_values(law: Any, delta: Any, Q: Any, k: Any) -> None:
     """Fill ``Q`` with elastic forces (N) and ``k`` with stiffnesses (N/m) at approaches ``delta`` (m)."""
     for i in range(len(delta)):
         Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
 
 
-def curve(law: Any, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def evaluate_law(law: Any, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return elastic forces (N) and stiffnesses (N/m) at approaches ``delta`` (n,) > 0 (m)."""
     Q, k = np.empty_like(delta), np.empty_like(delta)
-    fill_curve(law, delta, Q, k)
+    fill_law_values(law, delta, Q, k)
     return Q, k

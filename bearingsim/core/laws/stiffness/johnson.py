@@ -22,7 +22,7 @@ from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.core.laws.octaves import derivative, second_derivative, tabulate, value
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
-from bearingsim.core.laws.stiffness.series import series_share, series_share_by_newton
+from bearingsim.core.laws.stiffness.series import inner_approach, inner_approach_by_newton
 
 
 def reduced_curve(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -61,7 +61,7 @@ def reduced_curvature(y):
 class Johnson(NamedTuple):
     """Line contact of two cylinders, delta = Q'/(pi E*) [ln(4 pi E* dR/Q') - 1] with Q' = Q/L solved for Q.
 
-    force: 4 pi E* dR L (N), length: 4 dR (m); see ``johnson``. Source: K. L. Johnson, Contact Mechanics, Cambridge
+    force: 4 pi E* dR L (N), length: 4 dR (m); see ``make_johnson``. Source: K. L. Johnson, Contact Mechanics, Cambridge
     1985, section 5.6: a cylinder of radius R is compressed, from its axis to the contact of half width a, by
     Q'/(2 pi E*) [2 ln(4 R/a) - 1]. Twice, for R_1 and R_2, with a^2 = 4 Q' R_1 R_2/(pi E* (R_1 +- R_2)), gives the
     formula with dR = R_1 + R_2, or R_2 - R_1 inside a ring. (This pair form: Pereira, Ramalho and Ambrosio,
@@ -76,7 +76,7 @@ class Johnson(NamedTuple):
     length: float
 
 
-def johnson(E: float, nu: float, L: float, dR: float) -> Johnson:
+def make_johnson(E: float, nu: float, L: float, dR: float) -> Johnson:
     """Return the law of a roller of length ``L`` (m) on a race, both of ``E`` (Pa) and ``nu``.
 
     ``dR`` (m): R_i + R_w on the inner race, R_o - R_w on the outer.
@@ -102,20 +102,20 @@ def _curvature(law, delta):
 
 
 def _share_with_other(inner, outer, delta):
-    return series_share_by_newton(outer, inner, delta)
+    return inner_approach_by_newton(outer, inner, delta)
 
 
 @generic(otherwise=_share_with_other)
-def series_share_with_johnson(inner: Any, outer: Any, delta: float) -> float:
-    """Return ``series_share`` if the outer contact is ``Johnson``'s."""
+def inner_approach_with_johnson(inner: Any, outer: Any, delta: float) -> float:
+    """Return ``inner_approach`` if the outer contact is ``Johnson``'s."""
 
 
-@series_share.register(Johnson)
+@inner_approach.register(Johnson)
 def _series_share(outer, inner, delta):
-    return series_share_with_johnson(inner, outer, delta)
+    return inner_approach_with_johnson(inner, outer, delta)
 
 
-@series_share_with_johnson.register(Johnson)
+@inner_approach_with_johnson.register(Johnson)
 def _share_with_johnson(inner, outer, delta):
     """Treat two contacts of this law in series as one.
 

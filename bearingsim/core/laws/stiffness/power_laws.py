@@ -37,7 +37,7 @@ def _as_power_linear(law):
 
 
 class ThreeHalves(NamedTuple):
-    """Point contact, Q = k delta^(3/2); k in N/m^(3/2). Source: Hertz; see ``hertz.ball_on_race`` for k."""
+    """Point contact, Q = k delta^(3/2); k in N/m^(3/2). Source: Hertz; see ``hertz.make_ball_contact`` for k."""
 
     k: float
 
@@ -78,12 +78,12 @@ class TenNinths(NamedTuple):
     k: float
 
 
-def palmgren(L_w: float) -> TenNinths:
+def make_palmgren(L_w: float) -> TenNinths:
     """Return Palmgren's stiffness of a steel line contact of length ``L_w`` (m), k in N/m^(10/9)."""
     return TenNinths(PALMGREN_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**LINE_CONTACT_EXPONENT)
 
 
-def iso16281(L_w: float) -> TenNinths:
+def make_iso16281(L_w: float) -> TenNinths:
     """Return ISO/TS 16281's stiffness of one of the two contacts of a roller of length ``L_w`` (m), k in
     N/m^(10/9)."""
     both = ISO16281_BOTH_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**LINE_CONTACT_EXPONENT
