@@ -1,13 +1,14 @@
 """Hertz contact: constants of the contact laws from geometry and material. Plain Python, not compiled.
 
-For smooth and dry elastic half-spaces of one material (E, nu), with a contact small compared to the radii.
-Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 4.1 and 4.2.
+Valid for smooth and dry elastic half-spaces of one material (E, nu), with a contact
+small compared to the radii. Source: K. L. Johnson, Contact Mechanics, Cambridge 1985,
+sections 4.1 and 4.2.
 """
 
 from math import exp, log, pi, sqrt
 from typing import Any, NamedTuple
 
-MAX_AXIS_RATIO = 1e4  # ratio of the axes; a longer contact is treated as a line
+MAX_AXIS_RATIO = 1e4  # of a contact ellipse; a longer one would be a line contact
 
 
 def effective_modulus(E: float, nu: float) -> float:
@@ -28,9 +29,10 @@ def half_width(Q: float, L: float, R: float, E: float, nu: float) -> float:
 
 
 def line_pressure(Q_per_m: float, R: float, E_star: float) -> float:
-    """Return the largest pressure (Pa) of a line contact, 2 Q'/(pi b) = sqrt(Q' E*/(pi R)); Q': ``Q_per_m`` (N/m).
+    """Return the largest pressure (Pa) of a line contact.
 
-    ``R``: reduced radius (m), as in ``half_width``; ``E_star``: ``effective_modulus`` (Pa).
+    2 Q'/(pi b) = sqrt(Q' E*/(pi R)). Q': ``Q_per_m``, load per length (N/m); ``R``: reduced radius (m), as in
+    ``half_width``; ``E_star``: ``effective_modulus`` (Pa).
     """
     return sqrt(Q_per_m * E_star / (pi * R))
 
@@ -39,9 +41,9 @@ def line_pressure(Q_per_m: float, R: float, E_star: float) -> float:
 
 
 class PointContact(NamedTuple):
-    """An elliptic contact, Q = k delta^(3/2), with semi-axes a Q^(1/3) >= b Q^(1/3).
+    """An elliptic contact, Q = k delta^(3/2), with semi-axes a Q^(1/3) and b Q^(1/3).
 
-    k: N/m^(3/2); a, b: m/N^(1/3).
+    k: N/m^(3/2); a >= b: m/N^(1/3).
     """
 
     k: float
@@ -60,13 +62,16 @@ class PointContact(NamedTuple):
 
 
 def make_ball_contact(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
-    """Return the contact of a ball of diameter ``D_w`` (m) on a race with groove radius ``r_g`` (m); E in Pa.
+    """Return the contact of a ball of diameter ``D_w`` (m) on a race with groove radius
+    ``r_g`` (m).
 
-    ``R``: radius of the race at the bottom of its groove (m), positive for an inner race (convex), negative for
-    an outer one (concave). The long axis is transverse to rolling. Raises ValueError if the ball does not fit, or
-    fits so closely that the contact is not an ellipse.
+    E, nu: Young's modulus (Pa) and Poisson's ratio of both; ``R``: radius (m) of the
+    race at the bottom of its groove, positive for an inner race (convex), negative for
+    an outer one (concave). The long axis is transverse to rolling. Raises ValueError if
+    the ball does not fit the groove, or so closely that the contact is no ellipse
+    (``axis_ratio``).
     """
-    rho_along, rho_across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # curvatures relative to the race, 1/m
+    rho_along, rho_across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # relative curvatures, 1/m
     if rho_along <= 0.0 or rho_across <= 0.0:
         raise ValueError(f"a ball of diameter {D_w} m does not fit a groove of {r_g} m on a race of {R} m")
     return make_elliptic_contact(effective_modulus(E, nu), rho_along, rho_across)
@@ -76,8 +81,9 @@ def make_elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointCon
     """Return the contact of two bodies with relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any
     order.
 
-    With kappa = a/b, the complete elliptic integrals K and E of the modulus e, e^2 = 1 - 1/kappa^2, and
-    A + B = (rho_1 + rho_2)/2:
+    E_star: ``effective_modulus`` (Pa). Raises ValueError if the ratio of the curvatures
+    is too large (``axis_ratio``). With kappa = a/b, the complete elliptic integrals K
+    and E of the modulus e, e^2 = 1 - 1/kappa^2, and A + B = (rho_1 + rho_2)/2:
 
         k = (2 pi E*/3) kappa sqrt(E/(K^3 (A + B))),    a^3 = 3 Q kappa^2 E/(2 pi E* (A + B))
 
@@ -88,9 +94,9 @@ def make_elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointCon
     """
     kappa = axis_ratio(max(rho_1, rho_2) / min(rho_1, rho_2))
     K, deficit = elliptic_integrals(kappa)
-    E, A_and_B = K * (1.0 - deficit), (rho_1 + rho_2) / 2.0
-    k = 2.0 * pi * E_star / 3.0 * kappa * sqrt(E / (K**3 * A_and_B))
-    a = (1.5 * kappa**2 * E / (pi * E_star * A_and_B)) ** (1.0 / 3.0)
+    E, A_plus_B = K * (1.0 - deficit), (rho_1 + rho_2) / 2.0
+    k = 2.0 * pi * E_star / 3.0 * kappa * sqrt(E / (K**3 * A_plus_B))
+    a = (1.5 * kappa**2 * E / (pi * E_star * A_plus_B)) ** (1.0 / 3.0)
     return PointContact(k, a, a / kappa)
 
 
@@ -116,21 +122,26 @@ def modulus_squared(kappa: float) -> float:
 
 
 def curvature_ratio(kappa: float) -> float:
-    """Return the curvature ratio B/A = (kappa^2 E - K)/(K - E) of an ellipse with the axis ratio ``kappa`` > 1."""
+    """Return the ratio of curvatures B/A = (kappa^2 E - K)/(K - E) for which the
+    contact ellipse has the axis ratio ``kappa`` > 1."""
     _, deficit = elliptic_integrals(kappa)
     return kappa * kappa * (modulus_squared(kappa) - deficit) / deficit
 
 
 def axis_ratio(ratio: float) -> float:
-    """Return kappa = a/b of the contact ellipse of bodies with the ratio of curvatures B/A = ``ratio`` >= 1."""
+    """Return kappa = a/b of the contact ellipse of bodies with the ratio of curvatures
+    B/A = ``ratio`` >= 1.
+
+    Raises ValueError if kappa exceeds ``MAX_AXIS_RATIO``.
+    """
     if ratio < 1.0 + 1e-12:
         return 1.0  # a circle, for which the ratio is 0/0
     low, high = 0.0, log(MAX_AXIS_RATIO)
     if ratio > curvature_ratio(MAX_AXIS_RATIO):
         raise ValueError(f"curvatures in the ratio {ratio:.3g} make a line, not an ellipse")
     while high - low > 1e-15 * (1.0 + high):
-        middle = (low + high) / 2.0
-        if middle in (low, high):
+        midpoint = (low + high) / 2.0
+        if midpoint in (low, high):
             break
-        low, high = (middle, high) if curvature_ratio(exp(middle)) < ratio else (low, middle)
+        low, high = (midpoint, high) if curvature_ratio(exp(midpoint)) < ratio else (low, midpoint)
     return exp((low + high) / 2.0)

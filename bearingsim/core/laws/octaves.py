@@ -1,8 +1,10 @@
-"""Tables of a function of one positive number, in cubic pieces on a grid of 32 cells per octave.
+"""Tables of a function of one positive number, by a cubic in each of 32 cells per
+octave.
 
-The cell of a number follows from its exponent bits, without logarithm or search. A table is a flat array of four
-coefficients per cell, for powers of the distance from the cell's left end. Below FLOOR there is one cell from the
-origin (where the function is 0); above CEILING a straight line.
+The cell of a number follows from its bits, without logarithm or search. A table is a
+flat array of four coefficients per cell, for powers of the distance from the cell's
+left end. Below FLOOR there is one cell from the origin (where the function is 0); above
+CEILING the function is a straight line.
 """
 
 from collections.abc import Callable
@@ -11,18 +13,21 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 
-MIN_EXPONENT, MAX_EXPONENT = -36, -6  # octaves of the table
-CELL_BITS = 5
-CELLS_PER_OCTAVE = 1 << CELL_BITS  # per octave
+MIN_EXPONENT, MAX_EXPONENT = -36, -6  # of 2 at the ends of the table
+CELL_BITS = 5  # leading bits of the significand that number the cells of an octave
+CELLS_PER_OCTAVE = 1 << CELL_BITS
 FLOOR, CEILING = 2.0**MIN_EXPONENT, 2.0**MAX_EXPONENT
-COEFFICIENTS = 4
+COEFFICIENTS = 4  # per cell
 _SHIFT = 52 - CELL_BITS  # bits of a double below those of its cell's index
 _BELOW_FLOOR = ((1023 + MIN_EXPONENT) << CELL_BITS) - 1  # cell 0 extends from the origin to FLOOR
 _LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits give cell 0
 
 
 def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Tabulate a function that returns values and derivatives of arrays, by cubic Hermite interpolation."""
+    """Tabulate a function by cubic Hermite interpolation.
+
+    function: returns values (n,) and derivatives (n,) at positions (n,).
+    """
     octaves = 2.0 ** np.arange(MIN_EXPONENT, MAX_EXPONENT)
     y = np.append(np.outer(octaves, 1.0 + np.arange(CELLS_PER_OCTAVE) / CELLS_PER_OCTAVE).ravel(), CEILING)
     x, derivative = function(y)
@@ -38,7 +43,8 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
 
 @jit
 def cell(y):
-    """Return the index of the coefficients of the cell of ``y``, and the distance of ``y`` from its left end."""
+    """Return the index of the first coefficient of the cell of ``y``, and the distance
+    of ``y`` from its left end."""
     limited = min(max(_LOWEST, y), CEILING)  # in this order NaN gets a valid cell and remains in the distance
     index = np.float64(limited).view(np.int64) >> _SHIFT
     left = np.int64(index << _SHIFT).view(np.float64)

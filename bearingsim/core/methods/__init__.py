@@ -1,4 +1,6 @@
-"""Integrators: a NamedTuple of parameters and one ``step`` each; ``advance`` drives any of them.
+"""Integrators: each is a ``NamedTuple`` of parameters with one ``step``; ``advance``
+runs any of them.
 
-``KIND`` describes the properties of a method; ``build`` registers it under its name.
+``KIND`` of a module describes the properties of its method; ``bearingsim/catalogue.py``
+lists the modules.
 """

@@ -1,19 +1,20 @@
 """Driver of all adaptive methods: step size control, stops at jumps, and states at recorded instants.
 
-Steps run ahead of the recorded instants, whose states are computed by dense output, so recording does not affect
-the steps. The complete state of a run is in the buffer, so a run in pieces is identical to one in a single piece.
+Steps run ahead of the recorded instants, whose states are computed by dense output, so recording does not
+affect the steps. The complete state of a run is in the buffer, so a run in parts is identical to one in a
+single part.
 
-Error: e of a step's positions and velocities, coordinate by coordinate in metres (angles by the arm they act at),
+Error norm of a step's positions and velocities, in m and m/s (angles multiplied by their lever arm):
 
     |e|^2 = sum (e_q/atol_q)^2 + sum (e_v/(atol_v + rtol |v|))^2,   accepted if |e| <= 1
 
-a sum and not a mean, because the impact of one roller must not be averaged out by the others. Step:
-proportional-integral control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also avoids
-step size oscillations of an explicit method at its stability limit. First step: Hairer, Norsett and Wanner,
-Solving ODEs I, sec. II.4.
+It is a sum and not a mean, because the impact of one roller must not be averaged out by the others. Step size:
+proportional-integral control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also
+avoids step size oscillations of an explicit method at its stability limit. First step: Hairer, Norsett and
+Wanner, Solving ODEs I, sec. II.4.
 
-At a jump (``defects/jumps.py``) a step ends just before it, and the next begins just after it, so no step contains
-a jump. The gap is of the order of rounding errors of the time; explicit methods cross it by the trapezoidal rule.
+One step ends just before a jump (``defects/jumps.py``) and the next begins just after it, so no step contains a
+jump. The gap is of the order of rounding errors of the time; explicit methods cross it by the trapezoidal rule.
 """
 
 from collections.abc import Callable
@@ -45,46 +46,45 @@ METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks, declared by each method
 # length (m) per unit of each coordinate; 0 for entries that are not coordinates
 (LENGTH_SCALE,) = lay.states(lay.STAGE + 55 * lay.STATE, "1", ADAPTIVE, "run")
 
-SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # bounds of the change of a step (1)
-SMALL_ERROR = 1e-4  # error over tolerance; the controller treats smaller ones as this value
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # of the factor by which the step size changes
+SMALL_ERROR = 1e-4  # error over tolerance; the controller uses this value for smaller errors
 MIN_STEP = 1e-15  # s: minimum step, unless several rounding errors of the time are larger
-TIME_ROUNDING = 8 * 2.0**-52
+TIME_ROUNDING = 8 * 2.0**-52  # relative rounding error of a time, with a margin
 JUMP_STEP = 1e-13  # s: in steps shorter than this an L-stable method need not locate the jump
-MAX_ATTEMPTS = 100_000  # steps between two recorded instants
-CLOCK_INTERVAL = 64  # steps between readings of the clock
-TIME_TOLERANCE = 1e-9  # part of the recording interval within which a step's end is used for the instant
+MAX_ATTEMPTS = 100_000  # attempted steps between two recorded instants
+CLOCK_INTERVAL = 64  # attempted steps between readings of the clock
+TIME_TOLERANCE = 1e-9  # part of the recording interval; a step's end closer to an instant is used for it
 
 
 @generic
 def estimate_order(method: Any) -> float:
-    """Return the exponent of the step in the method's error estimate."""
+    """Return the exponent of the step size in the method's error estimate."""
 
 
 @generic
 def failure_outcome(method: Any) -> int:
-    """Return the outcome (``core/outcomes.py``) of a run whose steps fall below the floor."""
+    """Return the outcome (``core/outcomes.py``) of a run whose steps fall below the minimum."""
 
 
 @generic
 def jump_weight(method: Any) -> float:
-    """Return the weight, 0 to 1, of the forces just behind a jump when it is crossed.
+    """Return the weight, 0 to 1, of the forces just after a jump in the step across it.
 
-    An implicit method uses only those before it, because with a stiff dashpot even JUMP_GAP can be too long a step
-    for the velocity after a jump; the next step corrects this.
+    It is 0 for an implicit method, because with a stiff dashpot even JUMP_GAP can be too long a step for the
+    velocity after a jump; the next step corrects this.
     """
 
 
 @generic
 def complete_dense_output(method: Any, model: Any, y: Any) -> None:
-    """Evaluate the additional stages for the dense output of the last step, at most once per step and only if
-    needed.
+    """Evaluate the additional stages for the dense output of the last step, at most once and only if needed.
 
-    The state's blocks may be overwritten; START, END and METHOD_STATES belong to the step.
+    It may overwrite the state's blocks, but not START and END, nor what the step needs of METHOD_STATES.
     """
 
 
 def no_completion(method, model, y):
-    """Skip ``complete_dense_output``, for methods whose dense output needs no evaluation."""
+    """Do nothing, as ``complete_dense_output`` of methods whose dense output needs no evaluation."""
 
 
 def register_adaptive(
@@ -94,11 +94,10 @@ def register_adaptive(
     failure: int = STEP_TOO_SMALL,
     weight: float = 1.0,
 ) -> None:
-    """Register a method with ``attempt`` and ``interpolate`` as adaptive; parameters: type with the fields of
-    ``Tolerances``.
+    """Register a method that has ``attempt`` and ``interpolate`` as adaptive.
 
-    order: exponent of the step in its error estimate; completion: its ``complete_dense_output``; failure: its
-    ``failure_outcome``; weight: its ``jump_weight``.
+    parameters: type with the fields of ``Tolerances``; order: its ``estimate_order``; completion: its
+    ``complete_dense_output``; failure: its ``failure_outcome``; weight: its ``jump_weight``.
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
@@ -145,7 +144,7 @@ def start_from_end(y, n):
 
 @jit
 def fill_length_scales(model, y):
-    """Fill LENGTH_SCALE: 1 for lengths, the lever arm for angles and axes."""
+    """Fill LENGTH_SCALE: 1 for lengths, the lever arm (m) for angles and axes."""
     b = model.bearing
     per_roller, shared = degrees_of_freedom(model)
     shared_scales, roller_scales = shared_arms(b), roller_arms(b)
@@ -162,9 +161,10 @@ def fill_length_scales(model, y):
 
 @jit
 def error_norm(method, error_q, error_v, y, n):
-    """Return the norm of the errors of positions and velocities at ``error_q`` and ``error_v`` over the tolerance.
+    """Return the norm, over the tolerance, of the errors of positions and velocities in blocks ``error_q``,
+    ``error_v``.
 
-    Velocity errors are relative to the larger of the velocities at START and in the state's block.
+    The tolerance of velocities is relative to the larger of the velocities at START and in the state's block.
     """
     per_atol_q = 1.0 / method.atol_q  # leaves one division per entry
     for j in range(n):
@@ -179,19 +179,19 @@ def error_norm(method, error_q, error_v, y, n):
 @jit
 def limit_jump_error(error, h):
     """Return the error of an L-stable method, limited to 1 in a step so short that only a jump of the force can
-    cause it.
+    cause a larger one.
 
-    The force then acts over the whole step instead of a part of it. Displacements in the step are rounding errors,
-    and the same dashpot compensates the error of the impulse before any other motion, because the shortest
-    relaxation time is 1e-11 s (1e9 N s/m on 10 g).
+    After the jump the force acts over the whole step instead of a part of it. The displacement in the step is a
+    rounding error, and the dashpot compensates the error of the impulse faster than anything else moves,
+    because its shortest relaxation time is 1e-11 s (1e9 N s/m on 10 g).
     """
     return 1.0 if h <= JUMP_STEP and isfinite(error) and error > 1.0 else error
 
 
 @jit
 def scaled_norm(method, q, v, y, n):
-    """Return the norm of any position and velocity in the blocks at ``q`` and ``v``, relative to the velocities at
-    START."""
+    """Return the norm, over the tolerance at START, of positions and velocities in the blocks ``q`` and
+    ``v``."""
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         e_q = lever * y[q + j] / method.atol_q
@@ -200,12 +200,13 @@ def scaled_norm(method, q, v, y, n):
     return sqrt(sum_addends(y, n))
 
 
-# Lengths of steps
+# Step size
 
 
 @jit
 def first_step(method, model, t, y, n):
-    """Return the length (s) of the first step from the state at START, from the change over an Euler step."""
+    """Return the size (s) of the first step, estimated from the change of the accelerations over an Euler
+    step."""
     norm_1 = scaled_norm(method, START_V, START_A, y, n)
     h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / norm_1 if norm_1 > 0.0 else method.longest
     h = min(max(h, 1e-3 * method.longest), method.longest)
@@ -226,21 +227,22 @@ def first_step(method, model, t, y, n):
 
 @jit
 def shrink_factor(method, error):
-    """Return the factor for a rejected step's length, the minimum if the error is not finite."""
+    """Return the factor for the size of a rejected step, the minimum if the error is not finite."""
     return max(MIN_FACTOR, SAFETY * error ** (-1.0 / estimate_order(method))) if isfinite(error) else MIN_FACTOR
 
 
 @jit
-def growth_factor(method, error, last):
-    """Return the factor for the next step's length, from the errors of this and of the previous step."""
+def growth_factor(method, error, last_error):
+    """Return the factor for the size of the next step, from the errors of this and of the last step."""
     k = estimate_order(method)
-    return min(MAX_FACTOR, max(MIN_FACTOR, SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * last ** (0.4 / k)))
+    factor = SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * last_error ** (0.4 / k)
+    return min(MAX_FACTOR, max(MIN_FACTOR, factor))
 
 
 @jit
 def fit_to_stop(h, distance):
-    """Return a step of about ``h`` (s) that ends on a stop ``distance`` (s) ahead, or leaves at least its own
-    length."""
+    """Return the step ``h`` (s), shortened to end at a stop ``distance`` (s) ahead or to leave at least its own
+    size before it."""
     if h >= distance:
         return distance
     return 0.5 * distance if 2.0 * h > distance else h
@@ -251,7 +253,7 @@ def fit_to_stop(h, distance):
 
 @jit
 def cross_jump(method, model, y, n):
-    """Step from just before a jump to just after it without changing the stored length of the last step."""
+    """Step from just before a jump to just after it, without changing the stored size of the last step."""
     t, weight = y[lay.T_END] + 2.0 * JUMP_GAP, jump_weight(method)
     for j in range(n):
         y[lay.POSITION + j] = y[END_Q + j] + 2.0 * JUMP_GAP * y[END_V + j]
@@ -267,25 +269,25 @@ def cross_jump(method, model, y, n):
 
 @jit
 def take_step(method, model, y, n):
-    """Attempt steps from END until acceptance or the minimum step; return the number of attempts."""
+    """Attempt steps from END until one is accepted or the minimum is reached; return the number of attempts."""
     t = y[lay.T_END]
     start_from_end(y, n)
-    h_wanted = min(y[lay.H_NEXT], method.longest)
-    h = fit_to_stop(h_wanted, y[lay.NEXT_STOP] - t - 0.5 * JUMP_GAP)
+    h_proposed = min(y[lay.H_NEXT], method.longest)
+    h = fit_to_stop(h_proposed, y[lay.NEXT_STOP] - t - 0.5 * JUMP_GAP)
     h_min = max(MIN_STEP, TIME_ROUNDING * abs(t))
     error = attempt(method, model, t, h, y)
     attempts = 1
     while not error <= 1.0:
         y[lay.STEPS_REJECTED] += 1.0
         h *= shrink_factor(method, error)
-        h_wanted = 0.0
+        h_proposed = 0.0
         if h < h_min:
             y[lay.FAILED] = failure_outcome(method)
             return attempts
         error = attempt(method, model, t, h, y)
         attempts += 1
     factor = growth_factor(method, error, y[lay.LAST_ERROR])
-    y[lay.H_NEXT] = max(h * (factor if attempts == 1 else min(factor, 1.0)), h_wanted if h < h_wanted else 0.0)
+    y[lay.H_NEXT] = max(h * (factor if attempts == 1 else min(factor, 1.0)), h_proposed if h < h_proposed else 0.0)
     y[lay.LAST_ERROR] = max(error, SMALL_ERROR)
     y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN] = t, t + h, h
     y[lay.DENSE_READY] = 0.0
@@ -295,7 +297,7 @@ def take_step(method, model, y, n):
 
 @jit
 def advance_once(method, model, y):
-    """Make one accepted step, or cross a jump; return the number of attempts."""
+    """Make one accepted step, or cross a jump; return the number of attempted steps."""
     n, rollers = state_width(model), lanes(model.bearing)
     if y[lay.NEXT_STOP] - y[lay.T_END] <= JUMP_GAP:
         cross_jump(method, model, y, n)
@@ -322,11 +324,10 @@ def store_step_end(model, y, n):
 
 @jit
 def set_midpoint_state(model, y, n):
-    """Set the state in the middle of the last step, contacts included, by Hermite's quintic through both ends.
+    """Set the state at the midpoint of the last step, contacts included, by Hermite's quintic polynomial.
 
-    It interpolates positions (m, rad), velocities and accelerations at both ends with an error of sixth order in
-    the step, so the method's dense output need not be completed. The coefficients solve these six conditions at
-    one half.
+    It interpolates positions, velocities and accelerations at both ends, with an error of sixth order in the
+    step, so the method's dense output need not be completed.
     """
     h = y[lay.H_TAKEN]
     per_h = 1.0 / h
@@ -372,7 +373,7 @@ def _prepare(method, model, t, y):
     store_forces_at_end(y, lanes(model.bearing))
     y[lay.H_NEXT] = min(first_step(method, model, t, y, n), method.longest)
     save_state(y, END_Q, n)
-    y[lay.NEXT_STOP] = t  # one stored after steps past t may be beyond the next
+    y[lay.NEXT_STOP] = t  # an earlier run past t may have left a stop beyond the next jump
     y[lay.NEXT_STOP] = next_jump(model, t, y)
 
 
@@ -382,7 +383,7 @@ def _step(method, model, t, y):
 
 
 def _reach(method, model, t, y):
-    """Implement ``reach`` for every adaptive method: step up to or past the instant, then use dense output."""
+    """Implement ``reach`` for every adaptive method: step to the instant or past it, then use dense output."""
     attempts, next_reading = 0, CLOCK_INTERVAL
     while y[lay.FAILED] == SUCCESS and y[lay.T_END] < t - TIME_TOLERANCE * method.h:
         attempts += advance_once(method, model, y)

@@ -1,21 +1,24 @@
-"""Arrow matrices (bordered block diagonal), in which each roller couples only to itself and to the border (rings
-and cage).
+"""Arrow matrices (bordered block diagonal): each roller couples only to itself and to
+the border (rings and cage).
 
     | D_1             U_1 |  | x_1 |   | b_1 |      W_j = D_j^-1 U_j
     |      D_2        U_2 |  | x_2 |   | b_2 |      C = B - sum_j L_j W_j          (Schur complement)
     |           ...   ... |  | ... | = | ... |      C x_B = b_B - sum_j L_j D_j^-1 b_j
     | L_1  L_2  ...    B  |  | x_B |   | b_B |      x_j = D_j^-1 b_j - W_j x_B
 
-so the cost of factorisation and solution is proportional to the number of rollers. Rollers lie in lanes, so each
-operation on D_j is vectorised over all rollers. Source: Golub and Van Loan, Matrix Computations, sections 3.2
-(LU), 4.5 (block systems).
+D_j: block of roller j; L_j, U_j: its parts of the border; B: corner block. The cost of
+factorisation and solution is proportional to the number of rollers. Each roller is a
+lane of a row, so each operation on D_j is vectorised over all rollers. Source: Golub
+and Van Loan, Matrix Computations, sections 3.2 (LU), 4.5 (block systems).
 
-The D_j are factored without pivoting. They are I - beta A_v - alpha A_q of one body, nearly symmetric and positive
-definite if the rows are weighted by mass, so this is safe; unlike pivoting by size it is also independent of the
-units of rows (metres and radians). The border is factored with scaled partial pivoting.
+The D_j are factored without pivoting. They are I - beta A_v - alpha A_q of one body,
+nearly symmetric and positive definite if the rows are weighted by mass, so this is
+stable; unlike partial pivoting it is also independent of the units of the rows (metres
+and radians). The corner block is factored with scaled partial pivoting.
 
-Matrices refer to a roller's absolute angle, theta = EPS + PHI_C; blocks of the state contain EPS. ``solve`` and
-``multiply`` accept and return blocks of the state. Padded lanes have D = 1, U = L = 0 and no effect.
+The matrices refer to the absolute angle theta = EPS + PHI_C of a roller, blocks of the
+state contain EPS. ``solve`` and ``multiply`` accept and return blocks of the state.
+Padded lanes have D = 1, U = L = 0 and no effect.
 """
 
 from bearingsim.core import layout as lay
@@ -23,9 +26,8 @@ from bearingsim.core.jit import jit
 from bearingsim.core.models.interface import degrees_of_freedom, state_width
 from bearingsim.core.sums import sum_addends
 
-PIVOTS = (
-    lay.SYSTEM + lay.CORNER_BLOCK + lay.MAX_SHARED * lay.MAX_SHARED
-)  # behind the border's block: row exchanges, row scales
+# row exchanges and row scales, stored behind the corner block
+PIVOTS = lay.SYSTEM + lay.CORNER_BLOCK + lay.MAX_SHARED * lay.MAX_SHARED
 
 
 @jit
@@ -37,17 +39,17 @@ def roller_lanes(model):
 
 @jit
 def has_relative_angles(model):
-    """Check if a roller's angle is relative to the cage."""
+    """Check if the angles of rollers are relative to the cage."""
     per_roller, shared = degrees_of_freedom(model)
     return per_roller > 1 and shared > lay.PHI_C
 
 
-# assembly
+# Assembly
 
 
 @jit
 def combine_row(target, velocity_row, position_row, alpha, beta, y, n):
-    """Compute one row of -beta A_v - alpha A_q."""
+    """Store one row of -beta A_v - alpha A_q at ``target``."""
     row = y[target : target + n]
     A_v, A_q = y[velocity_row : velocity_row + n], y[position_row : position_row + n]
     for j in range(n):
@@ -85,7 +87,7 @@ def assemble_system(model, alpha, beta, y):
         y[lay.corner_block(lay.SYSTEM, k, k)] += 1.0
 
 
-# factorisation
+# Factorisation
 
 
 @jit
@@ -128,8 +130,10 @@ def factorise(model, y):
 
 @jit
 def solve_rollers(per_roller, column, stride, y, n):
-    """Apply D_j^-1 of every roller to one column, in place: coordinate i in the row at ``column`` + i
-    ``stride``."""
+    """Apply D_j^-1 of every roller to one column, in place.
+
+    Coordinate i of the rollers is in the row at ``column`` + i ``stride``.
+    """
     for i in range(per_roller):
         for k in range(i):
             subtract_product(column + i * stride, lay.diagonal_block(lay.SYSTEM, i, k), column + k * stride, y, n)
@@ -144,7 +148,7 @@ def solve_rollers(per_roller, column, stride, y, n):
 
 @jit
 def factor_corner(shared, y):
-    """Factor the border's block by LU with scaled partial pivoting."""
+    """Factor the corner block by LU with scaled partial pivoting."""
     for k in range(shared):
         largest = 0.0
         for m in range(shared):
@@ -169,18 +173,18 @@ def factor_corner(shared, y):
 
 @jit
 def swap(a, b, y, n):
-    """Exchange two ranges of the buffer."""
+    """Exchange the ranges of ``n`` entries at ``a`` and ``b``."""
     for m in range(n):
         y[a + m], y[b + m] = y[b + m], y[a + m]
 
 
-# solution
+# Solution
 
 
 @jit
 def convert_angles(model, block, sign, y):
-    """Convert the angles of a state block from relative to the pocket to absolute (``sign`` 1) or back (-1),
-    except in padded lanes."""
+    """Convert the angles of a block of the state from relative to absolute (``sign`` 1)
+    or back (-1), except in padded lanes."""
     cage_angle = sign * y[block + lay.PHI_C]
     for j in range(roller_lanes(model)):
         y[block + lay.ROW + lay.FIRST_LANE + j] += cage_angle if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
@@ -188,7 +192,8 @@ def convert_angles(model, block, sign, y):
 
 @jit
 def solve(model, block, y):
-    """Solve SYSTEM x = b in place on the state block at ``block``; SYSTEM must be factored."""
+    """Solve SYSTEM x = b in place on the block of the state at ``block``; SYSTEM must
+    be factored."""
     per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     if has_relative_angles(model):
@@ -213,7 +218,8 @@ def solve(model, block, y):
 
 @jit
 def solve_corner(shared, block, y):
-    """Solve the border's system in place on the shared cells of ``block``."""
+    """Solve with the factored corner block, in place, on the shared cells of
+    ``block``."""
     for k in range(shared):
         pivot = lay.shared_cell(int(y[PIVOTS + k]))
         cell = lay.shared_cell(k)
@@ -233,8 +239,11 @@ def solve_corner(shared, block, y):
 
 @jit
 def multiply(model, matrix, source, target, y):
-    """Set the state block at ``target`` to ``matrix`` (POSITION_JACOBIAN, VELOCITY_JACOBIAN) times the block at
-    ``source``."""
+    """Set the block of the state at ``target`` to ``matrix`` times the block at
+    ``source``.
+
+    matrix: POSITION_JACOBIAN or VELOCITY_JACOBIAN.
+    """
     per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     cage_angle = y[source + lay.PHI_C] if has_relative_angles(model) else 0.0

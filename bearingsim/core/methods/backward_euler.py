@@ -2,14 +2,16 @@
 
     v1 = v + h a1,   q1 = q + h v1,   a1 = f(t + h, q1, v1)
 
-The error of a step is h/2 (v1 - v, a1 - a) to leading order. It is filtered by (I - h J)^-1, where J is the
-derivative of (v, f), as by the method itself, so motion that is too fast to resolve decays within the step and its
-jumps do not count as errors. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and Wanner, Solving ODEs II,
-sec. IV.8. Velocities therefore need no tolerance fine enough for a dashpot's force (load/c); 1e-3 of the relevant
-velocities suffices.
-
-It works where others fail, with dashpots of 1e9 N s/m, and damps all motion that it does not resolve. Recorded
-instants are interpolated linearly between the ends of a step, with an error of the step's order.
+The error of a step is h/2 (v1 - v, a1 - a) to leading order. The estimate is this error
+multiplied by (I - h J)^-1, where J is the Jacobian of (v, f). This filter is that of
+the method itself: motion too fast to be resolved decays within the step, and its jumps
+do not increase the estimate. Therefore the tolerance of velocities need not resolve
+load/c, the velocity of a dashpot c that supports the load; 1e-3 of the velocities of
+interest is sufficient. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and
+Wanner, Solving ODEs II, sec. IV.8.
+The method also works with dashpots of 1e9 N s/m, where others fail, and damps all
+motion that it does not resolve. Recorded states are interpolated linearly between the
+ends of a step, with an error of second order in the step, as that of the step itself.
 """
 
 from math import inf
@@ -48,7 +50,8 @@ class BackwardEuler(NamedTuple):
 
 @jit
 def set_equation(h, y, n):
-    """Set the step's equation, with constant acceleration as the initial guess."""
+    """Set the equation of the step (``newton.Equation``), with the acceleration at its
+    start as the initial guess."""
     for j in range(n):
         y[BASE_Q + j] = y[START_Q + j] + h * y[START_V + j]
         y[BASE_V + j] = y[START_V + j]
@@ -58,7 +61,8 @@ def set_equation(h, y, n):
 
 @jit
 def estimate_error(model, h, y, n):
-    """Compute (I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V, with S at the step's end."""
+    """Store (I - h J)^-1 h/2 (v1 - v, a1 - a) in ERROR_Q and ERROR_V, with the factored
+    S of ``newton.solve_step``."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[lay.VELOCITY + j] - y[START_V + j])
         y[ERROR_V + j] = 0.0

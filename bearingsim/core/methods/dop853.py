@@ -1,8 +1,9 @@
-"""Dormand and Prince's method of order 8, with its estimate of orders 5 and 3 and dense output of order 7.
+"""DOP853: Dormand and Prince's method of order 8, with error estimates of orders 5 and
+3 and dense output of order 7.
 
-Source: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5 (method), II.10 (estimate, here eq.
-10.17 with the norm of ``adaptive``), II.6 (dense output). Twelve evaluations per step; three more if a recorded
-instant lies within it.
+Source: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5 (method),
+II.10 (error, here eq. 10.17 with the norm of ``adaptive``), II.6 (dense output). A step
+needs twelve evaluations, and three more if a recorded instant lies within it.
 """
 
 from math import sqrt
@@ -27,11 +28,12 @@ from bearingsim.core.methods.tableau import (
 )
 from bearingsim.core.models.interface import accelerations, state_width
 
-ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and including those of dense output
+ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # order, stages of a step, stages including those for dense output
 
 
 def expand_rows(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
-    """Return the rows of a table as an array (count, columns)."""
+    """Return the sparse ``rows`` of a table, {row: {column: number}}, as an array
+    (count, columns)."""
     table = np.zeros((count, columns))
     for i, row in rows.items():
         table[i, list(row)] = list(row.values())
@@ -51,10 +53,11 @@ EXTENSION_V = continuous_extension(
 )
 EXTENSION_Q = EXTENSION_V @ a
 F_Q, F_V = tuple(map(weights_tuple, EXTENSION_Q)), tuple(map(weights_tuple, EXTENSION_V))
+"""Rows of the continuous extension of positions and velocities."""
 
 
 class Dop853(NamedTuple):
-    """Parameters, as in ``Tolerances``."""
+    """Parameters of DOP853; see ``Tolerances``."""
 
     h: float
     rtol: float
@@ -82,7 +85,7 @@ def _attempt(method, model, t, h, y):
 
 
 def evaluate_dense_stages(method, model, y):
-    """Compute the stages of the continuous extension (``complete_dense_output``)."""
+    """Evaluate the stages for dense output only (``complete_dense_output``)."""
     evaluate_stages(DENSE_ROWS, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model))
 
 

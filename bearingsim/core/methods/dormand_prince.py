@@ -1,4 +1,5 @@
-"""Dormand and Prince's method of order 5 with an estimate of order 4 and dense output of order 4.
+"""Dormand and Prince's method of order 5, with an error estimate and dense output of
+order 4.
 
 Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26; coefficients and continuous extension from
 Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, table II.5.2 and sec. II.6. The last stage is the first
@@ -35,7 +36,7 @@ TABLE = make_runge_kutta(a, a[6])
 ROWS, b = make_stage_rows(TABLE, 1, STAGES), TABLE.b  # the last stage is the new state
 EMBEDDED = np.array([5179 / 57600, 0.0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40])
 E_V, E_Q = weights_tuple(b - EMBEDDED), weights_tuple((b - EMBEDDED) @ a)
-MIDDLE = np.array(
+DENSE_ROW = np.array(
     [
         -12715105075 / 11282082432,
         0.0,
@@ -46,9 +47,10 @@ MIDDLE = np.array(
         69997945 / 29380423,
     ]
 )
-EXTENSION_V = continuous_extension(b, STAGES - 1, MIDDLE[None, :])
+EXTENSION_V = continuous_extension(b, STAGES - 1, DENSE_ROW[None, :])
 EXTENSION_Q = EXTENSION_V @ a
 F_Q, F_V = tuple(map(weights_tuple, EXTENSION_Q)), tuple(map(weights_tuple, EXTENSION_V))
+"""Rows of the continuous extension of positions and velocities."""
 
 
 class DormandPrince(NamedTuple):

@@ -1,16 +1,17 @@
 """Generalised-alpha method, second order, unconditionally stable on linear problems, with adjustable
 high-frequency damping.
 
-    (1 - a_m) a1 + a_m a = f at the weighted mean (1 - a_f) of the step's end and a_f of its start
+    (1 - a_m) a1 + a_m a = f at (1 - a_f) times the end of the step plus a_f times its start
     v1 = v + h ((1 - gamma) a + gamma a1),   q1 = q + h v + h^2 ((1/2 - beta) a + beta a1)
     gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
 
-Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), where rho is
-the factor per step of infinitely fast motion. Such motion is damped only in part; a stiff dashpot's error in one
-step is multiplied by -rho in the next.
+Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1),
+a_f = rho/(rho + 1), where rho is the spectral radius at infinite frequency. Motion of
+high frequency thus decays only by the factor rho per step; the error of a stiff dashpot
+in one step is multiplied by -rho in the next.
 
-For comparison with multibody codes. The method's own a is stored separately from the state and differs from f,
-which is recorded.
+For comparison with multibody codes. The method's own a is stored separately from the
+state and differs from the acceleration f, which is recorded.
 """
 
 from typing import NamedTuple
@@ -23,9 +24,9 @@ from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE_BLOCKS, OFFSET, 
 from bearingsim.core.models.interface import accelerations, state_width
 from bearingsim.core.outcomes import NEWTON_FAILED
 
-RHO = 0.8  # per step, of infinitely fast motion
+RHO = 0.8  # spectral radius at infinite frequency
 A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
-"""Weights of the start of a step in its equation."""
+"""Weights of the start of a step in accelerations and forces."""
 GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
 (METHOD_ACCELERATION,) = lay.states(FREE_BLOCKS, "m/s^2", "generalized-alpha", "step")  # the method's own
 
@@ -38,14 +39,14 @@ class GeneralisedAlpha(NamedTuple):
 
 @jit
 def newton_tolerances(h):
-    """Return the tolerances of Newton's method: 1e-10 of the velocities, or the rounding error of the smallest
-    ones."""
+    """Return the tolerances of Newton's method: 1e-10 of the velocities, or the
+    rounding errors of the smallest."""
     return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
 
 
 @jit
 def make_equation(method, t, y, n):
-    """Return the step's equation for a1, with the last a as the initial guess."""
+    """Return the equation of the step for a1, with a as the initial guess."""
     h = method.h
     fraction, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):
@@ -59,7 +60,7 @@ def make_equation(method, t, y, n):
 
 @jit
 def finish_step(method, y, n):
-    """Set the state at the step's end."""
+    """Set the state at the end of the step, and the method's acceleration a to a1."""
     h = method.h
     for j in range(n):
         a, a_1, v = y[METHOD_ACCELERATION + j], y[UNKNOWN + j], y[START_V + j]
@@ -92,5 +93,5 @@ prepare.register(GeneralisedAlpha)(_prepare)
 step.register(GeneralisedAlpha)(_step)
 stability_ratio.register(GeneralisedAlpha)(no_limit)
 
-# the force at 1 - a_f of a step is that of a midpoint rule whose interval begins at 1/2 - a_f
+# the force is evaluated at 1 - a_f of a step, the midpoint of a step that begins at 1/2 - a_f
 KIND = MethodKind(GeneralisedAlpha, evaluations=4, fraction=1.0, per_period=20, cusp=0.5 - A_F, order=2, lag=0.0)

@@ -1,12 +1,14 @@
-"""Exact motion of ``impulse`` over a step, with each impulse at its own instant; no numerical integration.
+"""Exact motion of the model ``impulse`` over a step, with each impulse at its own
+instant; no numerical integration.
 
     x(t + h) = free motion over h from (x, v)  +  sum over impulses in (t, t + h] of free motion from (0, J/m)
 
-The motion at the end of a step is exact at any step. The velocity jumps at an impulse, by about a thousand times
-the amplitude of a line at the fault frequency, and samples of a jump have a wrong mean. The recorded velocity and
-acceleration are therefore differences of the positions (``simulation/differentiation.py``), which sum to the
-displacement. Aliasing changes the amplitude of a line in their samples by (omega_0 h)^2/12 at most (omega_0^2 =
-K/m).
+The motion at the end of a step is exact for any step. The velocity jumps at an impulse,
+by about a thousand times the amplitude of the spectral line at the fault frequency, and
+its samples would have a wrong mean. The recorded velocity and acceleration are
+therefore differences of positions (``simulation/differentiation.py``), which sum to the
+displacement. Aliasing changes the amplitude of a spectral line by at most
+(omega_0 h)^2/12, where omega_0^2 = K/m.
 """
 
 from typing import NamedTuple
@@ -27,10 +29,11 @@ class Impulses(NamedTuple):
 
 @jit
 def motion_with_impulses(m, K, C, times, J, start, end, x, v):
-    """Return displacement (m) and velocity (m/s) of one mode at ``end`` (s), from those at ``start`` and the
-    impulses.
+    """Return displacement (m) and velocity (m/s) of one mode at ``end`` (s).
 
-    Impulses in (start, end] are included.
+    m, K, C: mass (kg), stiffness (N/m) and damping (N s/m) of the mode; times, J:
+    instants (n,) s and strengths (n,) N s of all impulses, of which those in (start,
+    end] act; x, v: displacement and velocity at ``start`` (s).
     """
     x, v = free_motion(m, K, C, end - start, x, v)
     begin, stop = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
@@ -43,8 +46,9 @@ def motion_with_impulses(m, K, C, times, J, start, end, x, v):
 
 @jit
 def advance_mode(m, K, C, times, J, t, h, y, axis):
-    """Advance one mode by a step of ``h`` (s) from ``t`` (s), a whole number of steps."""
-    n = np.rint(t / h)  # all intervals begin and end at n h, so that rounding causes no overlap
+    """Advance one mode by a step of ``h`` (s) from ``t`` (s), a multiple of ``h``."""
+    # intervals begin and end at multiples of h, so that rounding causes neither gap nor overlap
+    n = np.rint(t / h)
     x, v = motion_with_impulses(
         m, K, C, times, J, n * h, (n + 1.0) * h, y[lay.POSITION + axis], y[lay.VELOCITY + axis]
     )

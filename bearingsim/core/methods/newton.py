@@ -2,12 +2,15 @@
 
     x = B + w f(t, q + alpha x, v + beta x),   S = I - w (beta A_v + alpha A_q),   S step = -(x - B - w f)
 
-x: unknown accelerations. At a kink the exact derivatives of one side are used. Source: Qi and Sun, A nonsmooth
-version of Newton's method, Math. Programming 58 (1993).
+x: unknown accelerations (UNKNOWN); q, v: constant parts of the state (BASE_Q, BASE_V);
+B: OFFSET; w, alpha, beta: see ``Equation``. At a kink the exact derivatives of one side
+are used. Source: Qi and Sun, A nonsmooth version of Newton's method, Math. Programming
+58 (1993).
 
-Newton steps are not damped. When a contact closes the force has a kink, or with a dashpot a jump, across which the
-iteration may oscillate; then it does not converge and the step is too long. (A line search, and at a jump the
-fraction of it that satisfies the equation, gave no improvement: docs/evidence/methods.md.)
+Newton steps are not damped. When a contact closes the force has a kink, or with a
+dashpot a jump, across which the iteration may oscillate; if it does not converge, the
+step is too long. (Neither a line search nor, at a jump, using the fraction of the jump
+that satisfies the equation was an improvement: docs/evidence/methods.md.)
 """
 
 from math import isfinite, sqrt
@@ -26,13 +29,16 @@ BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
 FREE_BLOCKS = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
 
 MAX_ITERATIONS = 15
-STEP_TOLERANCE = 1e-2  # relative to the tolerance: the iteration ends with a Newton step below this
-ROUNDING = 1e-12  # relative bound of rounding errors of positions and their changes, with a margin
+STEP_TOLERANCE = 1e-2  # norm of the Newton step, over the tolerance, below which the iteration has converged
+ROUNDING = 1e-12  # relative rounding error of positions and of their changes, with a margin
 
 
 class Equation(NamedTuple):
-    """Equation of a step. t: s; alpha (s^2), beta (s): coefficients of x in positions and velocities; weight:
-    w."""
+    """Equation of a step.
+
+    t: time at which the forces are evaluated (s); alpha (s^2), beta (s): coefficients
+    of x in positions and velocities; weight: w (1).
+    """
 
     t: float
     alpha: float
@@ -42,7 +48,8 @@ class Equation(NamedTuple):
 
 @jit
 def step_norm(tolerance, equation, y, n):
-    """Return the norm of the Newton step, its change of positions and velocities over the tolerance."""
+    """Return the norm, over the tolerance, of the changes of positions and velocities
+    by the Newton step."""
     alpha, beta = equation.alpha, equation.beta
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
@@ -64,7 +71,7 @@ def set_state(equation, y, n):
 
 @jit
 def evaluate_residual(model, equation, y, n):
-    """Fill RESIDUAL r = x - B - w f at UNKNOWN."""
+    """Store the residual x - B - w f at UNKNOWN in RESIDUAL."""
     set_state(equation, y, n)
     accelerations(model, equation.t, y)
     y[lay.EVALUATIONS] += 1.0
@@ -83,7 +90,8 @@ def factor_jacobian(model, equation, y):
 
 @jit
 def store_worst_body(model, y):
-    """Set FAILED_BODY to the roller of the largest remaining Newton step, or -1 for ring or cage."""
+    """Set FAILED_BODY to the roller with the largest component of the last Newton step;
+    -1: ring or cage."""
     per_roller, _ = degrees_of_freedom(model)
     lanes = roller_lanes(model)
     worst, body = 0.0, -1
@@ -101,11 +109,13 @@ def store_worst_body(model, y):
 
 @jit
 def solve_step(tolerance, model, equation, y, n):
-    """Solve from the guess in UNKNOWN; return whether the iteration converged.
+    """Solve the equation from the initial guess in UNKNOWN; return True if the
+    iteration has converged.
 
-    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START must be set. Stores x in UNKNOWN, its positions
-    and velocities in the state, and the factors of S; contacts are those of the last iterate, within
-    STEP_TOLERANCE.
+    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START must be set. Stores x
+    in UNKNOWN, its positions and velocities in the state, and the factors of S in
+    SYSTEM. The contacts are those of the iterate before the last Newton step, which is
+    below STEP_TOLERANCE.
     """
     evaluate_residual(model, equation, y, n)
     for _ in range(MAX_ITERATIONS):

@@ -5,7 +5,8 @@ With y = (q, v), F = (v, f), its Jacobian J and its time derivative F_t,
     (1/(h gamma) - J) u_i = F(t + c_i h, y + sum_k a_ik u_k) + sum_k (e_ik/h) u_k + d_i h F_t,   i = 1..6
     y1 = y + sum_k a_6k u_k + u_6,   error u_6
 
-where each stage is one solution with an arrow matrix: with u_i = (p, r) and the right-hand side (g_q, g_v),
+Each stage is one solution with an arrow matrix: with u_i = (p, r) and the right-hand
+side (g_q, g_v),
 
     (I - h gamma A_v - (h gamma)^2 A_q) r = h gamma g_v + (h gamma)^2 A_q g_q,   p = h gamma (r + g_q).
 
@@ -38,7 +39,7 @@ from bearingsim.core.models.interface import accelerations, linearise, state_wid
 
 STAGES = 6
 GAMMA = 0.25
-# a and e: rows of the stages, below the diagonal; c and d: time coefficients
+# coefficients a, e, c and d of the stages
 A = np.array(
     [
         [0.0, 0.0, 0.0, 0.0, 0.0],
@@ -61,16 +62,16 @@ E = np.array(
 )
 C = np.array([0.0, 0.75, 0.21, 0.63, 1.0, 1.0])
 D = np.array([0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0])
-DENSE = np.array(
+DENSE = np.array(  # coefficients of u_k for dense output (``_interpolate``)
     [
         [25.09876703708589, 11.62013104361867, 28.49148307714626, -5.664021568594133, 0.0, 0.0],
         [1.638054557396973, -0.7373619806678748, 8.47791821923899, 15.9925314877952, -1.882352941176471, 0.0],
     ]
 )
-# increment for the forces' time derivative, relative to the step; a larger one reduces the order on stiff motion
+# increment for the time derivative, relative to the step; a larger one reduces the order on stiff motion
 TIME_INCREMENT = 1e-6
 
-# df/dt; right-hand sides of the current stage
+# df/dt; right-hand side (g_q, g_v) of the current stage
 TIME_DERIVATIVE, RIGHT_Q, RIGHT_V = lay.states(METHOD_STATES, "m/s^3, m, m/s", "rodas", "step")
 STAGE_BLOCKS = lay.states(RIGHT_V + lay.STATE, "m, m/s", "rodas", "step", count=STAGES)[0]  # p and r of each stage
 
@@ -87,8 +88,11 @@ class Rodas(NamedTuple):
 
 @jit
 def time_derivative(model, t, h, y, n):
-    """Compute the total time derivative of the accelerations at the start from one evaluation at a slightly later
-    time."""
+    """Store df/dt at the start of the step, from one evaluation of the same state at a
+    slightly later time.
+
+    The Jacobian is also that of the later time.
+    """
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j]
         y[lay.VELOCITY + j] = y[START_V + j]
@@ -101,7 +105,7 @@ def time_derivative(model, t, h, y, n):
 
 @jit
 def begin_stage(i, h, y, n):
-    """Set the state of stage ``i``, and its right-hand sides except the forces."""
+    """Set the state of stage ``i``, and its right-hand side except F."""
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j]
         y[lay.VELOCITY + j] = y[START_V + j]
@@ -120,13 +124,13 @@ def begin_stage(i, h, y, n):
 
 @jit
 def end_stage(model, i, h, y, n):
-    """Solve for p and r of stage ``i`` from its right-hand sides and the derivatives of the state."""
+    """Add F to the right-hand side of stage ``i`` and solve for p and r."""
     h_gamma = GAMMA * h
     p, r = STAGE_BLOCKS + 2 * i * lay.STATE, STAGE_BLOCKS + (2 * i + 1) * lay.STATE
     for j in range(n):
         y[RIGHT_Q + j] += y[lay.VELOCITY + j]
         y[RIGHT_V + j] += y[lay.ACCELERATION + j]
-        y[r + j] = 0.0  # also unused entries, to overwrite values of a non-finite state
+        y[r + j] = 0.0  # unused entries, too: an earlier non-finite state may have left NaN there
     multiply(model, lay.POSITION_JACOBIAN, RIGHT_Q, r, y)
     for j in range(n):
         y[r + j] = h_gamma * (y[RIGHT_V + j] + h_gamma * y[r + j])

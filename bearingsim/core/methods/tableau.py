@@ -1,12 +1,13 @@
-"""Explicit methods in the form of a table, with one function for the step.
+"""Explicit methods defined by a table of coefficients, with one step function for all.
 
 For q'' = f(t, q, v), with f_j the accelerations at the stages,
 
     q_i = q + c_i h v + h^2 sum_j A_ij f_j,   v_i = v + h sum_j a_ij f_j,   f_i = f(t + c_i h, q_i, v_i)
 
-and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, sec. II.14). A
-Runge-Kutta method has A = a a and B = b a, which gives the same results except for rounding, without storing rates
-of q. A step ends with the evaluation of the accelerations at its end, with which the next begins.
+and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner,
+Solving ODEs I, sec. II.14). A Runge-Kutta method has A = a a and B = b a; the results
+are the same except for rounding errors, without storing rates of q. A step ends with
+the evaluation of the accelerations at its end, which are the first stage of the next.
 """
 
 from typing import NamedTuple
@@ -37,18 +38,19 @@ class Tableau(NamedTuple):
     B: np.ndarray
 
 
-Row = tuple[float, tuple[float, ...], tuple[float, ...]]
+StageRow = tuple[float, tuple[float, ...], tuple[float, ...]]
 """Stage: c_i, and the weights A_ij and a_ij of the preceding stages."""
 
 
-def make_stage_rows(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
-    """Return stages ``begin`` to ``end`` (excluded) of a table as tuples, which the compiler unrolls."""
+def make_stage_rows(tableau: Tableau, begin: int, end: int) -> tuple[StageRow, ...]:
+    """Return the rows of stages ``begin`` to ``end`` (excluded) as tuples, over which
+    the compiler unrolls loops."""
     c, a, A, _, _ = tableau
     return tuple((float(c[i]), weights_tuple(A[i, :i]), weights_tuple(a[i, :i])) for i in range(begin, end))
 
 
 def weights_tuple(values: np.ndarray) -> tuple[float, ...]:
-    """Return weights (n,) as a tuple, so that its length is a constant for the compiler."""
+    """Return weights (n,) as a tuple, whose length is a constant for the compiler."""
     return tuple(float(value) for value in values)
 
 
@@ -61,8 +63,9 @@ def make_runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
 def weighted_acceleration(weights, y, k):
     """Return sum_j weights[j] f_j of entry ``k`` of the state; weights: tuple.
 
-    The number of terms is a constant, so the compiler unrolls the sum and vectorises a loop over entries. A loop
-    with both sums, of positions and of velocities, it does not unroll beyond about ten terms.
+    The number of terms is a constant, so the compiler unrolls the sum and vectorises
+    loops over entries. If a loop contains the sums of positions and of velocities, the
+    compiler does not unroll beyond about ten terms.
     """
     total, cell = 0.0, METHOD_STATES + k
     for j in range(len(weights)):
@@ -73,7 +76,8 @@ def weighted_acceleration(weights, y, k):
 
 @inlined
 def stage_state(c, weights_q, weights_v, h, y, n):
-    """Set the state of a stage at ``c`` of the step from START by the preceding stages."""
+    """Set the state of a stage at the fraction ``c`` of the step from START, from the
+    preceding stages."""
     dt, h_2 = c * h, h * h
     for k in range(n):
         y[lay.POSITION + k] = y[START_Q + k] + dt * y[START_V + k] + h_2 * weighted_acceleration(weights_q, y, k)
@@ -82,14 +86,15 @@ def stage_state(c, weights_q, weights_v, h, y, n):
 
 @jit
 def save_accelerations(block, y, n):
-    """Copy the accelerations into the block of a stage."""
+    """Copy the accelerations into the block of a stage at ``block``."""
     for k in range(n):
         y[block + k] = y[lay.ACCELERATION + k]
 
 
 @jit
 def evaluate_stages(rows, model, t, h, y, n):
-    """Evaluate the stages of ``rows`` (``make_stage_rows``) of the step of ``h`` (s) from ``t`` (s)."""
+    """Evaluate the stages of ``rows`` (``make_stage_rows``) of the step of ``h`` (s)
+    from ``t`` (s)."""
     for row in literal_unroll(rows):
         stage_state(row[0], row[1], row[2], h, y, n)
         accelerations(model, t + row[0] * h, y)
@@ -99,7 +104,8 @@ def evaluate_stages(rows, model, t, h, y, n):
 
 @inlined
 def estimate_error(weights_q, weights_v, h, y, n):
-    """Compute errors of positions and velocities by their weights (tuples); return their blocks."""
+    """Compute the errors of positions and velocities from the weights (tuples) of the
+    stages; return their blocks."""
     h_2 = h * h
     for k in range(n):
         y[ERROR_Q + k] = h_2 * weighted_acceleration(weights_q, y, k)
@@ -108,11 +114,13 @@ def estimate_error(weights_q, weights_v, h, y, n):
 
 
 def continuous_extension(b: np.ndarray, last: int, own_rows: np.ndarray) -> np.ndarray:
-    """Return rows F (3 + m, s) of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0
-    to 1.
+    """Return the rows F (3 + m, s) of a continuous extension.
 
-    The first three are Hermite's; ``last``: the stage at the end of the step; own_rows: (m, s), the method's own.
-    Source: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.6.
+    v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to
+    1. The first three rows are those of cubic Hermite interpolation. b: (s,), weights
+    of the step; last: index of the stage at the end of the step; own_rows: (m, s),
+    further rows of the method. Source: Hairer, Norsett and Wanner, Solving ODEs I, sec.
+    II.6.
     """
     start_row, end_row = np.eye(len(b))[0], np.eye(len(b))[last]
     return np.array([b, start_row - b, 2.0 * b - start_row - end_row, *own_rows])
@@ -139,8 +147,9 @@ def dense_state(F_q, F_v, fraction, h, y, n):
 def cusp_fraction(tableau: Tableau) -> float:
     """Return the last fraction of a step at which a jump of the force causes no first-order error.
 
-    There the weights of later stages sum to the remaining time. Without such a fraction 0.99 is returned, which is
-    just before the step's end in case of rounding errors.
+    At this fraction the weights of later stages sum to the remaining time. If there is
+    none, the result is 0.99, a jump at the end of the step; not 1, because rounding
+    errors might then put the jump into the next step.
     """
     nodes = np.unique(np.append(tableau.c, 1.0))
     fractions = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
@@ -153,7 +162,8 @@ def cusp_fraction(tableau: Tableau) -> float:
 
 
 def register_fixed_step(parameters: type, tableau: Tableau) -> None:
-    """Register a fixed-step method with its table; parameters: its ``NamedTuple`` (h,)."""
+    """Register a fixed-step method by its table; parameters: its ``NamedTuple`` with
+    the field h."""
     rows, limits = make_stage_rows(tableau, 1, len(tableau.c)), tabulate_limits(tableau)
     b, B = weights_tuple(tableau.b), weights_tuple(tableau.B)
 

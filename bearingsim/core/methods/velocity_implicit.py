@@ -1,10 +1,12 @@
-"""Euler's method, implicit only in the velocity, first order, one linear solution per step.
+"""Euler's method, implicit only in the velocity: first order, one linear solution per
+step.
 
     (I - h A_v)(v1 - v) = h f(t, q, v),   q1 = q + h v1
 
-For comparison; real-time engines use it for its single evaluation. Heavy damping does not limit the step, but
-stiffness does: q'' = -K q - C q' is unstable above h^2 K = 4 + 2 h C. With heavy dashpots its forces are wrong,
-because f is evaluated at the start of the step.
+For comparison; real-time physics engines use it because it needs only one evaluation.
+Heavy damping does not limit the step, but stiffness does: on q'' = -K q - C q' it is
+unstable for h^2 K > 4 + 2 h C. With heavy dashpots its forces are wrong, because f is
+evaluated at the start of the step.
 """
 
 from typing import NamedTuple
@@ -49,6 +51,6 @@ def _stability_ratio(method, K, C):
     return h * h * K / (4.0 + 2.0 * h * C)
 
 
-# a force that jumps within a step acts from the next step on, as if it jumped at the end of its own; not 1, where
-# rounding might put the jump into the next step
+# a force that jumps within a step acts from the next step on, as if it jumped at the
+# end of the step; not 1, because rounding errors might put the jump into the next step
 KIND = MethodKind(VelocityImplicitEuler, evaluations=1, fraction=0.25, per_period=40, cusp=0.99, order=1, lag=0.0)

@@ -2,16 +2,19 @@
 
     q1 = q + h v + h^2 a/2,   a1 = f(q1, v + h a),   v1 = v + h (a + a1)/2
 
-Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley ch. 3. On the oscillator
-q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C = 1 (docs/steps.md). With heavy damping this is half
-the limit of symplectic Euler.
+Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley ch. 3. On
+the oscillator q'' = -K q - C q' the stability limit, with a root of -1, is
+h^2 K/4 + h C = 1 (docs/steps.md). With heavy damping this is half the limit of
+symplectic Euler.
 
-Touch-down: the damping force of a closing contact rises almost as a jump, as delta^(1/9) under Kraemer's law on
-Palmgren's stiffness. Verlet applies the force at the end of a step over half of that step, wherever in it the
-contact closed, so its impulse has an error of first order. A step in which a contact closes is therefore divided
-in two, such that the contact closes at ``TOUCH_DOWN`` of one part, where the impulse of Verlet is exact.
-This leaves a seventh of the error (tests/core/methods/test_touch_down.py); the rest is due to the steps after it,
-over which a force like delta^(1/9) is not smooth.
+Touch-down: the damping force of a closing contact rises almost as a jump, as
+delta^(1/9) by Kraemer's law with Palmgren's stiffness. Verlet applies the force at the
+end of a step over half of that step, wherever in it the contact closes, so its impulse
+has an error of first order. A step in which a contact closes is therefore divided in
+two, such that the contact closes at ``TOUCH_DOWN`` of one part, where the impulse of
+Verlet is exact. This reduces the error to a seventh
+(tests/core/methods/test_touch_down.py); the rest is due to the following steps, over
+which a force like delta^(1/9) is not smooth.
 """
 
 from typing import NamedTuple
@@ -24,12 +27,15 @@ from bearingsim.core.models.interface import state_width
 from bearingsim.core.parameters import lanes
 
 TOUCH_DOWN = 4 / 9
-"""Part of a step h at which the impulse of a force like delta^(1/9) is exact: over the remaining time t it is
-9/10 F t, and that of Verlet is F h/2. (1/2 for a force that jumps.)"""
-MAX_PARTS = 8  # of a step with several touch-downs
+"""Fraction of a step h at which a contact closes such that Verlet's impulse of a force
+like delta^(1/9) is exact.
 
-# velocity in the middle of a step; velocity and acceleration at the start of a divided step, acceleration at its
-# end
+Over the remaining time t the impulse of the force F at the end of the step is 9/10 F t,
+and that of Verlet F h/2. (For a force that jumps the fraction would be 1/2.)
+"""
+MAX_PARTS = 8  # into which a step with several touch-downs is divided
+
+# velocity at half a step; velocity and acceleration at the start of a divided step, acceleration at its end
 HALF_STEP_V, START_V, START_A, END_A = lay.states(lay.STAGE, "m/s, m/s, m/s^2, m/s^2", "verlet", "step")
 
 
@@ -41,18 +47,18 @@ class Verlet(NamedTuple):
 
 @drift.register(Verlet)
 def _drift(method, y, i):
-    """Advance the position to the step's end and the velocity to its prediction; store the velocity at
-    mid-step."""
+    """Advance the position to the end of the step and the velocity to its prediction;
+    store that at half a step."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
-    v_middle = v + 0.5 * h * a
-    y[HALF_STEP_V + i] = v_middle
-    y[lay.POSITION + i] += h * v_middle
+    v_half = v + 0.5 * h * a
+    y[HALF_STEP_V + i] = v_half
+    y[lay.POSITION + i] += h * v_half
     y[lay.VELOCITY + i] = v + h * a
 
 
 @kick.register(Verlet)
 def _kick(method, y, i):
-    """Complete the velocity step with the new acceleration."""
+    """Correct the velocity at the end of the step with the new acceleration."""
     y[lay.VELOCITY + i] = y[HALF_STEP_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 
@@ -64,7 +70,10 @@ def closes(delta, v, h):
 
 @jit
 def count_touch_downs(h, y, n):
-    """Count the contacts that close within ``h`` (s). Vectorised, because few steps have any."""
+    """Count the contacts that close within ``h`` (s).
+
+    The loop is vectorised; few steps need ``first_touch_down``, which is not.
+    """
     count = 0
     for j in range(n):
         count += 1 if closes(y[lay.DELTA_O + j], y[lay.V_O + j], h) else 0
@@ -110,16 +119,16 @@ def save_division_start(y, n):
 
 @jit
 def spread_acceleration(h, y, n):
-    """Replace the acceleration at the end of a divided step of ``h`` (s), to be recorded, so that the sum of
-    recorded accelerations is the change of velocity.
+    """Replace the acceleration at the end of a divided step of ``h`` (s), which is
+    recorded, so that the recorded accelerations sum to the change of velocity.
 
-    It is the acceleration plus the error of the trapezoidal rule over the whole step. ``restore_acceleration`` restores the
-    acceleration.
+    The replacement is the acceleration plus the error of the trapezoidal rule over the
+    whole step. ``restore_acceleration`` undoes it before the next step.
     """
     for k in range(n):
-        end = y[lay.ACCELERATION + k]
-        y[END_A + k] = end
-        y[lay.ACCELERATION + k] += (y[lay.VELOCITY + k] - y[START_V + k]) / h - 0.5 * (y[START_A + k] + end)
+        end_a = y[lay.ACCELERATION + k]
+        y[END_A + k] = end_a
+        y[lay.ACCELERATION + k] += (y[lay.VELOCITY + k] - y[START_V + k]) / h - 0.5 * (y[START_A + k] + end_a)
     y[lay.H_TAKEN] = h
 
 

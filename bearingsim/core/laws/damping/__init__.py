@@ -1,4 +1,4 @@
-"""The normal force of one contact: a damping law that contains an elastic one.
+"""Damping laws: the normal force of one contact, its elastic force included.
 
 A damping law stores its elastic law (``laws/stiffness``), so one value describes the whole contact:
 ``HuntCrossley(TenNinths(k), chi)``. Each law implements the functions of ``interface.py``.

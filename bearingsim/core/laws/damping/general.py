@@ -1,4 +1,4 @@
-"""Damping of the multibody codes: a power of the rate times a power of the approach."""
+"""Damping law of multibody codes: a power of the rate times a power of the approach."""
 
 from math import isclose
 from typing import Any, NamedTuple
@@ -11,10 +11,12 @@ MIN_RATE = 1e-12  # m/s: minimum rate for evaluating a derivative that is infini
 
 
 class General(NamedTuple):
-    """Damping of the multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N (s/m)^m2 / m^m3.
+    """Damping law of multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N
+    (s/m)^m2 / m^m3.
 
-    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``make_general``. The first three are
-    empty tuples, so equal to one another. Laws are distinguished by their types, not by ``==``.
+    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``
+    (``make_general``). The first three are empty tuples, hence equal to one another;
+    compare laws by their types, not by ``==``.
     """
 
     stiffness: Any
@@ -32,29 +34,29 @@ def sign(v):
 @normal_force.register(General)
 def _force(contact, delta, v):
     d = max(delta, 0.0)
-    drag = sign(v) * contact.c * monomial(contact.m2, abs(v)) * monomial(contact.m3, d)
-    closed = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
-    return closed * max(elastic(contact.stiffness, d) + drag, 0.0)
+    damping_force = sign(v) * contact.c * monomial(contact.m2, abs(v)) * monomial(contact.m3, d)
+    contact_factor = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
+    return contact_factor * max(elastic(contact.stiffness, d) + damping_force, 0.0)
 
 
 @derivatives.register(General)
 def _derivatives(contact, delta, v):
-    """Return the derivatives with |v| >= MIN_RATE and delta >= MIN_APPROACH in |v|^(m2-1) and delta^(m3-1), which
-    can be infinite at 0."""
+    """Return the derivatives, with at least MIN_RATE in |v|^(m2-1) and MIN_APPROACH in
+    delta^(m3-1), which can be infinite at 0."""
     d, speed = max(delta, 0.0), abs(v)
     approach_factor = monomial(contact.m3, d)
-    drag = sign(v) * contact.c * monomial(contact.m2, speed)
-    closed = 1.0 if delta > 0.0 else 0.0
-    closed = closed if elastic(contact.stiffness, d) + drag * approach_factor > 0.0 else 0.0
-    K = tangent(contact.stiffness, d) + drag * monomial_derivative(contact.m3, max(d, MIN_APPROACH))
+    rate_factor = sign(v) * contact.c * monomial(contact.m2, speed)
+    contact_factor = 1.0 if delta > 0.0 else 0.0
+    contact_factor = contact_factor if elastic(contact.stiffness, d) + rate_factor * approach_factor > 0.0 else 0.0
+    K = tangent(contact.stiffness, d) + rate_factor * monomial_derivative(contact.m3, max(d, MIN_APPROACH))
     C = contact.c * monomial_derivative(contact.m2, max(speed, MIN_RATE)) * approach_factor
-    return closed * K, closed * C
+    return contact_factor * K, contact_factor * C
 
 
 @stiffness_bound.register(General)
 def _stiffness_bound(contact, delta, v):
-    K_drag = contact.c * monomial(contact.m2, abs(v)) * monomial_derivative(contact.m3, max(delta, 1e-12))
-    return tangent(contact.stiffness, delta) + max(sign(v) * K_drag, 0.0)
+    K_damping = contact.c * monomial(contact.m2, abs(v)) * monomial_derivative(contact.m3, max(delta, 1e-12))
+    return tangent(contact.stiffness, delta) + max(sign(v) * K_damping, 0.0)
 
 
 @damping_bound.register(General)
@@ -79,7 +81,7 @@ class Power2(NamedTuple):
 
 
 class Power(NamedTuple):
-    """Any exponent m >= 0. Calls ``pow``, so loops over rollers are not vectorised."""
+    """Any exponent m >= 0. Uses ``pow``, so loops over rollers are not vectorised."""
 
     m: float
 
@@ -135,15 +137,16 @@ def _derivative(exponent, x):
 
 
 INTEGER_EXPONENTS = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
-"""Exponents with a separate type, without ``pow``."""
+"""Exponents that have a type of their own, which needs no ``pow``."""
 
 
 def make_exponent(m: float) -> Power0 | Power1 | Power2 | Power:
-    """Choose the fastest exponent type that equals ``m``."""
+    """Return the exponent ``m`` as the type that is evaluated fastest."""
     kinds = [kind for exponent, kind in INTEGER_EXPONENTS if isclose(m, exponent, rel_tol=1e-12, abs_tol=1e-12)]
     return kinds[0]() if kinds else Power(float(m))
 
 
 def make_general(stiffness: Any, c: float, m2: float, m3: float) -> General:
-    """Return general damping with the fastest types for the exponents m2 and m3."""
+    """Return a ``General`` law with the exponents m2 and m3 as ``make_exponent`` types;
+    c as there."""
     return General(stiffness, c, make_exponent(m2), make_exponent(m3))

@@ -24,10 +24,12 @@ def _force(contact, delta, v):
 
 @derivatives.register(HuntCrossley)
 def _derivatives(contact, delta, v):
-    d, factor = max(delta, 0.0), 1.0 + contact.chi * v
-    closed = 1.0 if delta > 0.0 else 0.0
-    closed = closed if factor > 0.0 else 0.0
-    return closed * tangent(contact.stiffness, d) * factor, closed * elastic(contact.stiffness, d) * contact.chi
+    d, damping_factor = max(delta, 0.0), 1.0 + contact.chi * v
+    contact_factor = 1.0 if delta > 0.0 else 0.0
+    contact_factor = contact_factor if damping_factor > 0.0 else 0.0
+    K = contact_factor * tangent(contact.stiffness, d) * damping_factor
+    C = contact_factor * elastic(contact.stiffness, d) * contact.chi
+    return K, C
 
 
 @stiffness_bound.register(HuntCrossley)

@@ -28,9 +28,11 @@ def _force(contact, delta, v):
 def _derivatives(contact, delta, v):
     d, rate = max(delta, 0.0), contact.beta * v
     stiffness = tangent(contact.stiffness, d)
-    closed = 1.0 if delta > 0.0 else 0.0
-    closed = closed if elastic(contact.stiffness, d) + stiffness * rate > 0.0 else 0.0
-    return closed * (stiffness + curvature(contact.stiffness, d) * rate), closed * stiffness * contact.beta
+    contact_factor = 1.0 if delta > 0.0 else 0.0
+    contact_factor = contact_factor if elastic(contact.stiffness, d) + stiffness * rate > 0.0 else 0.0
+    K = contact_factor * (stiffness + curvature(contact.stiffness, d) * rate)
+    C = contact_factor * stiffness * contact.beta
+    return K, C
 
 
 @stiffness_bound.register(Kraemer)

@@ -10,7 +10,8 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
 class Tabulated(NamedTuple):
-    """Damping c (N s/m) by a table over the approach (``laws/octaves.py``), for 15 pm to 16 mm.
+    """Damping c (N s/m) tabulated over the approach (``laws/octaves.py``), from 15 pm
+    to 16 mm.
 
     c tends to zero with the approach, so the force does not jump when a contact closes. Loops over rollers are not
     vectorised, because the compiler cannot prove that the table is not modified.
@@ -30,9 +31,9 @@ def _force(contact, delta, v):
 def _derivatives(contact, delta, v):
     d = max(delta, 0.0)
     c = value(contact.table, d)
-    closed = 1.0 if delta > 0.0 else 0.0
-    closed = closed if elastic(contact.stiffness, d) + c * v > 0.0 else 0.0
-    return closed * (tangent(contact.stiffness, d) + derivative(contact.table, d) * v), closed * c
+    contact_factor = 1.0 if delta > 0.0 else 0.0
+    contact_factor = contact_factor if elastic(contact.stiffness, d) + c * v > 0.0 else 0.0
+    return contact_factor * (tangent(contact.stiffness, d) + derivative(contact.table, d) * v), contact_factor * c
 
 
 @stiffness_bound.register(Tabulated)

@@ -7,7 +7,8 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
 class Undamped(NamedTuple):
-    """No damping, Q = Q_e. Used for static equilibrium, so that its code is compiled once for all damping laws."""
+    """No damping, Q = Q_e. Used for static equilibria, whose code is then compiled only
+    once for all damping laws."""
 
     stiffness: Any
 
@@ -19,8 +20,8 @@ def _force(contact, delta, v):
 
 @derivatives.register(Undamped)
 def _derivatives(contact, delta, v):
-    closed = 1.0 if delta > 0.0 else 0.0
-    return closed * tangent(contact.stiffness, max(delta, 0.0)), 0.0
+    contact_factor = 1.0 if delta > 0.0 else 0.0
+    return contact_factor * tangent(contact.stiffness, max(delta, 0.0)), 0.0
 
 
 @stiffness_bound.register(Undamped)

@@ -1,4 +1,5 @@
-"""Friction curves: no friction, dry friction of the multibody codes, traction of an oil film."""
+"""Friction laws: no friction, dry friction of multibody codes, traction of an oil
+film."""
 
 from typing import NamedTuple
 
@@ -15,8 +16,11 @@ class Frictionless(NamedTuple):
 
 @jit
 def cubic_step(x):
-    """Return -1 for x <= -1, 1 for x >= 1 and an odd cubic between, with a continuous derivative of 1.5 at
-    x = 0."""
+    """Return a smooth step: -1 for x <= -1, 1 for x >= 1, and between an odd cubic with
+    the slope 1.5 at x = 0.
+
+    Its derivative is continuous.
+    """
     x = min(max(x, -1.0), 1.0)
     return x * (1.5 - 0.5 * x * x)
 
@@ -29,13 +33,14 @@ def cubic_step_derivative(x):
 
 
 class StaticDynamic(NamedTuple):
-    """Dry friction of the multibody codes: rising to mu_s at slip v_s, falling to mu_d at v_d, then constant.
+    """Dry friction of multibody codes: mu rises to mu_s at slip v_s and falls to mu_d
+    at v_d, then is constant.
 
-    Cubic steps from -mu_s at -v_s to mu_s at v_s and from there to mu_d, with 0 < v_s < v_d (m/s), independent of
-    ``u``.
-    Sources: the contact friction of Adams (STEP) and RecurDyn; written out by Wingertszahn et al., Lubricants 11
-    (2023) 369, eqs 21-27. v_s and v_d are numerical parameters, not material properties; real surfaces do not slip
-    at v_s under a static force.
+    Cubic steps from -mu_s at -v_s to mu_s at v_s and from there to mu_d, with
+    0 < v_s < v_d (m/s), independent of ``u``. v_s and v_d are numerical parameters, not
+    material properties: below mu_s Q real surfaces do not slip, whereas here they creep
+    at up to v_s. Sources: the contact friction of Adams (STEP) and RecurDyn; equations
+    21-27 of Wingertszahn et al., Lubricants 11 (2023) 369.
     """
 
     mu_s: float
@@ -46,16 +51,16 @@ class StaticDynamic(NamedTuple):
 
 @mu.register(StaticDynamic)
 def _mu_static_dynamic(law, v, u):
-    excess = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))
-    drop = 0.5 * (law.mu_s - law.mu_d) * (1.0 + cubic_step(2.0 * excess - 1.0))
+    fraction = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))  # of the way from v_s to v_d
+    drop = 0.5 * (law.mu_s - law.mu_d) * (1.0 + cubic_step(2.0 * fraction - 1.0))
     return law.mu_s * cubic_step(v * (1.0 / law.v_s)) - (drop if v > 0.0 else -drop)
 
 
 @mu_derivative.register(StaticDynamic)
 def _mu_derivative_static_dynamic(law, v, u):
-    per_drop, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
-    drop = (law.mu_s - law.mu_d) * per_drop * cubic_step_derivative(2.0 * (abs(v) - law.v_s) * per_drop - 1.0)
-    return law.mu_s * per_rise * cubic_step_derivative(v * per_rise) - drop, 0.0
+    per_v_drop, per_v_s = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
+    drop = (law.mu_s - law.mu_d) * per_v_drop * cubic_step_derivative(2.0 * (abs(v) - law.v_s) * per_v_drop - 1.0)
+    return law.mu_s * per_v_s * cubic_step_derivative(v * per_v_s) - drop, 0.0
 
 
 @mu_derivative_bound.register(StaticDynamic)
@@ -65,20 +70,20 @@ def _mu_derivative_bound_static_dynamic(law, u):
 
 MIN_ROLLING_SPEED = 0.01  # m/s: lower bound of u in the traction curve; a film requires rolling
 JUMP_WIDTH = 1e-3  # slide-to-roll ratio over which a jump of a traction curve at zero slip is smoothed
-MAX_EXPONENT = 40.0  # e^-40 is below rounding
+MAX_EXPONENT = 40.0  # e^-40 is below rounding errors of 1
 
 
 class Traction(NamedTuple):
     """Lubricated traction, mu = (a + b s) e^(-c s) + d with the slide-to-roll ratio s = |v|/u; b, c > 0, a <= 0.
 
-    ``KRAGELSKII`` contains the constants that papers on bearing dynamics cite from Kragelskii, Dobychin and
-    Kombalov,
-    Friction and Wear: Calculation Methods, Pergamon 1982. They have not been compared with the book. With them mu
-    rises with the slope 40.4/u, has a maximum of 0.120 at s = 0.0100 and falls to 0.1. It is independent of load,
-    temperature and viscosity.
+    ``KRAGELSKII`` contains the constants that papers on bearing dynamics cite from
+    Kragelskii, Dobychin and Kombalov, Friction and Wear: Calculation Methods, Pergamon
+    1982. They have not been compared with the book. With them mu rises with the slope
+    40.4/u (s/m), has a maximum of 0.120 at s = 0.0100 and falls to 0.1. The law is
+    independent of load, temperature and viscosity.
 
-    The curve starts from a + d, which is 0 for a fluid; otherwise a cubic step over ``JUMP_WIDTH`` replaces the
-    jump at zero slip.
+    The curve starts from a + d, which is 0 for a fluid; otherwise a cubic step over
+    ``JUMP_WIDTH`` smooths the jump at zero slip.
     """
 
     a: float
@@ -93,7 +98,7 @@ KRAGELSKII = Traction(-0.1, 22.28, 181.46, 0.1)
 @mu.register(Traction)
 def _mu_traction(law, v, u):
     s = abs(v) / max(u, MIN_ROLLING_SPEED)
-    s_limited = min(s, MAX_EXPONENT / law.c)  # beyond it mu = d
+    s_limited = min(s, MAX_EXPONENT / law.c)  # mu = d for larger s
     coefficient = (law.a + law.b * s_limited) * exp_minus(law.c * s_limited) + law.d
     coefficient -= (law.a + law.d) * (1.0 - cubic_step(s * (1.0 / JUMP_WIDTH)))
     return coefficient if v > 0.0 else -coefficient
@@ -120,10 +125,12 @@ def _mu_derivative_bound_traction(law, u):
 
 @jit
 def exp_minus(x):
-    """Return e^-x for 0 <= x <= 40 without a call, relative error below 2e-14.
+    """Return e^-x for 0 <= x <= 40 without a library call, with a relative error below
+    2e-14.
 
-    e^-x = 2^n e^r, n the whole number nearest to -x/ln 2, |r| <= ln(2)/2. Adding 1.5 * 2^52 rounds to whole
-    numbers, with n in the lowest bits, which are shifted into the exponent; e^r is computed by its series.
+    e^-x = 2^n e^r, n the integer nearest to -x/ln 2, |r| <= ln(2)/2. Adding
+    1.5 * 2^52 rounds to an integer and leaves n in the lowest bits, which are shifted
+    into the exponent; e^r is computed by its series.
     """
     shifted = x * -1.4426950408889634 + 6755399441055744.0
     n = shifted - 6755399441055744.0
