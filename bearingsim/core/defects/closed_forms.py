@@ -133,7 +133,14 @@ def make_groups(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0
     if not isinstance(defect, Circular):
         return [*undamaged, (share, *section_parameters(defect, R, 0.0))]
     halves = [(0.0, high, share)] if low == -high else _split_at_centre(low, high, L_w)
-    return [*undamaged, *(row for half in halves for row in _make_bowl_groups(*half, defect, R, nodes))]
+    return [
+        *undamaged,
+        *(
+            row
+            for near, far, weight in halves
+            for row in _make_bowl_groups(near, far, weight, defect, R, nodes)
+        ),
+    ]
 
 
 def _split_at_centre(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:
