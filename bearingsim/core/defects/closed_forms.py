@@ -135,11 +135,7 @@ def make_groups(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0
     halves = [(0.0, high, share)] if low == -high else _split_at_centre(low, high, L_w)
     return [
         *undamaged,
-        *(
-            row
-            for near, far, weight in halves
-            for row in _make_bowl_groups(near, far, weight, defect, R, nodes)
-        ),
+        *(row for near, far, weight in halves for row in _make_bowl_groups(near, far, weight, defect, R, nodes)),
     ]
 
 

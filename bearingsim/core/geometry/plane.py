@@ -69,10 +69,16 @@ def fill_roller_direction(C, S, y, j):
     e2 = e * e
     cos_eps = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 * (1.0 / 720.0)))
     sin_eps = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 * (1.0 / 5040.0))))
-    y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j] = cos_pocket, sin_pocket
-    y[lay.COS_EPS + j], y[lay.SIN_EPS + j] = cos_eps, sin_eps
-    y[lay.COS + j] = cos_pocket * cos_eps - sin_pocket * sin_eps
-    y[lay.SIN + j] = sin_pocket * cos_eps + cos_pocket * sin_eps
+    y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j] = (
+        cos_pocket,
+        sin_pocket,
+        cos_eps,
+        sin_eps,
+    )
+    y[lay.COS + j], y[lay.SIN + j] = (
+        cos_pocket * cos_eps - sin_pocket * sin_eps,
+        sin_pocket * cos_eps + cos_pocket * sin_eps,
+    )
 
 
 @jit

@@ -4,7 +4,7 @@ Steps run ahead of the recorded instants, whose states are computed by dense out
 affect the steps. The complete state of a run is in the buffer, so a run in parts is identical to one in a
 single part.
 
-Error norm of a step's positions and velocities, in m and m/s (angles multiplied by their lever arm):
+Norm of a step's error e in positions (m) and velocities (m/s), angles multiplied by their lever arm:
 
     |e|^2 = sum (e_q/atol_q)^2 + sum (e_v/(atol_v + rtol |v|))^2,   accepted if |e| <= 1
 

@@ -147,6 +147,5 @@ def make_exponent(m: float) -> Power0 | Power1 | Power2 | Power:
 
 
 def make_general(stiffness: Any, c: float, m2: float, m3: float) -> General:
-    """Return a ``General`` law with the exponents m2 and m3 as ``make_exponent`` types;
-    c as there."""
+    """Return a ``General`` law, its exponents as the types that are evaluated fastest."""
     return General(stiffness, c, make_exponent(m2), make_exponent(m3))
