@@ -108,7 +108,7 @@ def natural_frequency(contact: LubricatedContact, Q: np.ndarray, k: np.ndarray) 
 
     Q: load (N) of both contacts; k: stiffness (N/m) of this race's contact under it.
     """
-    loads, stiffnesses = curve(contact.other_stiffness, np.logspace(-12.0, -3.0, 400))
+    loads, stiffnesses = evaluate_law(contact.other_stiffness, np.logspace(-12.0, -3.0, 400))
     k_other_race = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
     return np.sqrt((k + k_other_race) / contact.mass)
 
