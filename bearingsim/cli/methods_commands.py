@@ -121,8 +121,8 @@ def stability(
         "--method", method, all_methods, [name for name in default_methods if name in all_methods]
     )
     target = out or Path("results") / ("stability-quick" if quick else "stability")
-    path = mapping.compute(model_names, method_names, grid, target, jobs or 1)
-    print_table(("model", "method", *classification.CLASSES), mapping.summary(path), text_columns=2)
+    path = mapping.compute_map(model_names, method_names, grid, target, jobs or 1)
+    print_table(("model", "method", *classification.CLASSES), mapping.summary_rows(path), text_columns=2)
     say(short_path(path))
     for file in maps.draw_all(path):
         say(short_path(file))

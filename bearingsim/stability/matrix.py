@@ -1,7 +1,8 @@
-"""Failure map of the methods: short runs over step (or tolerance), stiffness, damping and sharpness of defects.
+"""Stability map of the methods: short runs over step (or tolerance), stiffness, damping and defect.
 
-A unit of work is a material, that is a model with one stiffness and damping, whose scenes share a healthy bearing.
-For each scene the reference is computed first, from solutions that must agree, then every method at every step.
+A unit of work is a material: a model with one stiffness and one damping, whose scenes have the same healthy
+bearing. For each scene the reference is computed first, from solutions that must agree, then every method at every
+step.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,28 +20,30 @@ from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.models.interface import degrees_of_freedom, linearise
 from bearingsim.simulation import limits
 from bearingsim.stability import classification
-from bearingsim.stability.classification import REFUSED, Reference, Verdict, agreeing_solutions
+from bearingsim.stability.classification import REFUSED, Reference, Verdict, make_reference
 from bearingsim.stability.references import SCIPY, solve
 from bearingsim.stability.scene import (
     DEFECTS,
     DURATION,
     PAPER_STIFFNESS,
     SAMPLE_INTERVAL,
-    STEEL,
+    STEEL_STIFFNESS,
     STIFFNESS_NAMES,
     Scene,
-    crossing_windows,
+    crossing_intervals,
     scene_case,
 )
-from bearingsim.stability.traces import TOO_SLOW, Trace, skipped_trace, trace
+from bearingsim.stability.traces import TOO_SLOW, Trace, make_skipped_trace, run_method
 
 HEALTHY = "healthy"
 
 
 class Grid(NamedTuple):
-    """Varied parameters. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps: s, of fixed-step methods;
-    tolerances: of adaptive methods; scipy_tolerances: of SciPy's; limit: CPU time (s) of a cell; reference_limit:
-    CPU time (s) of a solution of the reference.
+    """Values of the varied parameters, and limits of CPU time.
+
+    k: N/mm^(10/9); damping: pairs of m3 and c (N s/mm^(1 + m3)); defects: keys of ``DEFECTS``; steps: s, of
+    fixed-step methods; tolerances: of adaptive methods; scipy_tolerances: of SciPy's methods; cpu_limit: CPU time
+    (s) of a cell; reference_cpu_limit: CPU time (s) of one solution for the reference.
     """
 
     k: tuple[float, ...]
@@ -49,41 +52,44 @@ class Grid(NamedTuple):
     steps: tuple[float, ...]
     tolerances: tuple[float, ...]
     scipy_tolerances: tuple[float, ...]
-    limit: float
-    reference_limit: float
+    cpu_limit: float
+    reference_cpu_limit: float
 
 
 FULL = Grid(
-    k=(STEEL, 1e7, PAPER_STIFFNESS),
+    k=(STEEL_STIFFNESS, 1e7, PAPER_STIFFNESS),
     damping=((0.0, 1e-1), (0.0, 1e1), (0.0, 1e3), (0.0, 1e6), (1.0, 1e2), (1.0, 1e4), (1.0, 1e6), (2.0, 1e6)),
     defects=tuple(DEFECTS),
     steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
     tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
     scipy_tolerances=(1e-2, 1e-4, 1e-6),
-    limit=0.5,
-    reference_limit=6.0,
+    cpu_limit=0.5,
+    reference_cpu_limit=6.0,
 )
 QUICK = Grid(
-    k=(STEEL, PAPER_STIFFNESS),
+    k=(STEEL_STIFFNESS, PAPER_STIFFNESS),
     damping=((0.0, 1e-1), (0.0, 1e6), (1.0, 1e4), (1.0, 1e6)),
     defects=(HEALTHY, "0.2 mm slot"),
     steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),
     tolerances=(1e-2, 1e-4, 1e-6),
     scipy_tolerances=(1e-2, 1e-4),
-    limit=0.2,
-    reference_limit=2.0,
+    cpu_limit=0.2,
+    reference_cpu_limit=2.0,
 )
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
 QUICK_MODELS = (DEFAULT_MODEL,)
 
-REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
+REFERENCE_SOLVERS = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
 """Methods and tolerances of the solutions, computed one after another until two agree."""
-FALLBACK = ("backward-euler", 1e-2)
-"""Additional solution if only one of the others succeeds."""
+FALLBACK_SOLVER = ("backward-euler", 1e-2)
+"""Method and tolerance of an additional solution, if fewer than two of the others succeed."""
 
 
 class Material(NamedTuple):
-    """Material of a scene: name of the model; k (N/mm^(10/9)), m3 and c (N s/mm^(1 + m3)) of its contacts."""
+    """Model with one stiffness and one damping of its contacts.
+
+    model: name of the model; k: N/mm^(10/9); m3: exponent of the damping; c: N s/mm^(1 + m3).
+    """
 
     model: str
     k: float
@@ -92,7 +98,11 @@ class Material(NamedTuple):
 
 
 class PreparedScene(NamedTuple):
-    """Scene ready to run: case, compiled model, buffer in static equilibrium, and K (1/s^2), C (1/s) there."""
+    """Scene ready to run.
+
+    model: parameters of the compiled model; y: buffer in static equilibrium; K (1/s^2), C (1/s): largest stiffness
+    and damping of a body over its mass, at rest.
+    """
 
     case: Case
     model: Any
@@ -102,7 +112,7 @@ class PreparedScene(NamedTuple):
 
 
 def method_names() -> tuple[str, ...]:
-    """List the names of all methods that can be mapped."""
+    """List the names of all methods for the map, those of SciPy included."""
     return (*METHODS, *SCIPY)
 
 
@@ -118,7 +128,7 @@ def default_models() -> tuple[str, ...]:
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:
-    """List the units of work: one per model and material."""
+    """List the materials, each a unit of work."""
     return [Material(model, k, m3, c) for model, k, (m3, c) in product(models, grid.k, grid.damping)]
 
 
@@ -127,89 +137,99 @@ def has_fixed_step(method: str) -> bool:
     return method in METHODS and not METHODS[method].adaptive
 
 
-def settings(method: str, grid: Grid) -> tuple[float, ...]:
+def method_settings(method: str, grid: Grid) -> tuple[float, ...]:
     """Return the steps (s) or tolerances of a method, coarsest first."""
     if method in SCIPY:
         return grid.scipy_tolerances
     return grid.steps if has_fixed_step(method) else grid.tolerances
 
 
-def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
-    """Count the cells of a whole map."""
+def count_cells(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
+    """Return the number of cells of a whole map."""
     return (
-        len(materials(models, grid)) * len(grid.defects) * sum(len(settings(method, grid)) for method in methods)
+        len(materials(models, grid))
+        * len(grid.defects)
+        * sum(len(method_settings(method, grid)) for method in methods)
     )
 
 
-def set_up(material: Material, defect: str) -> PreparedScene:
-    """Prepare a scene for runs."""
+def prepare_scene(material: Material, defect: str) -> PreparedScene:
+    """Prepare a scene for runs: assemble the model and find its static equilibrium."""
     case = scene_case(Scene(material.model, defect, material.k, material.c, material.m3))
     model = assemble.model(case)
     _, K, C = limits.loads_at_rest(assemble.healthy_case(case))
     return PreparedScene(case, model, assemble.start(case, model)[0], K, C)
 
 
-def run(scene: PreparedScene, method: str, setting: float, limit: float) -> Trace:
+def run_cell(scene: PreparedScene, method: str, setting: float, cpu_limit: float) -> Trace:
     """Run one cell; ``setting`` is its step (s) or tolerance."""
     if method in SCIPY:
-        return solve(method, scene.model, scene.y, scene_tolerances(scene, setting)._replace(longest=inf), limit)
+        return solve(
+            method, scene.model, scene.y, scene_tolerances(scene, setting)._replace(longest=inf), cpu_limit
+        )
     if METHODS[method].implicit and type(scene.model) not in linearise.types:
-        return skipped_trace(REFUSED, "the model has no derivatives")
+        return make_skipped_trace(REFUSED, "the model has no derivatives")
     step = setting if has_fixed_step(method) else SAMPLE_INTERVAL
     model = assemble.with_friction_lag(scene.model, assemble.kind_of_method(method).lag * step)
-    return trace(method, parameters(scene, method, setting), model, scene.y, limit)
+    return run_method(method, make_method(scene, method, setting), model, scene.y, cpu_limit)
 
 
-def parameters(scene: PreparedScene, method: str, setting: float) -> Any:
-    """Build the compiled method of a cell."""
+def make_method(scene: PreparedScene, method: str, setting: float) -> Any:
+    """Build the parameters of a cell's compiled method; ``setting`` is its step (s) or tolerance."""
     method_type: Any = assemble.kind_of_method(method).parameters
     return method_type(setting) if has_fixed_step(method) else method_type(*scene_tolerances(scene, setting))
 
 
 def scene_tolerances(scene: PreparedScene, tolerance: float) -> Tolerances:
-    """Compute the tolerances of a scene from its relative one."""
+    """Compute the tolerances of a scene from a relative tolerance."""
     return Tolerances(*scales.tolerances(scene.case, scene.model, scene.model, SAMPLE_INTERVAL, tolerance))
 
 
-def reference(scene: PreparedScene, reference_limit: float) -> Reference | None:
-    """Compute solutions of a scene until two agree; see ``agreeing_solutions``."""
+def compute_reference(scene: PreparedScene, reference_limit: float) -> Reference | None:
+    """Compute solutions of a scene until two agree, and build the reference (``make_reference``)."""
     solutions: dict[str, Trace] = {}
-    for method, tolerance in (*REFERENCES, FALLBACK):
-        agreement = agreeing_solutions(solutions)
-        if agreement is not None and (not agreement.chaotic or (method, tolerance) == FALLBACK):
+    for method, tolerance in (*REFERENCE_SOLVERS, FALLBACK_SOLVER):
+        agreement = make_reference(solutions)
+        if agreement is not None and (not agreement.chaotic or (method, tolerance) == FALLBACK_SOLVER):
             return agreement
         if method in method_names():
-            solutions[f"{method} {tolerance:.0e}"] = reference_solution(scene, method, tolerance, reference_limit)
-    return agreeing_solutions(solutions)
+            solutions[f"{method} {tolerance:.0e}"] = compute_reference_solution(
+                scene, method, tolerance, reference_limit
+            )
+    return make_reference(solutions)
 
 
-def reference_solution(scene: PreparedScene, method: str, tolerance: float, reference_limit: float) -> Trace:
-    """Compute a solution for the reference, with a limit on SciPy's steps that prevents skipping a defect."""
+def compute_reference_solution(
+    scene: PreparedScene, method: str, tolerance: float, reference_limit: float
+) -> Trace:
+    """Compute a solution for the reference. SciPy's steps are limited, so that none skips a defect."""
     if method not in SCIPY:
-        return run(scene, method, tolerance, reference_limit)
+        return run_cell(scene, method, tolerance, reference_limit)
     return solve(method, scene.model, scene.y, scene_tolerances(scene, tolerance), reference_limit)
 
 
 def reference_methods(methods: Sequence[str]) -> tuple[str, ...]:
-    """List the reference methods that are not mapped themselves."""
-    names = dict.fromkeys(name for name, _ in (*REFERENCES, FALLBACK))
+    """List the methods of the reference solutions that are not mapped themselves."""
+    names = dict.fromkeys(name for name, _ in (*REFERENCE_SOLVERS, FALLBACK_SOLVER))
     return tuple(name for name in names if name not in methods and name in method_names())
 
 
-def warm(model: str, method: str, grid: Grid) -> None:
-    """Compile (or load) the code for the cells of a model and a method."""
-    exponents = dict(grid.damping)  # each exponent has its own compiled code
-    kinds = {DEFECTS[defect].get("excitation", "envelope"): defect for defect in grid.defects}
-    for (m3, c), defect in product(exponents.items(), kinds.values()):
-        run(set_up(Material(model, grid.k[0], m3, c), defect), method, settings(method, grid)[0], 0.0)
+def compile_cells(model: str, method: str, grid: Grid) -> None:
+    """Compile the code for the cells of a model and a method, or load it from the cache."""
+    coefficient_of = dict(grid.damping)  # by exponent, because each exponent has its own compiled code
+    defect_of = {DEFECTS[defect].get("excitation", "envelope"): defect for defect in grid.defects}
+    for (m3, c), defect in product(coefficient_of.items(), defect_of.values()):
+        run_cell(
+            prepare_scene(Material(model, grid.k[0], m3, c), defect), method, method_settings(method, grid)[0], 0.0
+        )
 
 
-def map_rows(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a material: every defect, method and setting."""
+def compute_rows(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a material, for every defect, method and setting."""
     healthy: Reference | None = None
     for defect in (HEALTHY, *(defect for defect in grid.defects if defect != HEALTHY)):
-        scene = set_up(material, defect)
-        scene_reference = reference(scene, grid.reference_limit)
+        scene = prepare_scene(material, defect)
+        scene_reference = compute_reference(scene, grid.reference_cpu_limit)
         healthy = scene_reference if defect == HEALTHY else healthy
         if defect in grid.defects:
             for method in methods:
@@ -225,19 +245,23 @@ def method_rows(
     scene_reference: Reference | None,
     healthy: Reference | None,
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of one method in one scene, skipping cells that would exceed the time limit."""
-    windows = crossing_windows(scene.model)
-    limit = limits.step_limit(method, scene.K, scene.C) if has_fixed_step(method) else inf
-    per_step = 0.0
-    for setting in settings(method, grid):
-        if has_fixed_step(method) and scene_steps(setting) * per_step > 2.0 * grid.limit:
-            result = skipped_trace(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
+    """Yield the rows of one method in one scene.
+
+    A cell of a fixed step is skipped if it is expected to take over twice the limit of CPU time, by the CPU time
+    per step of the cell before.
+    """
+    crossings = crossing_intervals(scene.model)
+    step_limit = limits.step_limit(method, scene.K, scene.C) if has_fixed_step(method) else inf
+    cpu_per_step = 0.0
+    for setting in method_settings(method, grid):
+        if has_fixed_step(method) and step_count(setting) * cpu_per_step > 2.0 * grid.cpu_limit:
+            result = make_skipped_trace(TOO_SLOW, f"{step_count(setting) * cpu_per_step:.2g} s expected")
         else:
-            result = run(scene, method, setting, grid.limit)
-            per_step = result.cpu / max(result.steps, 1)
-        shortest = min((end - start for start, end in windows), default=inf)
-        long_steps = longest_step(scene, method, setting) > shortest / 2.0
-        verdict = classification.classify(result, scene_reference, healthy, windows, long_steps)
+            result = run_cell(scene, method, setting, grid.cpu_limit)
+            cpu_per_step = result.cpu / max(result.steps, 1)
+        shortest_crossing = min((end - start for start, end in crossings), default=inf)
+        may_skip = longest_step(scene, method, setting) > shortest_crossing / 2.0
+        verdict = classification.classify(result, scene_reference, healthy, crossings, may_skip)
         yield {
             "model": material.model,
             "method": method,
@@ -249,25 +273,25 @@ def method_rows(
             "damping_ratio": limits.damping_ratio_at_rest(scene.case),
             "step": setting if has_fixed_step(method) else np.nan,
             "tolerance": np.nan if has_fixed_step(method) else setting,
-            "step_limit": limit,
-            **row_values(result, verdict, scene_reference, len(windows)),
+            "step_limit": step_limit,
+            **row_values(result, verdict, scene_reference, len(crossings)),
         }
 
 
 def longest_step(scene: PreparedScene, method: str, setting: float) -> float:
-    """Return the longest step (s) of a run; SciPy's solvers have no limit."""
+    """Return the longest step (s) of a run; infinite for SciPy's solvers, whose steps are not limited."""
     if method in SCIPY:
         return inf
     return setting if has_fixed_step(method) else scene_tolerances(scene, setting).longest
 
 
-def scene_steps(h: float) -> int:
+def step_count(h: float) -> int:
     """Return the number of steps of ``h`` (s) in a scene."""
     return round(DURATION / h)
 
 
 def row_values(
-    result: Trace, verdict: Verdict, scene_reference: Reference | None, expected: int
+    result: Trace, verdict: Verdict, scene_reference: Reference | None, crossing_count: int
 ) -> dict[str, Any]:
     """Collect the values of a row from a run and its verdict."""
     return {
@@ -277,7 +301,7 @@ def row_values(
         "floor": np.nan if scene_reference is None else scene_reference.floor,
         "reference": "" if scene_reference is None else scene_reference.names,
         "seen": verdict.detected,
-        "expected": expected,
+        "expected": crossing_count,
         "openings": verdict.openings,
         "openings_of_reference": verdict.reference_openings,
         "steps": result.steps,

@@ -1,8 +1,9 @@
-"""Independent reference solutions: SciPy's integrators with the compiled models.
+"""Independent solutions with SciPy's integrators and the compiled models.
 
 The state vector is x = (positions, velocities) of the moving coordinates, with derivatives from the compiled
 accelerations. The solver has no information on defects or contact events, so it may step over a defect and report
-success; for references its step is limited (``Tolerances.longest``). A run that ends early is not a reference.
+success; for a reference its step is limited (``Tolerances.longest``). A solution that ends early is not used for a
+reference.
 """
 
 import time
@@ -30,14 +31,14 @@ class CpuLimitExceeded(Exception):
 
 
 def moving_coordinates(model: Any) -> np.ndarray:
-    """Return the offsets (n,), within a block of the state, of the variables of the model's equations."""
+    """Return the offsets (n,) of the integrated coordinates of a model, within a block of the state."""
     per_roller, shared = degrees_of_freedom(model)
     rollers = [i * lay.ROW + lay.FIRST_LANE + j for i in range(per_roller) for j in range(model.bearing.Z)]
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
 def pack(y: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Return the state of a buffer as a vector (2 n,): positions, then velocities, of the ``coordinates`` (n,)."""
+    """Return positions, then velocities, of ``coordinates`` (n,) in the buffer ``y`` as a vector (2 n,)."""
     return np.concatenate([y[lay.POSITION + coordinates], y[lay.VELOCITY + coordinates]])
 
 
@@ -66,13 +67,13 @@ def state_rate(
 class StateRate:
     """Right-hand side dx/dt for SciPy; raises ``CpuLimitExceeded`` after ``limit`` (s of CPU time)."""
 
-    def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
+    def __init__(self, model: Any, y: np.ndarray, cpu_limit: float) -> None:
         self.model, self.y, self.coordinates = model, y.copy(), moving_coordinates(model)
         fill_length_scales(model, self.y)
         x = np.zeros(2 * len(self.coordinates))
         # compile (or load from the cache) before timing
         state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))
-        self.start_time, self.limit, self.calls = time.thread_time(), limit, 0
+        self.start_time, self.limit, self.calls = time.thread_time(), cpu_limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
         """Compute dx/dt (2 n,)."""
@@ -89,15 +90,15 @@ class StateRate:
         return time.thread_time() - self.start_time
 
 
-def solve(name: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit: float) -> Trace:
-    """Integrate a test case with a solver of ``SCIPY``, from the state in the buffer ``y`` at t = 0 to the last of
-    ``TIMES``, in at most ``limit`` s of CPU time.
+def solve(name: str, model: Any, y: np.ndarray, tolerances: Tolerances, cpu_limit: float) -> Trace:
+    """Integrate a scene with a solver of ``SCIPY``, from the state in the buffer ``y`` at t = 0 to the last of
+    ``TIMES``, in at most ``cpu_limit`` s of CPU time.
 
     tolerances: those of this package's methods, but rtol also applies to positions, and SciPy's norm of the error
     (except in LSODA) is an RMS over the 2 n components instead of the root of their sum of squares, so it accepts
     errors larger by sqrt(2 n). The trace has the velocity of the ring and the loaded contacts at ``TIMES``.
     """
-    right_hand_side = StateRate(model, y, limit)
+    right_hand_side = StateRate(model, y, cpu_limit)
     length_scales = right_hand_side.y[LENGTH_SCALE + right_hand_side.coordinates]
     atol = np.concatenate([tolerances.atol_q / length_scales, tolerances.atol_v / length_scales])
     columns: list[np.ndarray] = []
@@ -160,9 +161,10 @@ def march(
 
 
 def loaded_contacts(right_hand_side: StateRate, states: np.ndarray) -> np.ndarray:
-    """Evaluate whether each roller is loaded at the outer race, (Z, samples).
+    """Evaluate the model at the samples of a solution; return whether each roller is loaded at the outer race.
 
-    states: (2 n, samples) at ``TIMES``. The buffer of ``right_hand_side`` is overwritten.
+    The result has the shape (Z, samples). states: (2 n, samples) at ``TIMES``. The buffer of ``right_hand_side``
+    is overwritten.
     """
     loaded = np.empty((right_hand_side.model.bearing.Z, states.shape[1]), dtype=bool)
     rates = np.empty(len(states))

@@ -1,4 +1,4 @@
-"""Short runs with the methods of this program, including failures."""
+"""Short runs with the methods of this package, and the failures in which they may end."""
 
 import time
 from math import ceil
@@ -20,16 +20,16 @@ MAX_CHUNK_STEPS = 20_000  # steps of an explicit fixed-step method between check
 BLOW_UP, STALL, TOO_SLOW = "blow-up", "stalled", "too slow"
 FAILURES = {
     NOT_FINITE: (BLOW_UP, "not finite"),
-    STEP_TOO_SMALL: (STALL, "its step became too short"),
+    STEP_TOO_SMALL: (STALL, "the step became too short"),
     TOO_MANY_STEPS: (STALL, "too many steps for one sample"),
     NEWTON_FAILED: (STALL, "Newton's method found no solution"),
 }
 
 
 class Trace(NamedTuple):
-    """Outcome of a run.
+    """Result of a run.
 
-    stride: columns are ``stride`` times ``SAMPLE_INTERVAL`` apart; velocity: of the ring (2, n), m/s; contacts:
+    stride: interval between columns, in units of ``SAMPLE_INTERVAL``; velocity: of the ring (2, n), m/s; contacts:
     whether each roller is loaded at the outer race (Z, n); failure: class in the stability map, empty on success;
     reason: of a failure; steps, rejected: numbers of accepted and rejected steps; evaluations: of the model;
     iterations: of Newton's method; cpu: s.
@@ -47,13 +47,16 @@ class Trace(NamedTuple):
     cpu: float = 0.0
 
 
-def skipped_trace(failure: str, reason: str) -> Trace:
-    """Return the trace of a run that was skipped."""
+def make_skipped_trace(failure: str, reason: str) -> Trace:
+    """Return an empty trace for a run that was skipped, with the class and the reason."""
     return Trace(1, np.empty((2, 0)), np.empty((0, 0), dtype=bool), failure, reason)
 
 
-def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Trace:
-    """Integrate a scene from a copy of the buffer ``y`` (t = 0), with at most ``limit`` s of CPU time."""
+def run_method(name: str, method: Any, model: Any, y: np.ndarray, cpu_limit: float) -> Trace:
+    """Integrate a scene from a copy of the buffer ``y`` at t = 0.
+
+    name: of the method; method: its parameters; cpu_limit: CPU time (s) after which the run is stopped.
+    """
     y, Z = y.copy(), model.bearing.Z
     cells = np.array(
         [
@@ -85,8 +88,8 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
         advanced, outcome, _ = advance_and_sample(method, model, monitor, step_count, y, cells, out, NoSamples())
         step_count += advanced
         failure, reason = FAILURES[outcome] if outcome != SUCCESS else _check_limits(out[:, :advanced])
-        if not failure and step_count < steps and time.thread_time() - start > limit:
-            failure, reason = TOO_SLOW, f"{step_count / steps:.0%} done after {limit:g} s"
+        if not failure and step_count < steps and time.thread_time() - start > cpu_limit:
+            failure, reason = TOO_SLOW, f"{step_count / steps:.0%} done after {cpu_limit:g} s"
         chunks.append(out[:, steps_per_sample - 1 : advanced : steps_per_sample])
     cpu = time.thread_time() - start
     samples = np.concatenate(chunks, axis=1)
@@ -112,12 +115,15 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
 
 
 def _allocate(cells: np.ndarray, steps: int) -> np.ndarray:
-    """Allocate a record as a part of a larger one, as in a simulation, to use the same compiled code."""
+    """Allocate an array (cells, steps) with the memory layout of a simulation's, to use the same compiled code."""
     return np.empty((len(cells), steps + 1))[:, 1:]
 
 
 def _check_limits(out: np.ndarray) -> tuple[str, str]:
-    """Check if the ring exceeds its limits; return failure and reason, empty if not."""
+    """Check if the ring exceeds its limits; return failure and reason, empty if it does not.
+
+    out: (C, n) recorded cells, those of the ring first: velocity, then position.
+    """
     if not np.isfinite(out[:4]).all():
         return BLOW_UP, "not finite"
     if np.abs(out[:2]).max() > MAX_SPEED or np.abs(out[2:4]).max() > MAX_DISPLACEMENT:

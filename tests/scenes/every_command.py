@@ -121,7 +121,7 @@ def replace_long_computations() -> None:
         write_text(folder / "stability.csv", table().head(6).to_csv(index=False))
         return folder / "stability.csv"
 
-    measure.compute_rows, measure.compile_run, mapping.compute = rows_of, lambda run: run.model, compute
+    measure.compute_rows, measure.compile_run, mapping.compute_map = rows_of, lambda run: run.model, compute
     plan.make_plan = lambda case, quick: FEW_RUNS
 
 

@@ -12,8 +12,8 @@ from bearingsim.catalogue import METHODS
 from bearingsim.core.advance import advance_and_sample
 from bearingsim.simulation import choice, limits
 from bearingsim.stability import classification, matrix, references, traces
-from bearingsim.stability.scene import CROSSING_TIMES, SAMPLE_INTERVAL, TIMES, crossing_case, crossing_windows
-from bearingsim.stability.traces import trace
+from bearingsim.stability.scene import CROSSING_TIMES, SAMPLE_INTERVAL, TIMES, crossing_case, crossing_intervals
+from bearingsim.stability.traces import run_method
 
 AUTOMATIC = [name for name, method in METHODS.items() if method.automatic]
 ADAPTIVE = [name for name in AUTOMATIC if METHODS[name].adaptive]
@@ -31,7 +31,7 @@ def prepare_scene(defect, delay=0.0):
 
 def reference(scene):
     """Return the solution of a scene by DOP853, with which all others are compared."""
-    result = matrix.run(scene, "dop853", 1e-8, np.inf)
+    result = matrix.run_cell(scene, "dop853", 1e-8, np.inf)
     assert not result.failure
     return classification.Reference(result.velocity, result.contacts, "", False, 0.0)
 
@@ -63,7 +63,7 @@ def test_reference_agrees_with_independent_solver():
     tolerances = matrix.scene_tolerances(scene, 1e-8)
     other = references.solve("scipy-lsoda", scene.model, scene.y, tolerances, np.inf)
     assert not other.failure
-    assert classification.l2(other.velocity, reference(scene).velocity) < 1e-5
+    assert classification.l2_error(other.velocity, reference(scene).velocity) < 1e-5
 
 
 @pytest.mark.parametrize("name", AUTOMATIC)
@@ -72,20 +72,23 @@ def test_no_crossing_is_skipped_at_any_position_in_a_step(name, healthy):
     step = longest_step(prepare_scene("0.2 mm slot"), name)
     for n in range(POSITIONS):
         scene = prepare_scene("0.2 mm slot", delay=n / POSITIONS * step)
-        result = matrix.run(scene, name, setting(scene, name), np.inf)
+        result = matrix.run_cell(scene, name, setting(scene, name), np.inf)
         assert not result.failure
-        assert classification.detected_crossings(
-            result, reference(scene), healthy, crossing_windows(scene.model)
+        assert classification.count_detected_crossings(
+            result, reference(scene), healthy, crossing_intervals(scene.model)
         ) == len(CROSSING_TIMES)
 
 
 def test_solver_without_defect_information_skips_defects(healthy):
     """A counterexample to the test above: SciPy's Radau at 1e-2 reports success."""
     scene = prepare_scene("0.2 mm slot")
-    result = matrix.run(scene, "scipy-radau", 1e-2, np.inf)
+    result = matrix.run_cell(scene, "scipy-radau", 1e-2, np.inf)
     assert not result.failure
     assert len(result.velocity[0]) == len(TIMES)
-    assert classification.detected_crossings(result, reference(scene), healthy, crossing_windows(scene.model)) == 0
+    assert (
+        classification.count_detected_crossings(result, reference(scene), healthy, crossing_intervals(scene.model))
+        == 0
+    )
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)
@@ -94,11 +97,11 @@ def test_a_tighter_tolerance_never_doubles_the_error(name):
     scene = prepare_scene("0.2 mm slot")
     exact = reference(scene)
     tolerances = matrix.scene_tolerances(scene, 1e-8)
-    floor = classification.l2(
+    floor = classification.l2_error(
         references.solve("scipy-lsoda", scene.model, scene.y, tolerances, np.inf).velocity, exact.velocity
     )
-    results = [matrix.run(scene, name, 10.0**-n, np.inf) for n in range(2, 7)]
-    errors = [classification.l2(result.velocity, exact.velocity) for result in results]
+    results = [matrix.run_cell(scene, name, 10.0**-n, np.inf) for n in range(2, 7)]
+    errors = [classification.l2_error(result.velocity, exact.velocity) for result in results]
     for loose, tight in pairwise(errors):
         assert tight <= 2.0 * max(loose, floor)
     assert errors[-1] < 0.1 * errors[0]
@@ -110,11 +113,11 @@ def test_ring_without_response_counts_no_crossing():
     exact, healthy = reference(scene), reference(prepare_scene("healthy"))
     healthy_velocity = exact.velocity * 0.0 + healthy.velocity
     verlet = assemble.kind_of_method("verlet").parameters(5e-7)
-    run = trace("verlet", verlet, scene.model, scene.y, np.inf)
-    assert classification.detected_crossings(run, exact, healthy, crossing_windows(scene.model)) == 3
+    run = run_method("verlet", verlet, scene.model, scene.y, np.inf)
+    assert classification.count_detected_crossings(run, exact, healthy, crossing_intervals(scene.model)) == 3
     assert (
-        classification.detected_crossings(
-            run._replace(velocity=healthy_velocity), exact, healthy, crossing_windows(scene.model)
+        classification.count_detected_crossings(
+            run._replace(velocity=healthy_velocity), exact, healthy, crossing_intervals(scene.model)
         )
         == 0
     )
@@ -124,7 +127,7 @@ def test_compilation_is_not_timed():
     """An untimed first step has the same argument types as the timed ones, and does not change the state."""
     scene = prepare_scene("healthy")
     with mock.patch.object(traces, "advance_and_sample", wraps=advance_and_sample) as steps:
-        trace("verlet", assemble.kind_of_method("verlet").parameters(5e-7), scene.model, scene.y, np.inf)
+        run_method("verlet", assemble.kind_of_method("verlet").parameters(5e-7), scene.model, scene.y, np.inf)
     first_types, *other_types = [tuple(map(typeof, call.args)) for call in steps.call_args_list]
     assert {*other_types} == {first_types}
     assert steps.call_args_list[0].args[4] is not steps.call_args_list[1].args[4]

@@ -15,8 +15,8 @@ from bearingsim.core.methods.interface import Tolerances
 from bearingsim.plots import stability as maps
 from bearingsim.runner.pool import map_in_new_processes, map_unordered
 from bearingsim.stability import classification, mapping, matrix, references
-from bearingsim.stability.classification import CLASSES, Reference, agreeing_solutions
-from bearingsim.stability.scene import DEFECTS, SAMPLE_INTERVAL, SAMPLES, STEEL, TIMES, Scene, scene_case
+from bearingsim.stability.classification import CLASSES, Reference, make_reference
+from bearingsim.stability.scene import DEFECTS, SAMPLE_INTERVAL, SAMPLES, STEEL_STIFFNESS, TIMES, Scene, scene_case
 from bearingsim.stability.traces import Trace
 from tests.scenes.commands import type_
 from tests.scenes.stability_map import table
@@ -96,13 +96,11 @@ def test_reference_needs_two_agreeing_solutions():
         "b": solution(1.3 * ring_response()),
         "c": solution(ring_response() * (1.0 + 1e-5)),
     }
-    assert agreeing_solutions(solutions).names == "a + c"
-    assert not agreeing_solutions(solutions).chaotic
-    assert agreeing_solutions({"a": solutions["a"], "c": solution(ring_response(), "stalled")}) is None
-    assert agreeing_solutions({"a": solutions["a"], "b": solutions["b"]}).chaotic
-    assert agreeing_solutions({"a": solutions["a"], "b": solutions["b"]}).floor == pytest.approx(
-        0.3 / 1.3, rel=1e-3
-    )
+    assert make_reference(solutions).names == "a + c"
+    assert not make_reference(solutions).chaotic
+    assert make_reference({"a": solutions["a"], "c": solution(ring_response(), "stalled")}) is None
+    assert make_reference({"a": solutions["a"], "b": solutions["b"]}).chaotic
+    assert make_reference({"a": solutions["a"], "b": solutions["b"]}).floor == pytest.approx(0.3 / 1.3, rel=1e-3)
 
 
 @pytest.mark.parametrize("solver", ["LSODA", "Radau", "BDF", "DOP853"])
@@ -152,7 +150,7 @@ def test_texts_of_a_map_are_legible_on_a_page():
 
 
 SMALL = matrix.QUICK._replace(
-    k=matrix.QUICK.k[:1], damping=((1.0, 1e4),), steps=(2e-5, 2e-6), scipy_tolerances=(1e-2, 1e-6), limit=10.0
+    k=matrix.QUICK.k[:1], damping=((1.0, 1e4),), steps=(2e-5, 2e-6), scipy_tolerances=(1e-2, 1e-6), cpu_limit=10.0
 )
 
 
@@ -160,8 +158,8 @@ SMALL = matrix.QUICK._replace(
 def small(monkeypatch, tmp_path):
     """Set up a map of eight cells, with references that need no compiled method."""
     monkeypatch.setattr(matrix, "QUICK", SMALL)
-    monkeypatch.setattr(matrix, "REFERENCES", (("scipy-lsoda", 1e-9), ("scipy-dop853", 1e-9)))
-    monkeypatch.setattr(matrix, "FALLBACK", ("scipy-bdf", 1e-6))
+    monkeypatch.setattr(matrix, "REFERENCE_SOLVERS", (("scipy-lsoda", 1e-9), ("scipy-dop853", 1e-9)))
+    monkeypatch.setattr(matrix, "FALLBACK_SOLVER", ("scipy-bdf", 1e-6))
     monkeypatch.chdir(tmp_path)
     return ("stability", "--quick", "--model", "ring", "--method", "verlet", "--method", "scipy-lsoda")
 
@@ -183,8 +181,8 @@ def test_each_exponent_and_excitation_is_compiled(monkeypatch):
     cases = []
     monkeypatch.setattr("bearingsim.stability.matrix.assemble.start", lambda case, model: (None, None))
     monkeypatch.setattr("bearingsim.stability.matrix.limits.loads_at_rest", lambda healthy: (0.0, 0.0, 0.0))
-    monkeypatch.setattr(matrix, "run", lambda bench, method, setting, limit: cases.append(bench.case))
-    matrix.warm("ring", "verlet", matrix.FULL)
+    monkeypatch.setattr(matrix, "run_cell", lambda bench, method, setting, limit: cases.append(bench.case))
+    matrix.compile_cells("ring", "verlet", matrix.FULL)
     kinds = {(compiled.contact.damping.indentation_exponent, compiled.excitation) for compiled in cases}
     assert kinds == set(product((0.0, 1.0, 2.0), ("envelope", "rectangular-pulse")))
     assert len(cases) == len(kinds)
@@ -196,7 +194,7 @@ def test_a_whole_map_is_of_the_models_of_its_help_text():
 
 @pytest.mark.parametrize("model", matrix.model_names())
 def test_each_model_that_can_be_mapped_has_each_defect(model):
-    cases = [scene_case(Scene(model, defect, STEEL, 0.1, 0.0)) for defect in DEFECTS]
+    cases = [scene_case(Scene(model, defect, STEEL_STIFFNESS, 0.1, 0.0)) for defect in DEFECTS]
     assert [len(case.defects) for case in cases] == [0, 3, 3, 3]
 
 
