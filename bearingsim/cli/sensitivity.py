@@ -75,7 +75,7 @@ def _json_entry(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, An
         "dropped": blocks.dropped,
         "jobs": blocks.jobs,
         "failed": blocks.failed,
-        "without_value": blocks.valueless,
+        "without_value": blocks.without_value,
         "chaotic": blocks.chaotic,
         "mean": float(blocks.values.mean()),
         "standard_deviation": float(blocks.values.std()),

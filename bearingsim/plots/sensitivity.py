@@ -98,10 +98,10 @@ def _draw_bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequen
 
 
 def _draw_points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) -> None:
-    unit, factor = labels.feature_axis(blocks.feature, float(effects.magnitude.high.max()))
+    unit, factor = labels.feature_axis(blocks.feature, float(effects.mu_star.high.max()))
     in_unit = f" ({unit})" if unit else ""
     mu_star, sigma = (
-        Estimate(*(factor * ends for ends in estimate)) for estimate in (effects.magnitude, effects.spread)
+        Estimate(*(factor * ends for ends in estimate)) for estimate in (effects.mu_star, effects.sigma)
     )
     for number, name in enumerate(names):
         colour, mark = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]

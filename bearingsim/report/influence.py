@@ -96,7 +96,7 @@ def columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
 
     if isinstance(analysis, Indices):
         return {"total": analysis.total, "first": analysis.first}
-    return {"mu*": analysis.magnitude, "sigma": analysis.spread, "mu": analysis.mean}
+    return {"mu*": analysis.mu_star, "sigma": analysis.sigma, "mu": analysis.mu}
 
 
 def _without_rounding(estimate: "Estimate", rounding: float) -> "Estimate":
@@ -111,18 +111,18 @@ def _cells(estimate: "Estimate", index: int, digits: str, factor: float) -> tupl
 
 def verdict(blocks: "Blocks", analysis: "Indices | Effects") -> str:
     """Describe the most important parameters in a sentence."""
-    from bearingsim.sensitivity import Indices, effects_text, indices_text
+    from bearingsim.sensitivity import Indices, describe_effects, describe_indices
 
     if isinstance(analysis, Indices):
-        return indices_text(analysis, blocks.feature, blocks.paths)
-    return effects_text(analysis, blocks.feature, blocks.paths, *_unit(blocks))
+        return describe_indices(analysis, blocks.feature, blocks.paths)
+    return describe_effects(analysis, blocks.feature, blocks.paths, *_unit(blocks))
 
 
 def _remarks(blocks: "Blocks") -> list[str]:
     """Return remarks on dropped blocks and on chaotic jobs."""
     texts = []
     if blocks.dropped:
-        texts.append(f"{blocks.losses()}; indices are those of the rest")
+        texts.append(f"{blocks.describe_losses()}; indices are those of the rest")
     if blocks.chaotic:
         texts.append(
             f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic, and their scatter counts as interaction"

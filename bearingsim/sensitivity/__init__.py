@@ -8,7 +8,7 @@ import numpy as np
 
 from bearingsim.sensitivity.blocks import ROUNDING, Blocks, SensitivityError, collect_blocks, design_of
 from bearingsim.sensitivity.estimates import LEVEL, Effects, Estimate, Indices, estimate_effects, estimate_indices
-from bearingsim.sensitivity.verdict import effects_text, indices_text
+from bearingsim.sensitivity.verdict import describe_effects, describe_indices
 
 __all__ = [
     "LEVEL",
@@ -20,9 +20,9 @@ __all__ = [
     "SensitivityError",
     "analyse",
     "collect_blocks",
+    "describe_effects",
+    "describe_indices",
     "design_of",
-    "effects_text",
-    "indices_text",
 ]
 
 
@@ -36,6 +36,6 @@ def analyse(blocks: Blocks) -> Indices | Effects:
         result = estimate_indices(blocks.values)
     else:
         result = estimate_effects(blocks.points, blocks.values)
-    if not all(np.isfinite(ends).all() for estimate in result for ends in estimate):
+    if not all(np.isfinite(values).all() for estimate in result for values in estimate):
         raise SensitivityError(f"`{blocks.feature}` varies in too few blocks for an interval: raise `n`")
     return result

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-MAX_FAILED_SHARE = 0.1
-"""Largest share of jobs without a value for an analysis."""
+MAX_SHARE_WITHOUT_VALUE = 0.1
+"""Largest share of jobs without a value with which a feature is analysed."""
 ROUNDING = 1e-12
 """Range of a feature relative to its largest value below which it differs by rounding only."""
 MIN_BLOCKS = 4
-"""Smallest number of blocks for a bootstrap."""
+"""Smallest number of complete blocks for a bootstrap."""
 DESIGN_KINDS = ("saltelli", "morris")
 EXAMPLE_SWEEP = (
     "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"
@@ -32,7 +32,7 @@ EXAMPLE_SWEEP = (
 
 
 class SensitivityError(UserError):
-    """Error for results that do not permit the requested sensitivity analysis."""
+    """Error for results from which the requested sensitivity analysis is not possible."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,8 @@ class Blocks:
     """Feature (SI) in the complete blocks of a design.
 
     points: (n, rows, d) in the unit cube; values: (n, rows); paths: the d parameters; dropped: number of blocks
-    left out because a job failed or has no value; jobs, failed, valueless, chaotic: numbers of jobs in the design.
+    left out because a job failed or has no value; jobs: number of jobs in the design; failed, without_value,
+    chaotic: numbers of jobs in the design.
     """
 
     feature: str
@@ -51,7 +52,7 @@ class Blocks:
     dropped: int
     jobs: int
     failed: int
-    valueless: int
+    without_value: int
     chaotic: int
 
     @property
@@ -59,17 +60,17 @@ class Blocks:
         """Number of blocks in the design, including dropped ones."""
         return len(self.values) + self.dropped
 
-    def losses(self) -> str:
+    def describe_losses(self) -> str:
         """Describe the dropped blocks (`31 of 128 blocks dropped: ...`); empty if there are none."""
         if not self.dropped:
             return ""
-        causes = ((self.failed, "failed"), (self.valueless, f"have no `{self.feature}`"))
+        causes = ((self.failed, "failed"), (self.without_value, f"have no `{self.feature}`"))
         reasons = " and ".join(f"{count} {cause}" for count, cause in causes if count)
         return f"{self.dropped} of {self.planned} blocks dropped: of {self.jobs} jobs {reasons}"
 
 
 def design_of(results: "Results") -> Mapping[str, Any]:
-    """Return the design of a study. Raises SensitivityError if it has none for a sensitivity analysis."""
+    """Return the design of a study. Raises SensitivityError if it has none of ``DESIGN_KINDS``."""
     design = results.plan.get("design")
     if design is None:
         raise SensitivityError(f"{results.path}: the study has no design; for indices use {EXAMPLE_SWEEP}")
@@ -82,11 +83,11 @@ def design_of(results: "Results") -> Mapping[str, Any]:
 
 
 def collect_blocks(results: "Results", feature: str) -> Blocks:
-    """Collect the blocks of a feature.
+    """Collect the blocks of a feature from the table of results.
 
     Raises SensitivityError if the results have no such design, the feature is missing or constant, jobs are not
-    yet computed, more than ``MAX_FAILED_SHARE`` of them have no value, or fewer than ``MIN_BLOCKS`` blocks are
-    complete.
+    yet computed, more than ``MAX_SHARE_WITHOUT_VALUE`` of them have no value, or fewer than ``MIN_BLOCKS`` blocks
+    are complete.
     """
     design = design_of(results)
     table = results.table().set_index("job")
@@ -95,32 +96,32 @@ def collect_blocks(results: "Results", feature: str) -> Blocks:
     jobs = rows[~rows.index.duplicated()]
     _check_computed(results, jobs)
     failed = jobs["status"] == "failed"
-    valueless = ~failed & ~np.isfinite(jobs[feature])
-    lost = int(failed.sum() + valueless.sum())
-    if lost > MAX_FAILED_SHARE * len(jobs):
+    without_value = ~failed & ~np.isfinite(jobs[feature])
+    without_result = int(failed.sum() + without_value.sum())
+    if without_result > MAX_SHARE_WITHOUT_VALUE * len(jobs):
         raise SensitivityError(
-            f"{lost} of {len(jobs)} jobs have no `{feature}` ({int(failed.sum())} failed), more than"
-            f" {100 * MAX_FAILED_SHARE:.0f} %. `bearingsim show --failed` lists the reasons; fix them, or exclude"
-            " that region from the ranges"
+            f"{without_result} of {len(jobs)} jobs have no `{feature}` ({int(failed.sum())} failed), more than"
+            f" {100 * MAX_SHARE_WITHOUT_VALUE:.0f} %. `bearingsim show --failed` lists the reasons; fix them, or"
+            " exclude that region from the ranges"
         )
     paths = tuple(design["paths"])
-    size = designs.block_size(design["kind"], len(paths))
-    values = rows[feature].to_numpy(float).reshape(-1, size)
+    rows_per_block = designs.block_size(design["kind"], len(paths))
+    values = rows[feature].to_numpy(float).reshape(-1, rows_per_block)
     points = designs.unit_cube_points(design["kind"], len(values), len(paths), design["seed"])
     complete = np.isfinite(values).all(axis=1)
     blocks = Blocks(
         feature,
         design["kind"],
         paths,
-        points.reshape(-1, size, len(paths))[complete],
+        points.reshape(-1, rows_per_block, len(paths))[complete],
         values[complete],
         dropped=int((~complete).sum()),
         jobs=len(jobs),
         failed=int(failed.sum()),
-        valueless=int(valueless.sum()),
+        without_value=int(without_value.sum()),
         chaotic=int((jobs["chaotic"] == 1.0).sum()) if "chaotic" in jobs else 0,
     )
-    _check_enough(blocks)
+    _check_blocks(blocks)
     return blocks
 
 
@@ -141,9 +142,9 @@ def _check_computed(results: "Results", jobs: "pd.DataFrame") -> None:
         raise SensitivityError(f"{missing} of {len(jobs)} jobs are not computed yet: {command}")
 
 
-def _check_enough(blocks: Blocks) -> None:
+def _check_blocks(blocks: Blocks) -> None:
     if len(blocks.values) < MIN_BLOCKS:
-        losses = blocks.losses() or f"the design has n: {blocks.planned}"
+        losses = blocks.describe_losses() or f"the design has n: {blocks.planned}"
         raise SensitivityError(f"too few blocks for an interval ({losses}): raise `n`")
     if np.ptp(blocks.values) <= ROUNDING * np.abs(blocks.values).max():
         raise SensitivityError(f"`{blocks.feature}` is the same in all jobs, so it has no variance")

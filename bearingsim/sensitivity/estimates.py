@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 LEVEL = 0.95
 """Confidence level of the intervals."""
-RESAMPLES, SEED = 999, 1
+RESAMPLE_COUNT, SEED = 999, 1  # of the bootstrap
 
 
 class Estimate(NamedTuple):
@@ -54,7 +54,7 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
         interval = bootstrap(
             (np.arange(len(blocks)),),
             lambda sample: statistic(blocks[sample]),
-            n_resamples=RESAMPLES,
+            n_resamples=RESAMPLE_COUNT,
             vectorized=False,
             confidence_level=LEVEL,
             method="percentile",
@@ -71,11 +71,13 @@ class Indices(NamedTuple):
     interaction: Estimate
 
 
-def indices(blocks: Array) -> Array:
-    """Compute first-order and total indices (2, d) of blocks (n, d + 2) f(A), f(B), f(AB^1) ... f(AB^d).
+def sobol_indices(blocks: Array) -> Array:
+    """Compute Sobol' indices (2, d), first-order and total, from blocks (n, d + 2).
 
-    AB^j is A with parameter j from B. With the correlations r of f(A) and f(B), c_j of f(B) and f(AB^j), and e_j
-    of f(A) and f(AB^j):
+    The columns of the blocks are f(A), f(B), f(AB^1) ... f(AB^d).
+
+    AB^j is A with the values of parameter j from B. With the correlations r of f(A) and f(B), c_j of f(B) and
+    f(AB^j), and e_j of f(A) and f(AB^j):
 
         S_j = (c_j - r e_j)/(1 - r^2),    T_j = mean((f(A) - f(AB^j))^2)/(2 V), V over A and B
 
@@ -85,41 +87,41 @@ def indices(blocks: Array) -> Array:
     influence. T_j: Jansen 1999, as in Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2
     (f), and in ``scipy.stats.sobol_indices``. Estimates may be slightly below 0 or above 1; NaN if f is constant.
     """
-    f = blocks - blocks.mean(axis=0)
+    centred = blocks - blocks.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        unit = f / np.sqrt((f**2).mean(axis=0))
-        a, b, mixed = unit[:, :1], unit[:, 1:2], unit[:, 2:]
+        standardised = centred / np.sqrt((centred**2).mean(axis=0))
+        a, b, mixed = standardised[:, :1], standardised[:, 1:2], standardised[:, 2:]
         r, c, e = (a * b).mean(), (b * mixed).mean(axis=0), (a * mixed).mean(axis=0)
         first_order = (c - r * e) / (1.0 - r**2)
-        steps = blocks[:, :1] - blocks[:, 2:]
-        total = (steps**2).mean(axis=0) / (2.0 * blocks[:, :2].var())
+        differences = blocks[:, :1] - blocks[:, 2:]
+        total = (differences**2).mean(axis=0) / (2.0 * blocks[:, :2].var())
     return np.stack([first_order, total])
 
 
 def estimate_indices(blocks: Array) -> Indices:
-    """Compute the indices of blocks, as ``indices`` does, with intervals."""
+    """Compute Sobol' indices of blocks (as in ``sobol_indices``), and 1 - sum S_j, with intervals."""
     estimates = estimate(_all_indices, blocks)
     d = blocks.shape[1] - 2
     parts = (slice(d), slice(d, 2 * d), slice(2 * d, None))
-    return Indices(*(Estimate(*(ends[part] for ends in estimates)) for part in parts))
+    return Indices(*(Estimate(*(array[part] for array in estimates)) for part in parts))
 
 
 def _all_indices(blocks: Array) -> Array:
     """Concatenate first-order indices, total indices and 1 - sum S_j into (2 d + 1,)."""
-    first_order, total = indices(blocks)
-    with np.errstate(invalid="ignore"):  # a difference of infinities of a degenerate resample
+    first_order, total = sobol_indices(blocks)
+    with np.errstate(invalid="ignore"):  # infinities of a degenerate resample are subtracted
         return np.concatenate([first_order, total, [1.0 - first_order.sum()]])
 
 
 class Effects(NamedTuple):
     """Morris effects mu, mu* and sigma of d parameters, in the unit of the feature over the whole range."""
 
-    mean: Estimate
-    magnitude: Estimate
-    spread: Estimate
+    mu: Estimate
+    mu_star: Estimate
+    sigma: Estimate
 
 
-def elementary(points: Array, values: Array) -> Array:
+def elementary_effects(points: Array, values: Array) -> Array:
     """Compute the elementary effects (n, d) of trajectories.
 
     points: (n, d + 1, d) in the unit cube; values: (n, d + 1). Each step of a trajectory changes one parameter,
@@ -132,10 +134,10 @@ def elementary(points: Array, values: Array) -> Array:
 
 
 def estimate_effects(points: Array, values: Array) -> Effects:
-    """Compute mu, mu* and sigma of trajectories (as in ``elementary``), with intervals."""
-    statistics = estimate(_statistics, elementary(points, values))
-    return Effects(*(Estimate(*(ends[row] for ends in statistics)) for row in range(3)))
+    """Compute mu, mu* and sigma of trajectories (as in ``elementary_effects``), with intervals."""
+    statistics = estimate(_effect_statistics, elementary_effects(points, values))
+    return Effects(*(Estimate(*(array[row] for array in statistics)) for row in range(3)))
 
 
-def _statistics(effects: Array) -> Array:
+def _effect_statistics(effects: Array) -> Array:
     return np.stack([effects.mean(axis=0), np.abs(effects).mean(axis=0), effects.std(axis=0, ddof=1)])

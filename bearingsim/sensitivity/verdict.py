@@ -7,33 +7,43 @@ import numpy as np
 from bearingsim.sensitivity.estimates import Effects, Estimate, Indices
 
 NEGLIGIBLE_SHARE = 0.05
-"""Share of the variance or of the largest effect below which a parameter is negligible."""
+"""Share of the variance, or of the lower limit of the largest effect, below which a parameter is negligible."""
 
 
-def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
-    """Describe the influential parameters ``paths`` of a feature, by Sobol' indices."""
+def describe_indices(indices: Indices, feature: str, paths: Sequence[str]) -> str:
+    """Describe the influential parameters of a feature, by Sobol' indices; paths: names of all parameters."""
     total, alone = (
-        [_interval(ends, row, _format) for row in range(len(paths))] for ends in (indices.total, indices.first)
+        [_interval(estimate, row, _format) for row in range(len(paths))]
+        for estimate in (indices.total, indices.first)
     )
-    texts = [f"`{paths[row]}`, total index {total[row]}, alone {alone[row]}" for row in leaders(indices.total)]
-    negligible_texts = _negligible_text(negligible(indices.total, 1.0), paths, "the variance")
+    texts = [
+        f"`{paths[row]}`, total index {total[row]}, alone {alone[row]}"
+        for row in strongest_parameters(indices.total)
+    ]
+    negligible_texts = _negligible_texts(negligible_parameters(indices.total, 1.0), paths, "the variance")
     return " ".join(
         [_dominant_text(texts, feature, len(paths)), *negligible_texts, _interaction_text(indices.interaction)]
     )
 
 
-def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
-    """Describe the influential parameters of a feature, by Morris effects; factor: from SI to ``unit``."""
-    scaled = Estimate(*(factor * ends for ends in effects.magnitude))
-    strongest = leaders(effects.magnitude)
+def describe_effects(
+    effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0
+) -> str:
+    """Describe the influential parameters of a feature, by Morris effects.
+
+    paths: names of all parameters; factor: from SI to ``unit``.
+    """
+    scaled = Estimate(*(factor * values for values in effects.mu_star))
+    strongest = strongest_parameters(effects.mu_star)
     texts = [
-        f"`{paths[row]}`, mu* {_interval(scaled, row, _significant)}{f' {unit}' * bool(unit)}" for row in strongest
+        f"`{paths[row]}`, mu* {_interval(scaled, row, _format_small)}{f' {unit}' * bool(unit)}"
+        for row in strongest
     ]
-    negligible_texts = _negligible_text(
-        negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that"
+    negligible_texts = _negligible_texts(
+        negligible_parameters(effects.mu_star, effects.mu_star.low[strongest[0]]), paths, "that"
     )
-    slope = np.maximum(np.abs(effects.mean.low), np.abs(effects.mean.high))
-    nonlinear_paths = [f"`{paths[row]}`" for row in strongest if effects.spread.low[row] > slope[row]]
+    largest_slope = np.maximum(np.abs(effects.mu.low), np.abs(effects.mu.high))
+    nonlinear_paths = [f"`{paths[row]}`" for row in strongest if effects.sigma.low[row] > largest_slope[row]]
     nonlinear = [
         f"The effect of {_join(nonlinear_paths)} is nonlinear or depends on other parameters (sigma exceeds mu)."
     ]
@@ -42,19 +52,19 @@ def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str
     )
 
 
-def leaders(ranked: Estimate) -> list[int]:
-    """List the parameter with the largest value and those whose intervals overlap its own, in descending order."""
-    rows = np.argsort(-ranked.value, kind="stable")
-    return [int(row) for row in rows if ranked.high[row] >= ranked.low[rows[0]]]
+def strongest_parameters(estimate: Estimate) -> list[int]:
+    """List the parameters whose intervals overlap that of the largest value, in descending order."""
+    rows = np.argsort(-estimate.value, kind="stable")
+    return [int(row) for row in rows if estimate.high[row] >= estimate.low[rows[0]]]
 
 
-def negligible(ranked: Estimate, total: float) -> list[int]:
-    """List the parameters whose intervals lie below ``NEGLIGIBLE_SHARE`` times ``total``."""
-    return [int(row) for row in np.flatnonzero(ranked.high < NEGLIGIBLE_SHARE * total)]
+def negligible_parameters(estimate: Estimate, scale: float) -> list[int]:
+    """List the parameters whose intervals lie below ``NEGLIGIBLE_SHARE`` times ``scale``."""
+    return [int(row) for row in np.flatnonzero(estimate.high < NEGLIGIBLE_SHARE * scale)]
 
 
 def _dominant_text(texts: Sequence[str], feature: str, count: int) -> str:
-    """Describe the most influential of ``count`` parameters; texts: one for each influential parameter."""
+    """Describe the most influential of ``count`` parameters; texts: descriptions of those parameters."""
     if 1 < len(texts) == count:
         listed = "; ".join(texts)
         return f"No parameter clearly dominates {feature}, because all intervals overlap: {listed}."
@@ -64,11 +74,11 @@ def _dominant_text(texts: Sequence[str], feature: str, count: int) -> str:
     return f"{len(texts)} parameters dominate {feature}, with overlapping intervals: {listed}."
 
 
-def _negligible_text(rows: Sequence[int], paths: Sequence[str], total: str) -> Iterator[str]:
+def _negligible_texts(rows: Sequence[int], paths: Sequence[str], scale: str) -> Iterator[str]:
     if rows:
         names = _join([f"`{paths[row]}`" for row in rows])
         verb = "is" if len(rows) == 1 else "are"
-        yield f"{names} {verb} negligible, below {100 * NEGLIGIBLE_SHARE:.0f} % of {total}."
+        yield f"{names} {verb} negligible, below {100 * NEGLIGIBLE_SHARE:.0f} % of {scale}."
 
 
 def _interaction_text(interaction: Estimate) -> str:
@@ -81,7 +91,7 @@ def _interaction_text(interaction: Estimate) -> str:
 
 def _interval(estimate: Estimate, row: int, text_of: Callable[[float], str]) -> str:
     """Format a value and its interval: `0.71 (0.52 to 0.97)`."""
-    value, low, high = (text_of(float(ends[row])) for ends in estimate)
+    value, low, high = (text_of(float(values[row])) for values in estimate)
     return f"{value} ({low} to {high})"
 
 
@@ -89,8 +99,8 @@ def _format(value: float) -> str:
     return f"{value:z.2f}" if abs(value) < 10.0 else f"{value:.3g}"
 
 
-def _significant(value: float) -> str:
-    """Format a value with a unit, which may be small."""
+def _format_small(value: float) -> str:
+    """Format a value with a unit, whose magnitude may be far below 1."""
     return _format(value) if value == 0.0 or abs(value) >= 0.1 else f"{value:.2g}"
 
 

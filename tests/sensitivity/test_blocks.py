@@ -41,15 +41,21 @@ def test_values_are_in_rows_of_design(kind):
     result = collect_blocks(results(kind), LINE)
     assert result.values.shape == (8, block_size(kind, 3))
     assert result.values == pytest.approx(ISHIGAMI.function(result.points))
-    assert (result.dropped, result.failed, result.valueless, result.jobs) == (0, 0, 0, result.values.size)
-    assert result.losses() == ""
+    assert (result.dropped, result.failed, result.without_value, result.jobs) == (0, 0, 0, result.values.size)
+    assert result.describe_losses() == ""
 
 
 def test_job_without_value_drops_its_block():
     result = collect_blocks(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
     assert result.values == pytest.approx(ISHIGAMI.function(result.points))
-    assert (len(result.values), result.dropped, result.planned, result.failed, result.valueless) == (5, 3, 8, 3, 1)
-    assert result.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
+    assert (len(result.values), result.dropped, result.planned, result.failed, result.without_value) == (
+        5,
+        3,
+        8,
+        3,
+        1,
+    )
+    assert result.describe_losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
 
 
 def test_indices_with_three_per_cent_failures():
@@ -58,7 +64,7 @@ def test_indices_with_three_per_cent_failures():
     result = collect_blocks(results(n=n, failed=failed), LINE)
     assert result.failed == len(failed)
     assert 0.12 < result.dropped / n < 0.16
-    indices = estimates.indices(result.values)
+    indices = estimates.sobol_indices(result.values)
     assert np.abs(indices - [ISHIGAMI.first, ISHIGAMI.total]).max() < 0.05
 
 

@@ -27,7 +27,7 @@ def test_closed_forms_agree_with_literature():
 @EACH_CLOSED_FORM
 @pytest.mark.parametrize("seed", [1, 2])
 def test_indices_agree_with_closed_forms(closed_form, seed):
-    result = estimates.indices(blocks_of(closed_form, 2**14, seed))
+    result = estimates.sobol_indices(blocks_of(closed_form, 2**14, seed))
     assert np.abs(result - BOTH([closed_form.first, closed_form.total])).max() < 0.02
 
 
@@ -37,7 +37,7 @@ def test_indices_with_dropped_blocks(closed_form):
     f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
     full = f[np.isfinite(f).all(axis=1)]
     assert 0.8 < len(full) / len(f) < 0.9
-    assert np.abs(estimates.indices(full) - BOTH([closed_form.first, closed_form.total])).max() < 0.05
+    assert np.abs(estimates.sobol_indices(full) - BOTH([closed_form.first, closed_form.total])).max() < 0.05
 
 
 @EACH_CLOSED_FORM
@@ -45,7 +45,7 @@ def test_indices_with_dropped_blocks(closed_form):
 def test_indices_agree_with_scipy(closed_form, offset):
     f = blocks_of(closed_form, 2**12) + offset
     scipy_result = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
-    first, total = estimates.indices(f)
+    first, total = estimates.sobol_indices(f)
     assert total == pytest.approx(scipy_result.total_order, abs=1e-9)
     assert first == pytest.approx(scipy_result.first_order, abs=0.01)
 
@@ -67,12 +67,12 @@ def test_correlated_columns_give_no_false_first_index(seed):
 
 def test_inert_parameter_has_index_zero():
     f = (unit_cube_points("saltelli", 16, 2, 1)[:, 0] ** 2).reshape(16, 4)
-    assert estimates.indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert estimates.sobol_indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
 
 
 def test_first_indices_are_independent_of_mean():
     plain, shifted = (blocks_of(ISHIGAMI, 128) + offset for offset in (0.0, 1e4))
-    assert estimates.indices(shifted) == pytest.approx(estimates.indices(plain), abs=1e-8)
+    assert estimates.sobol_indices(shifted) == pytest.approx(estimates.sobol_indices(plain), abs=1e-8)
 
 
 def test_pure_interaction_is_found():
@@ -127,23 +127,23 @@ def test_bootstrap_draws_whole_blocks():
 def test_morris_ranks_by_total_index(closed_form, n):
     d = len(closed_form.first)
     points = unit_cube_points("morris", n, d, 1).reshape(n, d + 1, d)
-    magnitude = np.abs(estimates.elementary(points, closed_form.function(points))).mean(axis=0)
+    magnitude = np.abs(estimates.elementary_effects(points, closed_form.function(points))).mean(axis=0)
     assert np.argsort(-magnitude).tolist() == np.argsort(-closed_form.total).tolist()
 
 
 def test_effects_of_linear_function_are_its_slopes():
     points = unit_cube_points("morris", 20, 3, 1).reshape(20, 4, 3)
     result = estimates.estimate_effects(points, points @ np.array([3.0, -2.0, 0.0]))
-    assert result.mean.value == pytest.approx([3.0, -2.0, 0.0])
-    assert result.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
-    assert result.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    assert result.mu.value == pytest.approx([3.0, -2.0, 0.0])
+    assert result.mu_star.value == pytest.approx([3.0, 2.0, 0.0])
+    assert result.sigma.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
 
 
 def test_interaction_has_spread():
     points = unit_cube_points("morris", 400, 2, 1).reshape(400, 3, 2)
     x, y = np.moveaxis(points, -1, 0)
     result = estimates.estimate_effects(points, x * (y - 0.5))
-    assert result.spread.low[0] > np.abs(result.mean.high[0])
-    assert result.magnitude.low[0] > 0.2
+    assert result.sigma.low[0] > np.abs(result.mu.high[0])
+    assert result.mu_star.low[0] > 0.2
     of_levels = np.sqrt((3**2 + 7**2) / 2) / 16  # y - 0.5 at four levels
-    assert result.spread.value[0] == pytest.approx(of_levels, abs=0.01)
+    assert result.sigma.value[0] == pytest.approx(of_levels, abs=0.01)

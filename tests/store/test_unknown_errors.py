@@ -11,7 +11,7 @@ import pytest
 from bearingsim.plots.error_bounds import error_texts, numerical_errors, with_errors
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.variations import variation_effects
-from bearingsim.sensitivity import Effects, Estimate, effects_text
+from bearingsim.sensitivity import Effects, Estimate, describe_effects
 from bearingsim.store import spread
 from bearingsim.store.nearness import error_bounds, feature_bounds
 from bearingsim.study.uncertainty import RIGID_RING
@@ -207,7 +207,7 @@ def test_finished_variation_without_a_value_is_reported() -> None:
 def test_small_effects_are_not_printed_as_zero() -> None:
     """For example those of the cage slip, a share."""
     estimate = Estimate(*(np.array([value, 1e-6]) for value in (0.004, 0.003, 0.005)))
-    assert "mu* 0.004 (0.003 to 0.005)" in effects_text(Effects(estimate, estimate, estimate), "x", ["p", "q"])
+    assert "mu* 0.004 (0.003 to 0.005)" in describe_effects(Effects(estimate, estimate, estimate), "x", ["p", "q"])
 
 
 def test_unknown_effect_is_not_stated_as_a_limit() -> None:
