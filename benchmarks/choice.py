@@ -70,7 +70,7 @@ def run(case: Case, name: str) -> Run:
 def manual_runs(case: Case, max_cpu: float) -> Iterator[Run]:
     """Yield runs of all applicable methods, from coarse to fine, until one takes more than ``max_cpu`` s."""
     for name, method in METHODS.items():
-        if not choice.can_step(case, name):
+        if not choice.is_suitable(case, name):
             continue
         method_case = choice.with_method(case, name)
         step = choice.limits(method_case).at_impact

@@ -18,11 +18,11 @@ import pandas as pd
 
 from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, simulate
-from bearingsim.simulation.features import statistics
+from bearingsim.simulation.features import compute_statistics
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.record import Record
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.spectral_lines import ball_pass_lines, lines_of_passes
+from bearingsim.simulation.spectral_lines import amplitudes_by_pass, ball_pass_lines
 from bearingsim.store import NOTABLE_ERROR, is_uncertain
 from bearingsim.store.spread import BLOCK_ERRORS
 
@@ -96,8 +96,8 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
         for n in range(count)
     ]
     features = [
-        ball_pass_lines(part, lines_of_passes(part, setup.model, setup.grid, raw))
-        | statistics(part, setup.grid, raw)
+        ball_pass_lines(part, amplitudes_by_pass(part, setup.model, setup.grid, raw))
+        | compute_statistics(part, setup.grid, raw)
         for part in parts
     ]
     table = pd.DataFrame(features)

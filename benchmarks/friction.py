@@ -28,9 +28,9 @@ import yaml
 from bearingsim import selection
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
-from bearingsim.selection.candidates import reference, with_friction
-from bearingsim.selection.choices import key
-from bearingsim.simulation import SimulationError, simulate, try_out, warm
+from bearingsim.selection.candidates import make_reference, with_friction
+from bearingsim.selection.choices import choice_key
+from bearingsim.simulation import SimulationError, compile_solvers, run_trial, simulate
 from bearingsim.simulation.record import Record
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, case_id, load_study
@@ -100,12 +100,12 @@ class AutomaticRun:
         choosing, trials = selection.ModelSelector(study, [0]), dict[str, Trial | None]()
         self.trials_s = 0.0
         while pending := choosing.next_trials(trials):
-            warm([trial.case for trial in pending])
+            compile_solvers([trial.case for trial in pending])
             for trial in pending:
                 began = time.process_time()
                 try:
-                    trials[trial.id], record = try_out(
-                        trial.case, trial.features, trial.passes, trial.turn, *trial.reference_values
+                    trials[trial.id], record = run_trial(
+                        trial.case, trial.features, trial.passes, trial.revolution_time, *trial.reference_values
                     )
                 except SimulationError:
                     trials[trial.id], record = None, None
@@ -114,7 +114,7 @@ class AutomaticRun:
                 if record is not None:
                     records[case_id(trial.case)] = record, 0.0
         choices = choosing.decide(trials).choices
-        self.choice = choices[key(study, study.cases()[0])]
+        self.choice = choices[choice_key(study, study.cases()[0])]
         [self.case] = selection.apply_choices(study, choices).cases()
         self.features, self.job_s = features_of(self.case, records)
         self.cpu_s = self.trials_s + self.job_s
@@ -123,7 +123,7 @@ class AutomaticRun:
 def features_of(case: Case, records: dict[str, tuple[Record, float]]) -> tuple[dict[str, float], float]:
     """Return the features of a case, and its CPU time (s) in addition to trials."""
     if case_id(case) not in records:
-        warm([case])
+        compile_solvers([case])
         began = time.process_time()
         records[case_id(case)] = simulate(case), time.process_time() - began
     record, took = records[case_id(case)]
@@ -142,7 +142,7 @@ def compare_scene(kind: str, number: int, seed: int) -> dict[str, Any]:
     long = case.model_copy(update={"duration": CHAOTIC_DURATION})
     converged = features_of(long, records)[0] if full["chaotic"] == 1.0 else full
     frictionless = AutomaticRun(frictionless_study, records)
-    frictionless_full = features_of(reference(frictionless_study.cases()[0]), records)[0]
+    frictionless_full = features_of(make_reference(frictionless_study.cases()[0]), records)[0]
     row: dict[str, Any] = {"kind": kind, "scene": number, "chaotic": full["chaotic"]}
     row |= {name: scene[name] for name in ("load", "speed")} | {"race": scene["defect"]["race"]}
     row |= {"taken": automatic.choice.candidate, "cpu_s": automatic.cpu_s, "always_s": full_s}

@@ -18,7 +18,7 @@ from bearingsim.simulation import choice
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.start_error import PARTS, error_of_largest
+from bearingsim.simulation.start_error import PARTS, largest_force_error
 from benchmarks import start
 from benchmarks.campaign import table
 
@@ -52,7 +52,7 @@ def coverage(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, floa
     records = forces[: len(forces) // passes * passes].reshape(-1, passes)
     quarter = passes // PARTS // rollers * rollers or passes // PARTS
     largest = records.max(axis=1) / records.max(axis=1).mean()
-    stated = np.array([error_of_largest(record, rollers, quarter) for record in records])
+    stated = np.array([largest_force_error(record, rollers, quarter) for record in records])
     first, second = np.triu_indices(len(records), 1)
     bounds = np.maximum(start.MAX_ERROR, start.ERROR_MULTIPLE * np.hypot(stated[first], stated[second]))
     fraction = np.mean(np.abs(largest[first] - largest[second]) <= bounds)

@@ -28,7 +28,7 @@ from typing import Any
 from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.memory import PROGRAM_BYTES
-from bearingsim.simulation import choice, simulate, time_grid, warm
+from bearingsim.simulation import choice, compile_solvers, simulate, time_grid
 from bearingsim.simulation.record import Record
 from bearingsim.simulation.run_setup import SimulationError
 from bearingsim.store import write_units
@@ -155,7 +155,7 @@ def measure_separately(fields: dict[str, Any]) -> dict[str, Any]:
 
 def measure_case(case: Case) -> dict[str, Any]:
     """Measure CPU time (s) and memory (bytes) of a case; the result states whether it gave a record."""
-    warm([case])
+    compile_solvers([case])
     for flags in ({}, {"periodic": False}):
         short = {"duration": 6.0 / case.bearing.ball_pass_frequency(case.speed), "settle": 0.0}
         _run(case.model_copy(update=short | flags))

@@ -30,10 +30,10 @@ from bearingsim import selection, simulation
 from bearingsim.catalogue import METHODS, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
-from bearingsim.selection.candidates import candidates, reference
-from bearingsim.selection.choices import key
+from bearingsim.selection.candidates import list_candidates, make_reference
+from bearingsim.selection.choices import choice_key
 from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_decided, trials_of
-from bearingsim.simulation import SimulationError, simulate, try_out
+from bearingsim.simulation import SimulationError, run_trial, simulate
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, StudyError, load_study
 
@@ -148,8 +148,11 @@ def scene(number: int, seed: int, out: Path) -> dict[str, Any]:
 def compute_row(study: Study, unit: str, out: Path) -> dict[str, Any]:
     """Compute the row of a scene."""
     original = study.cases()[0]
-    case, cases = reference(original), {name: variants[0] for name, variants in candidates(study, [0]).items()}
-    simulation.warm([case, *cases.values()])
+    case, cases = (
+        make_reference(original),
+        {name: variants[0] for name, variants in list_candidates(study, [0]).items()},
+    )
+    simulation.compile_solvers([case, *cases.values()])
     trial_s, trials = all_trials(study, unit, out)
     default = timed(case)
     trial_row = {"trial_s": trial_s}
@@ -174,11 +177,11 @@ def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], Tr
     cpu_s: dict[str, float] = {}
     trials: dict[str, Trial | None] = {}
     for trial in first_trials(study, [0]):
-        cpu_s[trial.id], trials[trial.id] = run_trial(trial)
+        cpu_s[trial.id], trials[trial.id] = time_trial(trial)
     if not is_decided(study, 0, trials):
-        for variants in candidates(study, [0]).values():
+        for variants in list_candidates(study, [0]).values():
             for trial in trials_of(study, 0, variants[0]):
-                cpu_s[trial.id], trials[trial.id] = run_trial(trial)
+                cpu_s[trial.id], trials[trial.id] = time_trial(trial)
     selection.write_trials(out, unit, trials)
     return cpu_s, trials
 
@@ -191,17 +194,17 @@ def repeat_trials(row: dict[str, Any], out: Path) -> dict[str, Any]:
     return row | {"trial_s": all_trials(study, f"{row['seed']}-{row['number']}", out)[0]}
 
 
-def run_trial(trial: TrialRequest) -> tuple[float, Trial | None]:
+def time_trial(trial: TrialRequest) -> tuple[float, Trial | None]:
     """Return CPU time (s) and result of a trial, run twice if short, to exclude compilation."""
-    cpu_s, result = run_trial_once(trial)
-    return (cpu_s, result) if cpu_s > COMPILE_TIME else run_trial_once(trial)
+    cpu_s, result = time_trial_once(trial)
+    return (cpu_s, result) if cpu_s > COMPILE_TIME else time_trial_once(trial)
 
 
-def run_trial_once(trial: TrialRequest) -> tuple[float, Trial | None]:
+def time_trial_once(trial: TrialRequest) -> tuple[float, Trial | None]:
     """Return CPU time (s) and result of a trial."""
     began, result = time.process_time(), None
     with suppress(SimulationError):
-        result = try_out(trial.case, trial.features, trial.passes, trial.turn)[0]
+        result = run_trial(trial.case, trial.features, trial.passes, trial.revolution_time)[0]
     return time.process_time() - began, result
 
 
@@ -263,7 +266,7 @@ def replay(row: dict[str, Any], study: Study, within: float, line_only: bool, st
             trial_id = trials_of(study, 0, trial.case)[0].id  # id of the trial with all features
             trials[trial.id] = stored.get(trial_id)
             cpu_s += row["trial_s"].get(trial_id, 0.0)
-    return Replay(row, choosing.decide(trials).choices[key(goal_study, study.cases()[0])], cpu_s)
+    return Replay(row, choosing.decide(trials).choices[choice_key(goal_study, study.cases()[0])], cpu_s)
 
 
 def report(rows: list[dict[str, Any]], trials: TrialResults) -> None:

@@ -74,7 +74,7 @@ def clear_caches() -> None:
         assemble._build_model,
         rest._equilibrium,
         limits._common_limits,
-        limits.loads_at_rest,
+        limits.load_and_rates_at_rest,
     )
     for cache in caches:
         cache.cache_clear()

@@ -19,7 +19,7 @@ from bearingsim.config import Case
 from bearingsim.simulation import settling, simulate
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.record import Record
-from bearingsim.simulation.settling import SlowModes
+from bearingsim.simulation.settling import SteadyExtrapolation
 from benchmarks.campaign import table
 
 SETTLE_FACTOR = 10.0  # times the settling time, for the other run
@@ -84,12 +84,12 @@ def scene(rng: random.Random) -> dict[str, Any]:
 @contextmanager
 def from_rest() -> Iterator[None]:
     """Start runs from static equilibrium, without the treatment of slow modes."""
-    original = SlowModes.from_case
-    SlowModes.from_case = classmethod(lambda *_: None)  # type: ignore[method-assign, assignment]
+    original = SteadyExtrapolation.from_case
+    SteadyExtrapolation.from_case = classmethod(lambda *_: None)  # type: ignore[method-assign, assignment]
     try:
         yield
     finally:
-        SlowModes.from_case = original  # type: ignore[method-assign]
+        SteadyExtrapolation.from_case = original  # type: ignore[method-assign]
 
 
 def compare_starts(fields: dict[str, Any]) -> SceneResult:

@@ -25,7 +25,7 @@ from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, choice, simulate
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.record import Record, Usage
-from bearingsim.simulation.simulate import _simulate
+from bearingsim.simulation.simulate import _attempt_simulation
 
 QUANTITIES = ("line", "rms", "force")
 STEP_FACTOR = 1 / 8
@@ -83,7 +83,7 @@ def compare_steps(number: int, seed: int) -> dict[str, Any]:
         record = simulate(case)
         method, step_part = str(record.info["method"]), STEP_FACTOR * float(record.info["step_part"])
         unchecked = choice.with_method(case.model_copy(update={"step_check": False}), method)
-        finer = _simulate(choice.Attempt(unchecked, step_part), Usage.now())
+        finer = _attempt_simulation(choice.Attempt(unchecked, step_part), Usage.now())
     except SimulationError as error:
         return row | {"failed": str(error)}
     reference = values(finer, case)

@@ -12,7 +12,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import accelerations
-from bearingsim.simulation.pricing import TABLE
+from bearingsim.simulation.pricing import COEFFICIENT_FILE
 from benchmarks.rows import write_csv
 from benchmarks.speed import accuracy, compare, peers, prices, timing
 from benchmarks.speed.report import Section, Target
@@ -210,14 +210,14 @@ class TestPrices:
     """A proposal is a separate file; the table is not changed."""
 
     def test_proposal_replaces_measured_prices_only(self, tmp_path: Path) -> None:
-        content = TABLE.read_bytes()
+        content = COEFFICIENT_FILE.read_bytes()
         rows = prices.proposal({("evaluation", "ring"): 1e-7, ("step", "new"): 3.0})
         write_csv(rows, tmp_path / "prices.csv")
         by_key = {(row["what"], row["name"]): row for row in rows}
         assert by_key["evaluation", "ring"]["value"] == "1e-07"
         assert by_key["passes", ""]["new/old"] == "not measured"
         assert by_key["step", "new"]["new/old"] == "new row"
-        assert TABLE.read_bytes() == content
+        assert COEFFICIENT_FILE.read_bytes() == content
 
     def test_ratio_is_to_committed_price(self) -> None:
         committed = {(row["what"], row["name"]): float(row["value"]) for row in prices.proposal({})}

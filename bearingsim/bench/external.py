@@ -19,12 +19,12 @@ from bearingsim.core.jit import jit
 from bearingsim.core.methods.adaptive import LENGTH_SCALE
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
-from bearingsim.simulation.differentiation import MOTIONS, differentiate
-from bearingsim.simulation.features import features
+from bearingsim.simulation.differentiation import MOTION_ROWS, differentiate
+from bearingsim.simulation.features import compute_features
 from bearingsim.simulation.recording import Recording
 from bearingsim.simulation.repetition import Repetition
 from bearingsim.simulation.run_setup import Setup, set_up
-from bearingsim.simulation.spectral_lines import lines_of_passes
+from bearingsim.simulation.spectral_lines import amplitudes_by_pass
 from bearingsim.stability.references import SCIPY, StateRate, march, moving_coordinates, pack, state_rate, unpack
 
 MAX_CPU = 120.0  # s, limit of the CPU time of a solver
@@ -177,7 +177,7 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
         window[:, :tail] = window[:, steps:].copy()
         _observe(model, times, states, p * steps, coordinates, recording.cells, state, y, recorded)
         window[:, tail:] = recorded
-        differentiate(window, MOTIONS[0], tail, grid.step)
+        differentiate(window, MOTION_ROWS[0], tail, grid.step)
         recording.add_pass(p, window, y)
     raw = recording.raw_record(Repetition(grid.passes, 0, float("nan")), y)
-    return features(setup.case, model, grid, raw, lines_of_passes(setup.case, model, grid, raw))
+    return compute_features(setup.case, model, grid, raw, amplitudes_by_pass(setup.case, model, grid, raw))

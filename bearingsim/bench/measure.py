@@ -10,7 +10,7 @@ from bearingsim.bench.plan import AUTOMATIC, JOB, REFERENCE, Run, Setting
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
-from bearingsim.simulation import Record, SimulationError, simulate, warm
+from bearingsim.simulation import Record, SimulationError, compile_solvers, simulate
 from bearingsim.simulation import limits as case_limits
 from bearingsim.simulation.choice import automatic_step
 from bearingsim.simulation.settling import resolve_settling
@@ -66,7 +66,7 @@ def configure(run: Run, case: Case) -> Case:
 def _job_rows(run: Run, case: Case) -> list[Row]:
     """Compute a case with the automatic choice, then the chosen method as a ``FULL_RUN``."""
     case = case.model_copy(update={"step": "auto", "tolerance": "auto"})
-    warm([case])
+    compile_solvers([case])
     record = simulate(case)
     seconds = _cpu_seconds(case, record, "cpu_s")
     job_row = _row(run, record, seconds / (resolve_settling(case).settle_s + case.duration))
@@ -84,7 +84,7 @@ def _job_rows(run: Run, case: Case) -> list[Row]:
 
 def _compute_fully(run: Run, case: Case) -> Row:
     """Compute a case with a given step or tolerance."""
-    warm([case])
+    compile_solvers([case])
     record = simulate(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     is_reference = run.role == REFERENCE  # reference runs are timed once
@@ -166,7 +166,7 @@ def compile_run(run: Run) -> str:
             short_case = run.case.model_copy(update={"duration": 0.01, "settle": 0.0})
             external.solve(short_case, external.SOLVERS[run.method], 1e-3)
         else:
-            warm([run.case if run.role == JOB else configure(run, run.case)])
+            compile_solvers([run.case if run.role == JOB else configure(run, run.case)])
     except (Refused, SimulationError, external.SolverStopped):
         pass  # reported in the row of the run
     return run.model

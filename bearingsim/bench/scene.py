@@ -8,7 +8,7 @@ from bearingsim.catalogue import MODELS, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.errors import UserError
-from bearingsim.selection.candidates import candidate_changes, reference
+from bearingsim.selection.candidates import candidate_changes, make_reference
 from bearingsim.study import Study, load_study
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import StudyError
@@ -98,7 +98,7 @@ def _variants(study: Study, n: int, case: Case) -> tuple[Variant, ...]:
 
     A candidate is the reference itself if the slices or harmonics of the case cannot be doubled.
     """
-    finest = reference(case)
+    finest = make_reference(case)
     variants = {_label(finest): Variant(_label(finest), finest.model, finest)}
     for candidate, changes in candidate_changes(case).items():
         variant = _variant(study, n, candidate, changes)

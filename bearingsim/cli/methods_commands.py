@@ -39,7 +39,7 @@ def _compile_solver(study: Path | None, announcements: Announcer) -> str:
     from bearingsim.config import Case
     from bearingsim.runner.progress import compilation_callback
     from bearingsim.selection.candidates import with_friction
-    from bearingsim.simulation import warm
+    from bearingsim.simulation import compile_solvers
     from bearingsim.study import load_study
 
     if study is not None:
@@ -49,7 +49,7 @@ def _compile_solver(study: Path | None, announcements: Announcer) -> str:
             Case.model_validate(WARM_CASE | {"model": model}) for model in (DEFAULT_MODEL, REFERENCE)
         )
         cases = [default_case, reference, with_friction(reference) or reference]
-    warm(cases, compilation_callback(announcements))
+    compile_solvers(cases, compilation_callback(announcements))
     return ", ".join(f"`{model}`" for model in dict.fromkeys(case.model for case in cases))
 
 

@@ -228,7 +228,7 @@ def _price(job: "Job") -> PricedJob:
     price, friction = time_grid.estimate(case), friction_scale(case, limits.rest_load)
     has_drop = case.defects and MODELS[case.model].loaded
     roller_drop = largest_roller_drop(assemble.model(case)) if has_drop else math.nan
-    return PricedJob(job, choice.choice(case), grid.step, limits, price, friction, roller_drop)
+    return PricedJob(job, choice.choose_method(case), grid.step, limits, price, friction, roller_drop)
 
 
 def friction_scale(case: "Case", force: float) -> tuple[float, float]:

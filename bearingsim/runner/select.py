@@ -19,7 +19,7 @@ from bearingsim.runner.progress import compilation_callback, progress
 from bearingsim.runner.stopping import stop_requested
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import estimated_cpu_time
-from bearingsim.selection.choices import key
+from bearingsim.selection.choices import choice_key
 from bearingsim.store.columns import Value
 from bearingsim.text.announcer import announcer
 
@@ -72,7 +72,7 @@ def choose_models(
     if study.goal is None:
         return study
     choices, plans = store.read_choices(root), store.read_plans(root)
-    keys = [key(study, case) for case in study.cases()]
+    keys = [choice_key(study, case) for case in study.cases()]
     missing = [n for n, name in enumerate(keys) if name not in choices]
     if missing and not run_trials:
         raise MissingChoices(
@@ -83,7 +83,7 @@ def choose_models(
         before_trials()
         decision = _decide(study, root, missing, workers, engine, shown)
         choices, plans = store.add_choices(root, decision.choices, plan_name(study, keys))
-        store.log(root, "models chosen", cases=len(missing), repeating=decision.repeating)
+        store.log(root, "models chosen", cases=len(missing), repeating=decision.periodic_count)
     study_with_models = selection.apply_choices(study, choices)
     assert study_with_models.selection is not None
     notes = tuple(earlier_choice_notes(study, keys, choices, plans))
@@ -196,7 +196,7 @@ def _run_trial(
 
     try:
         trial, record = load(engine.try_out)(
-            request.case, request.features, request.passes, request.turn, *request.reference_values
+            request.case, request.features, request.passes, request.revolution_time, *request.reference_values
         )
     except SimulationError:  # reported by the job if this model is chosen
         trial, record = None, None
@@ -213,7 +213,7 @@ def plan_name(study: "Study", keys: Sequence[str]) -> str:
 
     keys: ``selection.choices.key`` of each case.
     """
-    curves = [[curve.feature, sorted(keys[n] for n in curve.cases)] for curve in selection.curves(study)]
+    curves = [[curve.feature, sorted(keys[n] for n in curve.cases)] for curve in selection.list_curves(study)]
     text = json.dumps([sorted(keys), sorted(curves)])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -235,7 +235,7 @@ def earlier_choice_notes(
         else f"1 of {len(keys)} cases keeps the model"
     )
     yield f"{cases} chosen for an earlier plan (remove choices.json to choose all again)"
-    curves = [[keys[n] for n in curve.cases] for curve in selection.curves(study)]
+    curves = [[keys[n] for n in curve.cases] for curve in selection.list_curves(study)]
     mixed = [names for names in curves if _models_differ(names, choices, plans)]
     if mixed:
         models = dict.fromkeys(_model_text(choices[name]) for names in mixed for name in names)

@@ -41,8 +41,8 @@ class Engine:
 
     simulate: str = "bearingsim.simulation:simulate"
     estimate: str = "bearingsim.simulation.time_grid:estimate"
-    warm: str = "bearingsim.simulation:warm"
-    try_out: str = "bearingsim.simulation:try_out"
+    warm: str = "bearingsim.simulation:compile_solvers"
+    try_out: str = "bearingsim.simulation:run_trial"
     notes: str = "bearingsim.config.scan.notes:notes"
     compiling: str = "bearingsim.simulation.pricing:compile_time"
 

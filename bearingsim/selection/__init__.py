@@ -1,7 +1,7 @@
-"""Model selection for a study with `accuracy`: the cheapest model of each case shown to satisfy it."""
+"""Model selection for a study with `accuracy`: for each case the cheapest model shown to satisfy it."""
 
 from bearingsim.selection.choices import apply_choices
-from bearingsim.selection.curves import Curve, curves
+from bearingsim.selection.curves import Curve, list_curves
 from bearingsim.selection.decide import Decision, ModelSelector
 from bearingsim.selection.trial_files import read_trials, write_trials
 from bearingsim.selection.trials import TrialRequest, required_features
@@ -15,7 +15,7 @@ __all__ = [
     "ModelSelector",
     "TrialRequest",
     "apply_choices",
-    "curves",
+    "list_curves",
     "read_trials",
     "required_features",
     "write_trials",

@@ -1,4 +1,4 @@
-"""Choices of a model for each case, and the study with these models in its cases.
+"""Study with the chosen models in its cases, and audits of the choices.
 
 Choices are stored in ``choices.json`` before the first job. Later runs read them instead of choosing again.
 """
@@ -11,18 +11,18 @@ from random import Random
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.errors import UserError
-from bearingsim.selection.candidates import WITH_FRICTION, candidate_case, reference, with_friction
-from bearingsim.selection.curves import curves, scales
+from bearingsim.selection.candidates import WITH_FRICTION, candidate_case, make_reference, with_friction
+from bearingsim.selection.curves import error_scales, list_curves
 from bearingsim.selection.trials import required_healthy_case
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Job, Study
 from bearingsim.study.jobs import Audit, ModelChoice, Selection, case_id, identity
 
-AUDITED_SHARE, MIN_AUDITED = 0.05, 3
+AUDITED_SHARE, MIN_AUDITED = 0.05, 3  # share and smallest number of the jobs of other models that are audited
 
 
-def key(study: Study, case: Case) -> str:
-    """Return the identity of a case with its requested accuracy."""
+def choice_key(study: Study, case: Case) -> str:
+    """Return the identity of a case with the requested accuracy, under which its choice is stored."""
     assert study.goal is not None
     goal = {"within": study.goal.within, "of": list(study.goal.of)}
     return identity(case, goal | ({"friction": "tried"} if with_friction(case) is not None else {}))
@@ -31,24 +31,22 @@ def key(study: Study, case: Case) -> str:
 def apply_choices(study: Study, choices: Choices) -> Study:
     """Return the study with the chosen models; every case must have a choice."""
     study_cases = [case for case, _ in study.swept_cases]
-    chosen = [choices[key(study, case)] for case in study_cases]
-    cases = [_case(study, study_cases, n, choice.candidate) for n, choice in enumerate(chosen)]
+    case_choices = [choices[choice_key(study, case)] for case in study_cases]
+    cases = [_chosen_case(study, study_cases, n, choice.candidate) for n, choice in enumerate(case_choices)]
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
-    curve_ids = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
-    reasons = dict(zip(ids, _model_choices(study, chosen), strict=True))
-    references = [_audit_case(case, choice) for case, choice in zip(study_cases, chosen, strict=True)]
-    selection = Selection(reasons, curve_ids, tuple(audits(study, references, ids)))
+    curve_ids = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in list_curves(study))
+    reasons = dict(zip(ids, _model_choices(study, case_choices), strict=True))
+    references = [_audit_case(case, choice) for case, choice in zip(study_cases, case_choices, strict=True)]
+    selection = Selection(reasons, curve_ids, tuple(draw_audits(study, references, ids)))
     return replace(study, swept_cases=swept, selection=selection)
 
 
-def _case(study: Study, study_cases: Sequence[Case], number: int, candidate: str) -> Case:
-    """Return a case with the settings of a candidate. Raises ``UserError`` if the candidate does not apply."""
-    make_reference = {REFERENCE: reference, WITH_FRICTION: with_friction}.get(candidate)
+def _chosen_case(study: Study, study_cases: Sequence[Case], number: int, candidate: str) -> Case:
+    """Return a case with the settings of its chosen candidate. Raises ``UserError`` if that does not apply."""
+    make_case = {REFERENCE: make_reference, WITH_FRICTION: with_friction}.get(candidate)
     computed = (
-        make_reference(study_cases[number])
-        if make_reference is not None
-        else candidate_case(study, number, candidate)
+        make_case(study_cases[number]) if make_case is not None else candidate_case(study, number, candidate)
     )
     if computed is None:
         raise UserError(
@@ -57,33 +55,35 @@ def _case(study: Study, study_cases: Sequence[Case], number: int, candidate: str
     return computed
 
 
-def _model_choices(study: Study, chosen: Sequence[Choice]) -> list[ModelChoice]:
+def _model_choices(study: Study, case_choices: Sequence[Choice]) -> list[ModelChoice]:
     """Return the choices with errors that are bounds on the curves of the study.
 
-    A choice may be of an earlier plan, whose curves had other cases and thus another largest value. If that was
-    larger, the errors are larger on the present curves; if it was smaller, they remain bounds and are kept.
+    A choice may be from an earlier plan, whose curves had other cases and thus another largest value. If that was
+    larger, the errors are larger relative to the present curves; if it was smaller, they are still bounds.
     """
     assert study.goal is not None
-    study_curves, factors = curves(study), [dict[str, float]() for _ in chosen]
+    study_curves, factors = list_curves(study), [dict[str, float]() for _ in case_choices]
     for name in study.goal.of:
-        values = [choice.values.get(name) for choice in chosen]
-        sizes = scales(name, [nan if value is None else value for value in values], study_curves)
-        for choice, size, case_factors in zip(chosen, sizes, factors, strict=True):
-            earlier_size = choice.scales.get(name)
-            if earlier_size is not None and not earlier_size <= size:
-                case_factors[name] = earlier_size / size if size else inf
+        values = [choice.values.get(name) for choice in case_choices]
+        error_scales_of_cases = error_scales(
+            name, [nan if value is None else value for value in values], study_curves
+        )
+        for choice, scale, case_factors in zip(case_choices, error_scales_of_cases, factors, strict=True):
+            earlier_scale = choice.scales.get(name)
+            if earlier_scale is not None and not earlier_scale <= scale:
+                case_factors[name] = earlier_scale / scale if scale else inf
 
     return [
         ModelChoice(
             choice.model,
             choice.why,
-            *(_scaled(errors, case_factors) for errors in (choice.error, choice.nodes, choice.friction)),
+            *(_scale_errors(errors, case_factors) for errors in (choice.error, choice.nodes, choice.friction)),
         )
-        for choice, case_factors in zip(chosen, factors, strict=True)
+        for choice, case_factors in zip(case_choices, factors, strict=True)
     ]
 
 
-def _scaled(errors: Mapping[str, float | None], factors: Mapping[str, float]) -> dict[str, float | None]:
+def _scale_errors(errors: Mapping[str, float | None], factors: Mapping[str, float]) -> dict[str, float | None]:
     """Multiply errors by factors of their features, 1 by default; an infinite or unknown error is None."""
     products = {name: error * factors.get(name, 1.0) if error else error for name, error in errors.items()}
     return {name: error if error is not None and isfinite(error) else None for name, error in products.items()}
@@ -92,21 +92,23 @@ def _scaled(errors: Mapping[str, float | None], factors: Mapping[str, float]) ->
 def _audit_case(case: Case, choice: Choice) -> Case:
     """Return the case that audits a choice: the reference, with friction if chosen or inferred from others."""
     friction_case = with_friction(case) if choice.inferred or choice.candidate == WITH_FRICTION else None
-    return friction_case or reference(case)
+    return friction_case or make_reference(case)
 
 
-def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
-    """Draw a seeded sample of the jobs of other models, to be computed again by their references.
+def draw_audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
+    """Draw a seeded sample of the jobs not computed by their reference, to be computed again by the reference.
 
-    Each job has a random rank of its own, so that further cases hardly change the sample: otherwise a failed audit
-    would be dropped from an extended study, and the accuracy restored.
+    The rank of each job is random but does not depend on the others, so that further cases hardly change the
+    sample. Otherwise an extended study could lose a failed audit, and claim the accuracy again.
     """
-    replaced = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
-    if not replaced:
+    audited_candidates = [
+        (name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name
+    ]
+    if not audited_candidates:
         return []
-    sample_size = min(len(replaced), max(MIN_AUDITED, round(AUDITED_SHARE * len(replaced))))
+    sample_size = min(len(audited_candidates), max(MIN_AUDITED, round(AUDITED_SHARE * len(audited_candidates))))
     seed = references[0].seed
-    sample = sorted(replaced, key=lambda job: Random(f"{seed} {job[0]}").random())[:sample_size]
+    sample = sorted(audited_candidates, key=lambda job: Random(f"{seed} {job[0]}").random())[:sample_size]
     return [_audit(study, name, case) for name, case in sample]
 
 

@@ -1,4 +1,4 @@
-"""Curves of the features for which a study requests an accuracy; errors are relative to their largest values."""
+"""Curves of the features for which a study requests an accuracy, and the values to which errors are relative."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ from bearingsim.text.units import UnitError, parse
 
 @dataclass(frozen=True)
 class Curve:
-    """Feature drawn over a swept path.
+    """Feature drawn over a swept parameter x.
 
-    cases: numbers of the study's cases on the curve, in the order of x; is_ordered: whether x is a quantity,
-    neither a word nor a seed, so that cases lie between others.
+    cases: numbers of the study's cases on the curve, in the order of x; is_ordered: whether x is a quantity (not a
+    word or a seed), so that a case may lie between two others.
     """
 
     feature: str
@@ -21,8 +21,8 @@ class Curve:
     is_ordered: bool = True
 
 
-def curves(study: Study) -> list[Curve]:
-    """List the curves in a study's figures whose feature has a requested accuracy."""
+def list_curves(study: Study) -> list[Curve]:
+    """List the curves in a study's figures of features with a requested accuracy."""
     features = study.goal.of if study.goal is not None else ()
     design = study.sampled_design.paths if study.sampled_design is not None else ()
     swept = [values for _, values in study.swept_cases]
@@ -38,9 +38,11 @@ def curves(study: Study) -> list[Curve]:
 def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[tuple[int, ...], bool]]:
-    """Yield the cases of each curve of a figure, one curve for each combination of the paths of
-    ``_dividing_paths``, and whether x is a quantity. They are in the order of x, or in that of the study if x is a
-    word."""
+    """Yield the cases of each curve of a figure, and whether x is a quantity.
+
+    There is one curve for each combination of values of the ``_dividing_paths``. The cases are in the order of x,
+    or in that of the study if x is a word.
+    """
     matching = [
         number
         for number, values in enumerate(swept)
@@ -58,20 +60,20 @@ def _figure_curves(
 
 
 def _dividing_paths(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
-    """List the paths that divide a figure into curves: those it names, and others that vary at a fixed x.
+    """List the parameters that divide a figure into curves: those that it names, and others that vary at fixed x.
 
-    The rule is the same as in ``plots/select.py``. All points of a design form one cloud, which its paths do not
-    divide.
+    The rule is the same as in ``plots/select.py``. The points of a design form one cloud, which the parameters of
+    the design do not divide. design: names of these parameters.
     """
     paths = [*figure.by, *figure.panels]
-    free = [path for path in design if path not in (figure.x, *paths)]
-    others = (name for values in swept for name in values if name not in (figure.x, *paths, *free))
+    cloud_paths = [path for path in design if path not in (figure.x, *paths)]
+    others = (name for values in swept for name in values if name not in (figure.x, *paths, *cloud_paths))
     for path in dict.fromkeys(others):
-        points: dict[tuple, set] = {}
+        values_at: dict[tuple, set] = {}
         for values in swept:
-            point = tuple(values.get(name) for name in (figure.x, *free, *paths))
-            points.setdefault(point, set()).add(values.get(path))
-        if any(len(swept_values) > 1 for swept_values in points.values()):
+            point = tuple(values.get(name) for name in (figure.x, *cloud_paths, *paths))
+            values_at.setdefault(point, set()).add(values.get(path))
+        if any(len(swept_values) > 1 for swept_values in values_at.values()):
             paths.append(path)
     return paths
 
@@ -88,47 +90,47 @@ def _matches(path: str, text: str, value: Any) -> bool:
     return abs(target - value) <= 1e-9 * max(abs(value), 1e-300)
 
 
-def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve]) -> list[float]:
-    """List the absolute values of a feature to which the errors of all cases are relative.
+def error_scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve]) -> list[float]:
+    """Return the absolute value of a feature to which the error of each case is relative.
 
-    This is the largest value on the curve of a case, the smallest of these if it lies on several curves, and its
-    own value if on none. values: of all cases; NaN if unknown.
+    It is the largest absolute value on the curve of the case, the smallest of these if it lies on several curves,
+    and its own if it lies on none. values: of the feature in all cases, NaN if unknown.
     """
-    sizes: dict[int, float] = {}
+    scales: dict[int, float] = {}
     for curve in study_curves:
         if curve.feature == feature:
             largest = max((abs(values[n]) for n in curve.cases if values[n] == values[n]), default=float("nan"))
-            sizes |= {n: min(sizes.get(n, largest), largest) for n in curve.cases}
-    return [sizes.get(n, abs(value)) for n, value in enumerate(values)]
+            scales |= {n: min(scales.get(n, largest), largest) for n in curve.cases}
+    return [scales.get(n, abs(value)) for n, value in enumerate(values)]
 
 
-def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
+def curve_extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
     """Return the first and last case of a curve, and the case with its largest absolute value.
 
-    All cases if x is a word or a seed, since no case then lies between others. values: for each case, objects with
-    a ``value`` by feature; empty for a case with a failed trial.
+    All cases if x is a word or a seed, since no case then lies between others. values: for each case the
+    ``FeatureValue`` by feature, empty if a trial failed.
     """
     if not curve.is_ordered:
         return curve.cases
-    drawn = {n: values[n][curve.feature].value for n in curve.cases if curve.feature in values[n]}
-    sizes = {n: abs(value) for n, value in drawn.items() if value == value}
-    return curve.cases[0], curve.cases[-1], max(sizes, key=sizes.__getitem__, default=curve.cases[0])
+    curve_values = {n: values[n][curve.feature].value for n in curve.cases if curve.feature in values[n]}
+    magnitudes = {n: abs(value) for n, value in curve_values.items() if value == value}
+    return curve.cases[0], curve.cases[-1], max(magnitudes, key=magnitudes.__getitem__, default=curve.cases[0])
 
 
-def groups(cases: Iterable[int], study_curves: Iterable[Curve]) -> list[list[int]]:
+def group_cases(cases: Iterable[int], study_curves: Iterable[Curve]) -> list[list[int]]:
     """Group cases that are connected by shared curves. The cases of a group usually get the same model."""
-    leader = {case: case for case in cases}
+    parent = {case: case for case in cases}
 
-    def find_leader(case: int) -> int:
-        while leader[case] != case:
-            case = leader[case]
+    def find_root(case: int) -> int:
+        while parent[case] != case:
+            case = parent[case]
         return case
 
     for curve in study_curves:
-        members = [case for case in curve.cases if case in leader]
+        members = [case for case in curve.cases if case in parent]
         for case in members[1:]:
-            leader[find_leader(case)] = find_leader(members[0])
+            parent[find_root(case)] = find_root(members[0])
     connected: dict[int, list[int]] = {}
-    for case in leader:
-        connected.setdefault(find_leader(case), []).append(case)
+    for case in parent:
+        connected.setdefault(find_root(case), []).append(case)
     return list(connected.values())

@@ -1,7 +1,8 @@
-"""Choice of the cheapest model whose error bound against the reference suffices for all cases of a curve.
+"""Choice of the cheapest model whose error bound, relative to the reference, is small enough for all cases of a
+curve.
 
-Candidates are tried in order of cost. Once one is accurate enough for all cases of a curve, only those that
-cost at most 11 % more (``SIMPLER_COST_RATIO``) are tried.
+Candidates are tried in ascending order of cost. Once one is accurate enough for all cases of a curve, only those
+that cost at most 11 % more (``SIMPLER_COST_RATIO``) are still tried.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,15 +16,15 @@ from bearingsim.config import Case
 from bearingsim.selection.candidates import (
     WITH_FRICTION,
     can_be_tried,
-    candidates,
     estimated_cpu_time,
-    reference,
+    list_candidates,
+    make_reference,
     with_friction,
 )
-from bearingsim.selection.choices import key
-from bearingsim.selection.curves import curves, groups
+from bearingsim.selection.choices import choice_key
+from bearingsim.selection.curves import group_cases, list_curves
 from bearingsim.selection.evidence import Evidence
-from bearingsim.selection.friction import Friction
+from bearingsim.selection.friction import FrictionEffect
 from bearingsim.selection.nodes import Discretisation
 from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_decided, trials_of, unique
 from bearingsim.store.choices import Choice, Choices
@@ -31,11 +32,11 @@ from bearingsim.study import Study
 from bearingsim.text.numbers import percent
 
 MODEL_ERROR_SHARE = 0.8
-"""Largest error of the model, as a share of the requested accuracy; the rest is for step error and scatter."""
+"""Largest error of a model, as a share of the requested accuracy; the rest is for step error and scatter."""
 MIXED_COST_RATIO = 1.0 / 3.0
-"""Cost ratio below which several models replace a single one for the cases of a curve."""
+"""Ratio of costs below which several models are chosen for the cases of a curve instead of one."""
 SIMPLER_COST_RATIO = 0.9
-"""Cost ratio below which a simpler model is preferred to a more detailed one."""
+"""Ratio of costs below which a simpler model is preferred to a more detailed one."""
 
 NOTHING_CHEAPER = "no cheaper model can compute this"
 FRICTION_NOT_TRIED = "a trial does not cover a ramp, so the effect of friction is unknown"
@@ -46,24 +47,24 @@ class Decision(NamedTuple):
     """Choices by ``key``, and the number of cases with a periodic reference."""
 
     choices: Choices
-    repeating: int
+    periodic_count: int
 
 
 class ModelSelector:
-    """Choice of models for some cases of a study: next trials, and decision from their results."""
+    """Choice of models for some cases of a study: trials to be computed, and decision from their results."""
 
     def __init__(
-        self, study: Study, numbers: Sequence[int], compiling: Callable[[Case], float] = lambda case: 0.0
+        self, study: Study, numbers: Sequence[int], compile_time_of: Callable[[Case], float] = lambda case: 0.0
     ) -> None:
         """Find the cases with candidates.
 
-        numbers: of the cases for which a model is chosen, among ``study.cases()``; compiling: returns the CPU time
-        (s) to compile the code of a case. A candidate must save more than that over the cases, even if its code is
-        already in the cache, so that the choice is the same on every machine.
+        numbers: of the cases for which a model is chosen, among ``study.cases()``; compile_time_of: returns the
+        CPU time (s) to compile the code of a case. A candidate must save more than that over the cases, even if
+        its code is already in the cache, so that the choice is the same on every machine.
         """
-        self.study, self.numbers, self.compiling, cases = study, numbers, compiling, study.cases()
+        self.study, self.numbers, self.compile_time_of, cases = study, numbers, compile_time_of, study.cases()
         self.tried_cases = [n for n in numbers if can_be_tried(cases[n])]
-        self.curves = curves(study)
+        self.curves = list_curves(study)
 
     def next_trials(self, trials: TrialResults) -> list[TrialRequest]:
         """List the trials to compute next; empty once a choice can be made."""
@@ -83,11 +84,11 @@ class ModelSelector:
             ]
         return unique(missing) or self._discretisation(evidence, self._model_choices(evidence, friction)).trials()
 
-    def _read_evidence(self, trials: TrialResults) -> tuple[Evidence, Friction]:
-        """Return the errors of models and the effect of friction from trials."""
+    def _read_evidence(self, trials: TrialResults) -> tuple[Evidence, FrictionEffect]:
+        """Return the errors of models and the effect of friction, from trials."""
         assert self.study.goal is not None
         evidence = Evidence(self.study, self.curves, trials)
-        return evidence, Friction(
+        return evidence, FrictionEffect(
             evidence, self.tried_cases, self.curves, MODEL_ERROR_SHARE * self.study.goal.within
         )
 
@@ -97,16 +98,18 @@ class ModelSelector:
         choices = self._model_choices(evidence, friction)
         discretisation = self._discretisation(evidence, choices)
         for n in self.numbers:
-            values, scales = evidence.sizes(n)
+            values, scales = evidence.magnitudes_and_scales(n)
             choices[n] = replace(choices[n], nodes=discretisation.errors(n), values=values, scales=scales)
             if choices[n].candidate != WITH_FRICTION:
-                choices[n] = replace(choices[n], friction=friction.errors(n), inferred=friction.inferred(n))
-        repeating = sum(
+                choices[n] = replace(choices[n], friction=friction.errors(n), inferred=friction.is_inferred(n))
+        periodic_count = sum(
             bool(evidence.reference_values[n]) and is_decided(self.study, n, trials) for n in self.tried_cases
         )
-        return Decision({key(self.study, cases[n]): choice for n, choice in choices.items()}, repeating)
+        return Decision(
+            {choice_key(self.study, cases[n]): choice for n, choice in choices.items()}, periodic_count
+        )
 
-    def _model_choices(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
+    def _model_choices(self, evidence: Evidence, friction: FrictionEffect) -> dict[int, Choice]:
         """Return the choice for each case, without the errors of friction and discretisation."""
         trials, cases = evidence.trials, self.study.cases()
         choices = {n: self._untried_choice(n) for n in self.numbers}
@@ -124,17 +127,20 @@ class ModelSelector:
         return choices | friction_choices
 
     def _untried_choice(self, n: int) -> Choice:
-        """Return the choice for a case before its trials; with friction if it has none and does not specify it."""
+        """Return the initial choice for a case.
+
+        It is the reference, with friction if the case has no trials and does not specify friction.
+        """
         case = self.study.cases()[n]
         if with_friction(case) is None or can_be_tried(case):
             return Choice(REFERENCE, case.model, NOTHING_CHEAPER, {})
         return Choice(WITH_FRICTION, case.model, FRICTION_NOT_TRIED, {})
 
     def _discretisation(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
-        """Return the discretisation errors of the choices from trials."""
+        """Return the discretisation errors of the choices, from trials."""
         return Discretisation(evidence, self.curves, choices, lambda n, name: self.candidate_cases[name][n])
 
-    def _undecided_groups(self, friction: Friction) -> list[list[int]]:
+    def _undecided_groups(self, friction: FrictionEffect) -> list[list[int]]:
         """Group the undecided cases, whose reference is not periodic and needs no friction, by shared curves."""
         trials = friction.evidence.trials
         undecided = [
@@ -142,28 +148,29 @@ class ModelSelector:
             for n in self.tried_cases
             if n not in friction.required_cases and not is_decided(self.study, n, trials)
         ]
-        return groups(undecided, self.curves)
+        return group_cases(undecided, self.curves)
 
     @cached_property
     def candidate_cases(self) -> dict[str, dict[int, Case]]:
         """Cases of every candidate, by name, most detailed candidate first."""
-        return candidates(self.study, self.tried_cases)
+        return list_candidates(self.study, self.tried_cases)
 
     def _is_worth_compiling(self, name: str, numbers: Sequence[int]) -> bool:
-        """Check if a candidate saves more CPU time over some cases than the compilation of its model needs."""
+        """Check if a candidate saves more CPU time over some cases than compiling its model takes."""
         study_cases = self.study.cases()
         cases = {n: self.candidate_cases[name][n] for n in numbers if n in self.candidate_cases[name]}
         new_models = [case for n, case in cases.items() if case.model != study_cases[n].model]
-        compile_time = max(map(self.compiling, new_models), default=0.0)
+        compile_time = max(map(self.compile_time_of, new_models), default=0.0)
         if compile_time == 0.0:
             return True
         savings = (
-            estimated_cpu_time(reference(study_cases[n])) - estimated_cpu_time(case) for n, case in cases.items()
+            estimated_cpu_time(make_reference(study_cases[n])) - estimated_cpu_time(case)
+            for n, case in cases.items()
         )
         return sum(savings) > compile_time
 
     def _candidate_trials(
-        self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction
+        self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: FrictionEffect
     ) -> list[TrialRequest]:
         """List trials of the cheapest candidate not yet tried on a group, unless a cheaper one is accepted."""
         accepted_cost = inf
@@ -191,10 +198,11 @@ class ModelSelector:
         assert self.study.goal is not None
         return bool(errors) and _largest_sum(errors, friction) <= MODEL_ERROR_SHARE * self.study.goal.within
 
-    def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
-        """Choose one model for the cases of a group, or several if these cost less than a third
-        (``MIXED_COST_RATIO``)."""
-        costs = {REFERENCE: {n: estimated_cpu_time(reference(self.study.cases()[n])) for n in group}}
+    def _choices_of_group(
+        self, group: Sequence[int], evidence: Evidence, friction: FrictionEffect
+    ) -> dict[int, Choice]:
+        """Choose one model for the cases of a group, or several if these cost far less (``MIXED_COST_RATIO``)."""
+        costs = {REFERENCE: {n: estimated_cpu_time(make_reference(self.study.cases()[n])) for n in group}}
         for name, cases in self.candidate_cases.items():
             accurate = [
                 n
@@ -218,10 +226,12 @@ class ModelSelector:
         )
         return {n: self._make_choice(n, name, evidence, friction) for n, name in names.items()}
 
-    def _make_choice(self, n: int, name: str, evidence: Evidence, friction: Friction) -> Choice:
-        """Return a choice with its reason."""
+    def _make_choice(self, n: int, name: str, evidence: Evidence, friction: FrictionEffect) -> Choice:
+        """Make the choice of a candidate for a case, with its reason."""
         study_case = self.study.cases()[n]
-        if name == REFERENCE:  # friction adds no cost, as neither is periodic
+        if (
+            name == REFERENCE
+        ):  # the cost is the same with friction, because the response is not periodic without it either
             candidate = REFERENCE if with_friction(study_case) is None else WITH_FRICTION
             return Choice(candidate, study_case.model, self._reference_reason(n, evidence, friction), {})
         case = self.candidate_cases[name][n]
@@ -229,7 +239,7 @@ class ModelSelector:
         reason = f"{percent(max(errors.values()))} from {study_case.model}, at the cost of {case.model}"
         return Choice(name, case.model, reason, errors)
 
-    def _reference_reason(self, n: int, evidence: Evidence, friction: Friction) -> str:
+    def _reference_reason(self, n: int, evidence: Evidence, friction: FrictionEffect) -> str:
         """Explain why the reference of a case is not replaced by a cheaper model."""
         assert self.study.goal is not None
         cases = [cases[n] for cases in self.candidate_cases.values() if n in cases]
@@ -243,7 +253,7 @@ class ModelSelector:
         )
         limit = MODEL_ERROR_SHARE * self.study.goal.within
         if model_error == inf:
-            return "cheaper models could not be distinguished from it in so few ball passes"
+            return "trials have too few ball passes to compare cheaper models with it"
         reason = f"the nearest cheaper model is {percent(model_error)} off"
         if model_error > limit:
             return f"{reason}: over {percent(limit)}"
@@ -251,17 +261,20 @@ class ModelSelector:
             return f"{reason}, and the effect of friction is unknown"
         if total > limit:
             return f"{reason}, {percent(total)} with the effect of friction: over {percent(limit)}"
-        return f"{reason} here, but not shown to be within {percent(limit)} elsewhere on a curve"
+        return f"{reason} for this case, but not shown to be within {percent(limit)} elsewhere on a curve"
 
 
 def _largest_sum(errors: Mapping[str, float], friction: Mapping[str, float | None]) -> float:
-    """Return the largest sum of both errors of a feature; infinite if friction is unknown."""
+    """Return the largest sum of the errors of model and friction of a feature; infinite if friction is unknown."""
     changes = {name: friction.get(name, 0.0) for name in errors}
     return max(inf if (change := changes[name]) is None else error + change for name, error in errors.items())
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:
-    """Return the cheapest model; a simpler one must save a tenth of the cost. costs: most detailed model first."""
+    """Return the cheapest candidate, where each simpler one must save a tenth of the cost.
+
+    costs: by name, most detailed candidate first, with the reference.
+    """
     best = REFERENCE
     for name, cost in costs.items():
         if cost < SIMPLER_COST_RATIO * costs[best]:

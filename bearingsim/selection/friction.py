@@ -15,12 +15,12 @@ from math import inf, isnan
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.selection.candidates import with_friction
-from bearingsim.selection.curves import Curve, extremes
-from bearingsim.selection.evidence import Evidence, largest
+from bearingsim.selection.curves import Curve, curve_extremes
+from bearingsim.selection.evidence import Evidence, largest_error
 from bearingsim.selection.trials import TrialRequest, trials_of
 from bearingsim.simulation.settling import resolve_settling
 from bearingsim.simulation.trial import (
-    CAGE_TURNS,
+    CAGE_REVOLUTIONS,
     LARGEST_FORCE,
     ReferenceValues,
     lengthen_for_trial,
@@ -30,11 +30,12 @@ from bearingsim.simulation.trial import (
 from bearingsim.text.numbers import percent
 
 EARLY_END_FACTOR = 2.0
-"""Multiple of the allowed change by friction at which a trial ends after two revolutions of the cage."""
+"""Multiple of the allowed change by friction above which a trial ends after two revolutions of the cage."""
 
-TOO_SHORT = f"the record has fewer than {CAGE_TURNS} revolutions of the cage, too few to assess friction"
+TOO_SHORT = f"the record has fewer than {CAGE_REVOLUTIONS} revolutions of the cage, too few to assess friction"
 NOT_PERIODIC = (
-    f"the response without friction is not periodic, and half the record has under {CAGE_TURNS} cage revolutions"
+    "the response without friction is not periodic, and half the record has under"
+    f" {CAGE_REVOLUTIONS} cage revolutions"
 )
 DIFFERENT_LENGTHS = (
     "the trials of the case and of the healthy bearing have different lengths, because only one is periodic"
@@ -42,10 +43,10 @@ DIFFERENT_LENGTHS = (
 REFERENCE_FAILS = "the trial without friction fails, so the effect of friction is unknown"
 
 
-class Friction:
+class FrictionEffect:
     """Effect of friction on the cases that do not specify it, from trials.
 
-    tried: numbers of the cases with trials; limit: largest allowed relative change.
+    tried: numbers of the cases with candidates; limit: largest allowed relative change.
     """
 
     def __init__(self, evidence: Evidence, tried: Sequence[int], curves: Sequence[Curve], limit: float) -> None:
@@ -54,28 +55,34 @@ class Friction:
         self.friction_cases = {n: case for n in tried if (case := with_friction(cases[n])) is not None}
         short_records = {n for n in self.friction_cases if not shows_friction(cases[n])}
         usable = [n for n in self.friction_cases if evidence.reference_values[n] and n not in short_records]
-        too_few = {n for n in usable if evidence.turns(n) < CAGE_TURNS}
+        few_revolutions = {n for n in usable if evidence.revolutions(n) < CAGE_REVOLUTIONS}
         values = {n: [value.value for value in evidence.reference_values[n].values()] for n in usable}
-        different = {n for n in usable if any(map(isnan, values[n]))}
-        sufficient = [n for n in usable if n not in too_few | different]
+        different_lengths = {n for n in usable if any(map(isnan, values[n]))}
+        sufficient = [n for n in usable if n not in few_revolutions | different_lengths]
         failed = [n for n in self.friction_cases if not evidence.reference_values[n]]
-        self.undetermined = dict.fromkeys(failed, REFERENCE_FAILS) | dict.fromkeys(too_few, NOT_PERIODIC)
-        self.undetermined |= dict.fromkeys(different, DIFFERENT_LENGTHS) | dict.fromkeys(short_records, TOO_SHORT)
+        self.undetermined = dict.fromkeys(failed, REFERENCE_FAILS) | dict.fromkeys(few_revolutions, NOT_PERIODIC)
+        self.undetermined |= dict.fromkeys(different_lengths, DIFFERENT_LENGTHS) | dict.fromkeys(
+            short_records, TOO_SHORT
+        )
         tried_curves = [replace(curve, cases=tuple(n for n in curve.cases if n in sufficient)) for curve in curves]
-        single_cases = set(sufficient) - {n for curve in tried_curves for n in curve.cases}
+        cases_on_no_curve = set(sufficient) - {n for curve in tried_curves for n in curve.cases}
         self.curves = [curve for curve in tried_curves if curve.cases] + [
-            Curve("", (n,)) for n in sorted(single_cases)
+            Curve("", (n,)) for n in sorted(cases_on_no_curve)
         ]
 
     @cached_property
     def extremes(self) -> list[int]:
-        """Cases tried with friction: both ends of each curve, and the largest values of its feature and of
-        requested features that no figure draws."""
+        """Numbers of the cases tried with friction.
+
+        They are both ends of each curve, and the maxima of its feature and of requested features without a figure.
+        """
         assert self.evidence.study.goal is not None
         drawn = {curve.feature for curve in self.curves}
         undrawn = [name for name in self.evidence.study.goal.of if name not in drawn]
         curves = [replace(curve, feature=name) for curve in self.curves for name in (curve.feature, *undrawn)]
-        return list(dict.fromkeys(n for curve in curves for n in extremes(curve, self.evidence.reference_values)))
+        return list(
+            dict.fromkeys(n for curve in curves for n in curve_extremes(curve, self.evidence.reference_values))
+        )
 
     def trials(self) -> list[TrialRequest]:
         """Return the trials with friction that are still to be computed."""
@@ -85,7 +92,7 @@ class Friction:
     def _trials_of(self, n: int) -> list[TrialRequest]:
         """Return the trials of a case with friction, and of its healthy counterpart.
 
-        The trial of a case alone may end early; two trials must cover the same number of cage turns.
+        The trial of a case alone may end early; two trials must cover the same number of cage revolutions.
         """
         trials = trials_of(self.evidence.study, n, self._trial_case(n))
         reference_values = self.evidence.reference_values[n]
@@ -96,22 +103,22 @@ class Friction:
         return [replace(trial, reference_values=(early_end,)) for trial in trials]
 
     def _trial_case(self, n: int) -> Case:
-        """Return the case tried with friction for number ``n``; unchanged if the trial may become the record.
+        """Return the case tried with friction for case number ``n``.
 
-        Otherwise it settles as long as without friction, because the cage's remaining transient is then within the
-        scatter between cage revolutions.
+        If its trial may become the record, it is that with friction. Otherwise it settles as long as without
+        friction, because the cage's remaining transient is then within the scatter between cage revolutions.
         """
         case, study_case = self.friction_cases[n], self.evidence.study.cases()[n]
         if may_become_record(case):
             return case
-        case = case.model_copy(update={"until": None})  # a lengthened case is no job, so its trial is no record
+        case = case.model_copy(update={"until": None})  # a trial of a lengthened case cannot become a record
         with suppress(Refused):  # the trial reports it
             case = case.model_copy(update={"settle": resolve_settling(study_case).settle})
         return lengthen_for_trial(case)
 
     @cached_property
     def _changes_at_extremes(self) -> dict[int, dict[str, float | None]]:
-        """Change by friction of each case tried with it, by feature; None if the trial failed."""
+        """Bound of the change by friction of each case tried with it, by feature; None if the trial failed."""
         changes: dict[int, dict[str, float | None]] = {}
         for n in self.extremes:
             errors = self.evidence.errors(n, self._trial_case(n))
@@ -130,15 +137,15 @@ class Friction:
             self._changes_at_extremes[other] for other in sorted(others) if other in self._changes_at_extremes
         ]
         names = self.evidence.reference_values[n] if changes else ()
-        return {name: largest([change[name] for change in changes]) for name in names}
+        return {name: largest_error([change[name] for change in changes]) for name in names}
 
-    def inferred(self, n: int) -> bool:
-        """Return whether the effect of friction on a case is inferred from other cases on its curves."""
+    def is_inferred(self, n: int) -> bool:
+        """Check if the effect of friction on a case is inferred from other cases on its curves."""
         return bool(self.errors(n)) and n not in self._changes_at_extremes
 
     @cached_property
     def required_cases(self) -> dict[int, str]:
-        """Cases computed with friction, with the reason: too large a change on the curve, or an unknown one."""
+        """Reasons for friction, by case number: its effect is too large on a curve, or unknown."""
         reasons = dict(self.undetermined)
         for curve in self.curves:
             tried_cases = [n for n in curve.cases if n in self._changes_at_extremes]
@@ -156,8 +163,8 @@ class Friction:
     def _reason(self, tried_cases: Sequence[int]) -> str:
         """Explain why a curve is computed with friction, from its cases tried with it.
 
-        The scatter of a trial that ended early is unknown, and so is the bound of every feature; it ended because
-        of the feature with the largest difference.
+        The standard errors of a trial that ended early are unknown, and so are the bounds of all features. It
+        ended because of the feature with the largest difference.
         """
         change, name = max(map(self._largest_at, tried_cases))
         if change < inf:
@@ -169,7 +176,7 @@ class Friction:
             for feature, value in differences.items()
             if value < inf
         ]
-        difference, changed = max(changes, default=(0.0, ""))
+        difference, largest_feature = max(changes, default=(0.0, ""))
         if difference > self.limit:
-            return f"friction changes {changed} by about {percent(difference)}, over {percent(self.limit)}"
+            return f"friction changes {largest_feature} by about {percent(difference)}, over {percent(self.limit)}"
         return f"the effect of friction on {name} is unknown, because its trial does not determine it"

@@ -7,13 +7,13 @@ from typing import Any
 
 from bearingsim.config import Case
 from bearingsim.config.names import MEANS
-from bearingsim.selection.candidates import reference, remeshed, with_friction
+from bearingsim.selection.candidates import change_mesh, make_reference, with_friction
 from bearingsim.simulation.ending import inspection_passes
-from bearingsim.simulation.settling import cage_turn, has_free_cage
+from bearingsim.simulation.settling import cage_revolution_time, has_free_cage
 from bearingsim.simulation.trial import (
     ReferenceValues,
     Trial,
-    defect_turn,
+    defect_revolution_time,
     may_become_record,
     shows_friction,
     trial_passes,
@@ -27,16 +27,16 @@ from bearingsim.study.jobs import identity
 class TrialRequest:
     """Trial to be computed: case, requested features, and number of ball passes.
 
-    turn: period (s) of the slowest defect, 0 if none rotates; that of the cage if it is longer and friction is not
-    specified (``with_friction``); reference_values: references with which the running trial is compared, to end
-    it early.
+    revolution_time: period (s) of the slowest defect, 0 if none rotates; that of the cage if it is longer and
+    friction is not specified (``with_friction``); reference_values: at most one, with which the running trial is
+    compared, to end it early.
     """
 
     id: str
     case: Case
     features: tuple[str, ...]
     passes: int
-    turn: float
+    revolution_time: float
     reference_values: tuple[ReferenceValues, ...] = ()
 
 
@@ -47,34 +47,42 @@ TrialResults = Mapping[str, Trial | None]
 def trials_of(study: Study, number: int, case: Case) -> list[TrialRequest]:
     """List the trials of ``case``, a candidate for the case with index ``number``.
 
-    A second one is that of its healthy counterpart, if a requested feature is relative to it.
+    The second is that of its healthy counterpart, if a requested feature is relative to it.
     """
     study_case = study.swept_cases[number][0]
     free_case = with_friction(study_case)
-    turn = defect_turn(study_case) if free_case is None else max(defect_turn(study_case), cage_turn(study_case))
+    revolution_time = (
+        defect_revolution_time(study_case)
+        if free_case is None
+        else max(defect_revolution_time(study_case), cage_revolution_time(study_case))
+    )
     healthy_free_case = None if free_case is None else required_healthy_case(study, free_case)
-    passes = _passes(study_case, free_case, healthy_free_case)
+    passes = _pass_count(study_case, free_case, healthy_free_case)
     cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
-    settings = (required_features(study), passes, turn)  # the same for a healthy case, which has no defects
-    is_pair = len(cases) > 1 and has_free_cage(case)  # of trials that do not end early
-    # how soon a trial ends because it is far from its reference depends on the accuracy
+    settings = (
+        required_features(study),
+        passes,
+        revolution_time,
+    )  # the same for a healthy case, which has no defects
+    is_pair = len(cases) > 1 and has_free_cage(case)  # trials of a pair do not end early
+    # the accuracy is part of the id of a trial that may end early, because its end depends on the accuracy
     may_end = has_free_cage(case) and not (is_pair or may_become_record(case))
     within = study.goal.within if study.goal is not None and may_end else None
     return [TrialRequest(_trial_id(variant, *settings, is_pair, within), variant, *settings) for variant in cases]
 
 
 @lru_cache(maxsize=1 << 17)
-def _passes(case: Case, *free_cases: Case | None) -> int:
+def _pass_count(case: Case, *free_cases: Case | None) -> int:
     """Return the number of ball passes of the trials of a case.
 
-    free_cases: the case with friction and its healthy counterpart, or None. Their trials may end with the record,
-    at its first possible end, so that no trial needs more passes.
+    free_cases: the case with friction and its healthy counterpart, or None. If their trials may become records, no
+    trial needs more passes than the shortest possible record.
     """
     passes = trial_passes(case, free_cases[0] is not None)
-    first_ends = [
+    earliest_ends = [
         next(inspection_passes(free)) for free in free_cases if free is not None and may_become_record(free)
     ]
-    return min(passes, *first_ends) if first_ends else passes
+    return min(passes, *earliest_ends) if earliest_ends else passes
 
 
 def required_features(study: Study) -> tuple[str, ...]:
@@ -85,15 +93,17 @@ def required_features(study: Study) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1 << 17)
 def _trial_id(
-    case: Case, features: tuple[str, ...], passes: int, turn: float, is_pair: bool, within: float | None
+    case: Case, features: tuple[str, ...], passes: int, revolution_time: float, is_pair: bool, within: float | None
 ) -> str:
     """Return the id of a trial.
 
-    is_pair: whether it is compared with its healthy or faulty counterpart; within: accuracy of a trial that ends
-    early if it is far from its reference, else None.
+    is_pair: whether it is used together with that of its healthy or faulty counterpart; within: accuracy of a
+    trial that ends early if it is far from its reference, else None.
     """
     settings: dict[str, Any] = {"trial": passes, "asked": list(features)}
-    settings |= {"turn": float(f"{turn:.12g}")} if turn != defect_turn(case) else {}
+    settings |= (
+        {"turn": float(f"{revolution_time:.12g}")} if revolution_time != defect_revolution_time(case) else {}
+    )
     settings |= {"pair": True} if is_pair else {}
     settings |= {"within": within} if within is not None else {}
     bands = tuple(name for name in case.features if name not in MEANS)
@@ -107,16 +117,16 @@ def required_healthy_case(study: Study, case: Case) -> Case | None:
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[TrialRequest]:
-    """Return the trials of the references, each once.
+    """Return the trials of the references, without duplicates.
 
     A case whose friction is not specified (``with_friction``) has none if its record is too short for a trial with
-    friction (``shows_friction``) and it cannot be remeshed (``remeshed``).
+    friction (``shows_friction``) and it cannot be remeshed (``change_mesh``).
     """
     cases = study.cases()
     useful = [
-        n for n in numbers if shows_friction(cases[n]) or with_friction(cases[n]) is None or remeshed(cases[n])
+        n for n in numbers if shows_friction(cases[n]) or with_friction(cases[n]) is None or change_mesh(cases[n])
     ]
-    return unique([trial for n in useful for trial in trials_of(study, n, reference(cases[n]))])
+    return unique([trial for n in useful for trial in trials_of(study, n, make_reference(cases[n]))])
 
 
 def unique(trials: Sequence[TrialRequest]) -> list[TrialRequest]:
@@ -127,8 +137,8 @@ def unique(trials: Sequence[TrialRequest]) -> list[TrialRequest]:
 def is_decided(study: Study, number: int, trials: TrialResults) -> bool:
     """Check if no cheaper model is tried for a case.
 
-    The response of its reference is periodic, or a trial of the reference or of its healthy counterpart is missing
-    or failed.
+    This is so if the response of its reference is periodic, or if a trial of the reference or of its healthy
+    counterpart is missing or failed.
     """
-    results = [trials.get(trial.id) for trial in trials_of(study, number, reference(study.cases()[number]))]
-    return any(trial is None for trial in results) or (results[0] is not None and results[0].repeats)
+    results = [trials.get(trial.id) for trial in trials_of(study, number, make_reference(study.cases()[number]))]
+    return any(trial is None for trial in results) or (results[0] is not None and results[0].is_periodic)

@@ -2,7 +2,7 @@
 
 from bearingsim.simulation.record import Record
 from bearingsim.simulation.run_setup import SimulationError
-from bearingsim.simulation.simulate import simulate, try_out
-from bearingsim.simulation.warm_up import warm
+from bearingsim.simulation.simulate import run_trial, simulate
+from bearingsim.simulation.warm_up import compile_solvers
 
-__all__ = ["Record", "SimulationError", "simulate", "try_out", "warm"]
+__all__ = ["Record", "SimulationError", "compile_solvers", "run_trial", "simulate"]

@@ -1,4 +1,4 @@
-"""Buffer cells of the channels, and channel values from the recorded rows."""
+"""Buffer cells of the channels, and channel values read from the recorded rows."""
 
 from functools import lru_cache
 from math import cos, sin
@@ -15,7 +15,7 @@ from bearingsim.core.geometry.motion import speed_factor
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.simulation.repetition import may_repeat
 
-MOTION = ("displacement", "velocity", "acceleration")
+MOTION = ("displacement", "velocity", "acceleration")  # quantities of the ring's motion
 CAGE_ANGLE, CAGE_SPEED = lay.POSITION + lay.PHI_C, lay.VELOCITY + lay.PHI_C
 CELLS = {
     **dict(
@@ -63,19 +63,19 @@ SENSOR_CELLS = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
 
 
 def feature_cells(case: Case) -> tuple[int, ...]:
-    """Return the buffer cells from which features are computed, which are the first rows of a case's recording."""
+    """Return the buffer cells from which features are computed, the first rows of a case's recording."""
     return FEATURE_CELLS if case.rig.ring is None else FEATURE_CELLS + SENSOR_CELLS
 
 
 def cells_of(case: Case, name: str) -> tuple[int, ...]:
-    """List the buffer cells of a dataset; for the sensor on a rigid ring, those of both coordinates."""
+    """Return the buffer cells of a dataset; for the sensor on a rigid ring, those of both coordinates."""
     body, _, quantity = name.partition(".")
     if body == "sensor" and case.rig.ring is None:
         return tuple(CELLS[component] for component in dataset_names(f"ring.{quantity}"))
-    return (cell(name),)
+    return (cell_of(name),)
 
 
-def cell(name: str) -> int:
+def cell_of(name: str) -> int:
     """Return the buffer cell of a dataset."""
     match = roller_of(name)
     if match is None:
@@ -90,8 +90,8 @@ def cell(name: str) -> int:
 def recorded_cells(case: Case) -> np.ndarray:
     """Return the buffer cells (C,) recorded for a case, read-only: ``feature_cells``, then its channels.
 
-    If the motion may be periodic, a channel of one roller is recorded for all rollers, because the roller repeats
-    the motion of the others.
+    If the motion may be periodic, a channel of one roller is recorded for all rollers, because passes that are not
+    computed are filled in from other rollers.
     """
     names = [name for channel in case.record for name in dataset_names(channel)]
     requested_cells = np.array([p for name in names for p in cells_of(case, name)], dtype=np.int64)
@@ -110,7 +110,7 @@ def recorded_cells(case: Case) -> np.ndarray:
 
 
 def requested_rows(case: Case, cells: np.ndarray) -> np.ndarray:
-    """Return the row numbers of the case's own channels among ``recorded_cells``."""
+    """Return the numbers (R,) of the rows of ``recorded_cells`` that the channels in `record` need."""
     row_of = {int(p): row for row, p in enumerate(cells)}
     names = [name for channel in case.record for name in dataset_names(channel)]
     rows = [row_of[p] for name in names for p in cells_of(case, name)]
@@ -118,7 +118,7 @@ def requested_rows(case: Case, cells: np.ndarray) -> np.ndarray:
 
 
 def stores_raw_values(case: Case) -> bool:
-    """Check if raw values are stored at the sampling instants (of all channels, or of contact forces)."""
+    """Check if unfiltered values are stored at the sampling instants (of all channels, or of contact forces)."""
     return not case.antialias or any(map(is_contact_force, case.record))
 
 
@@ -130,8 +130,13 @@ def contact_force_mask(case: Case, cells: np.ndarray) -> np.ndarray:
     return np.isin(cells, [p for name in names for p in cells_of(case, name)])
 
 
-def series(case: Case, model: Any, rows: np.ndarray, cells: np.ndarray, time: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
+def read_channels(
+    case: Case, model: Any, rows: np.ndarray, cells: np.ndarray, time: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the recorded channels by dataset name.
+
+    rows: (C, n) recorded values of ``cells`` (C,); time: (n,) of the samples, s into the run.
+    """
     row_of = {int(p): row for p, row in zip(cells, rows, strict=True)}
     return {
         name: _channel_values(

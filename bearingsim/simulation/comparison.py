@@ -1,4 +1,4 @@
-"""Comparison of two runs of the same motion: lines of the defects, RMS, largest force, and recorded channels.
+"""Comparison of two runs of the same case: lines of the defects, RMS, largest force, and recorded channels.
 
 A periodic motion is compared over one period (recorded channels partly over more, see ``period_signals``), a
 non-periodic motion over the ball passes of a pilot run.
@@ -20,10 +20,10 @@ from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.run_setup import Setup
 
 WIDE_BAND_SHARE = 0.5
-"""Part of the change of the wide-band RMS that is a lower bound for the change of the recorded RMS, which may be
-small by chance (chosen, not measured)."""
+"""Least change of the recorded RMS, as a share of the change of the wide-band RMS, since it may be small by chance
+(chosen, not measured)."""
 MIN_SAMPLES = 16
-"""Smallest number of recorded values from which a periodic motion is compared, or the floor of a line derived."""
+"""Smallest number of recorded values to compare a periodic motion, or to derive the least amplitude of a line."""
 PEAK_FORCE_COLUMN = list(EXTREMES).index("outer_force.max")
 """Column of the largest outer contact force (N) in ``RawRecord.peaks``."""
 
@@ -31,9 +31,9 @@ PEAK_FORCE_COLUMN = list(EXTREMES).index("outer_force.max")
 class Changes(NamedTuple):
     """Relative changes from one run to another.
 
-    line: largest change of the complex amplitude of a defect's line; rms: larger of the change of the record's RMS
-    and ``WIDE_BAND_SHARE`` of that of the wide-band RMS; force: change of the largest outer force; record: largest
-    change of the RMS of any recorded channel.
+    line: largest change of the complex amplitude of a defect's line; rms: change of the RMS of the recorded
+    velocity, at least ``WIDE_BAND_SHARE`` of the change of the wide-band RMS; force: change of the largest outer
+    force; record: largest change of the RMS of any recorded channel.
     """
 
     line: float
@@ -48,16 +48,16 @@ class RunSignals(NamedTuple):
     fine_velocity: (n,) velocity (m/s) along the sensor at fine samples; recorded_velocity: (m,) the same velocity
     as recorded, low-passed or raw; low_passed: (C, m) low-passed rows (motion along the sensor, requested
     channels) in SI, empty without anti-aliasing; raw_values: (P, k) unfiltered rows at the sampling instants in
-    SI: contact forces, or all rows without anti-aliasing; lines: (L, p) contribution of each of p ball passes (of
-    the whole period if p = 1) to the complex amplitude of each defect's line (m/s); force: largest outer contact
-    force (N).
+    SI: contact forces, or all rows without anti-aliasing; contributions: (L, p) contribution of each of p ball
+    passes (of the whole period if p = 1) to the complex amplitude of each defect's line (m/s); force: largest
+    outer contact force (N).
     """
 
     fine_velocity: np.ndarray
     recorded_velocity: np.ndarray
     low_passed: np.ndarray
     raw_values: np.ndarray
-    lines: np.ndarray
+    contributions: np.ndarray
     force: float
 
 
@@ -74,7 +74,7 @@ def compare(run: RunSignals, reference: RunSignals) -> Changes:
         line=float(
             max(
                 line_difference(a, b) / max(abs(b.sum()), min_amplitude)
-                for a, b in zip(run.lines, reference.lines, strict=True)
+                for a, b in zip(run.contributions, reference.contributions, strict=True)
             )
         ),
         rms=max(
@@ -102,12 +102,15 @@ def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
 
 
 def lead_time(setup: Setup, other: Setup) -> float:
-    """Return the lead (s) of the rollers of one setup over another, each aligned with its first defect."""
+    """Return the time (s) by which the rollers of one setup lead those of another.
+
+    Initial roller angles may differ, since each setup is aligned with its grid (``assemble.align_with_cusp``).
+    """
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 
 def shift(series: np.ndarray, fraction: float) -> np.ndarray:
-    """Shift a series by a small ``fraction`` of a sample, to first order."""
+    """Advance a series by a small ``fraction`` of a sample, to first order."""
     return series + fraction * np.gradient(series)
 
 
@@ -144,24 +147,24 @@ def pass_contributions(phase: np.ndarray, passes: int, series: np.ndarray) -> np
     return np.add.reduceat(contributions, np.arange(0, len(phase) - 1, (len(phase) - 1) // passes)[:passes])
 
 
-def line_difference(parts: np.ndarray, reference: np.ndarray) -> float:
+def line_difference(contributions: np.ndarray, reference: np.ndarray) -> float:
     """Return the absolute difference of two complex amplitudes, given as contributions (passes,) of ball passes.
 
     Errors that change sign from pass to pass may cancel in a few passes by chance, so the difference is at least
-    their root sum of squares, which is the RMS of their sum if they are independent. Unit: that of the
+    their root sum of squares, which is the RMS of their sum if they are independent. It has the unit of the
     contributions.
     """
-    difference = parts - reference
+    difference = contributions - reference
     return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
 def periodic_start(setup: Setup, raw: RawRecord) -> float:
-    """Return the time (s) since the start of the run from which the motion is periodic; only for period > 0."""
+    """Return the time (s) from the start of a periodic run after which the motion is periodic."""
     return (raw.repetition.computed - raw.repetition.period) / setup.grid.rate
 
 
 def first_raw_value(case: Case, start_time: float) -> int:
-    """Return the number of the first sampling instant of the record at or after ``start_time`` (s) of the run."""
+    """Return the index of the record's first sampling instant at or after ``start_time`` (s into the run)."""
     return max(0, ceil((start_time - case.settle_s) * case.sampling))
 
 
@@ -170,36 +173,44 @@ def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignal
 
     Velocity, line and largest force are compared over one period, low-passed rows over one cage revolution if
     channels of single rollers are recorded, else over one period. Raw rows are compared over the whole record from
-    ``start_time`` (s) on, because few sampling instants fall within one period. The only line is BPFO, since the
-    passes of other defects do not repeat.
+    ``start_time`` (s) on, because few sampling instants fall within one period. The only line is BPFO, since a
+    motion with other defects is not periodic over ball passes.
     """
     case, grid, model = setup.case, setup.grid, setup.model
     M, period = grid.fine_per_pass, raw.repetition.period
-    turns = ceil((raw.repetition.computed + ceil(len(raw.taps) / M)) / raw.Z)  # whole revolutions of the cage
-    start = turns * raw.Z * M
-    fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
+    cage_revolutions = ceil((raw.repetition.computed + ceil(len(raw.taps) / M)) / raw.Z)
+    start = cage_revolutions * raw.Z * M
+    fine_velocity = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
     filtered = raw.low_passed.read(start, length) if case.antialias else None
-    lines = signals.amplitudes_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
+    contributions = signals.amplitudes_by_pass(
+        fine_velocity, M, [1], start, case.bearing.rollers * model.bearing.theta_0
+    )
     raw_values = raw.raw_values[:, first_raw_value(case, start_time) :]
     return _collect_signals(
-        case, raw, fine, filtered, raw_values, lines.mean(axis=1, keepdims=True), raw.peaks[-period:]
+        case,
+        raw,
+        fine_velocity,
+        filtered,
+        raw_values,
+        contributions.mean(axis=1, keepdims=True),
+        raw.peaks[-period:],
     )
 
 
 def _collect_signals(
     case: Case,
     raw: RawRecord,
-    fine: np.ndarray,
+    fine_velocity: np.ndarray,
     filtered: np.ndarray | None,
     raw_values: np.ndarray,
-    lines: np.ndarray,
+    contributions: np.ndarray,
     peaks: np.ndarray,
 ) -> RunSignals:
     """Collect the compared signals.
 
-    fine: (n,) unfiltered velocity; filtered: (C, m) all recorded rows low-passed, None without anti-aliasing;
-    raw_values: (C, k) all recorded rows at the sampling instants; peaks: (passes, ``EXTREMES``).
+    fine_velocity: (n,) unfiltered velocity; filtered: (C, m) all recorded rows low-passed, None without
+    anti-aliasing; raw_values: (C, k) all recorded rows at the sampling instants; peaks: (passes, ``EXTREMES``).
     """
     rows = raw_values if filtered is None else filtered
     sensor_motion = {quantity: spectral_lines.sensor_series(case, rows, quantity) for quantity in MOTION}
@@ -215,13 +226,20 @@ def _collect_signals(
             raw_values[channel_rows[raw_mask]],
         )
     return RunSignals(
-        fine, sensor_motion["velocity"], filtered_rows, raw_rows, lines, float(peaks[:, PEAK_FORCE_COLUMN].max())
+        fine_velocity,
+        sensor_motion["velocity"],
+        filtered_rows,
+        raw_rows,
+        contributions,
+        float(peaks[:, PEAK_FORCE_COLUMN].max()),
     )
 
 
 def fault_lines(case: Case) -> list[str]:
-    """Return the lines of a case's defects; BPFO for a healthy bearing, which also vibrates at BPFO, due to
-    varying compliance."""
+    """Return the names of the lines of a case's defects.
+
+    BPFO for a healthy bearing, which vibrates at BPFO due to varying compliance.
+    """
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
@@ -229,13 +247,19 @@ def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
     """Return the compared signals of a pilot run over its ``passes`` ball passes after settling."""
     case, grid = setup.case, setup.grid
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
-    fine = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
+    fine_velocity = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
     filtered = raw.low_passed.read(start, length) if case.antialias else None
     raw_values = raw.raw_values[:, : floor(passes / grid.rate * case.sampling) + 1]
     angles = spectral_lines.angles_of_record(case, setup.model, grid, raw, start, length)
     phases = [angles.phase(LINES[name], case.bearing.rollers) for name in fault_lines(case)]
-    lines = np.stack([pass_contributions(phase, passes, fine) for phase in phases])
+    contributions = np.stack([pass_contributions(phase, passes, fine_velocity) for phase in phases])
     settling_passes = floor(case.settle_s * grid.rate + 1e-6)
     return _collect_signals(
-        case, raw, fine, filtered, raw_values, lines, raw.peaks[settling_passes : settling_passes + passes]
+        case,
+        raw,
+        fine_velocity,
+        filtered,
+        raw_values,
+        contributions,
+        raw.peaks[settling_passes : settling_passes + passes],
     )

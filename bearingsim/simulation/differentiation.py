@@ -1,6 +1,7 @@
-"""Velocity and acceleration of the ring as differences of its recorded positions.
+"""Velocity and acceleration of the ring, as finite differences of its recorded positions.
 
-For methods with steps of their own, and for models without a method, which are solved for positions.
+Used for adaptive methods, whose steps do not end at the recorded instants, and for models without a method, which
+are solved for positions.
 """
 
 from functools import cache
@@ -12,7 +13,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.simulation.channels import FEATURE_CELLS
 
-MOTIONS = (
+MOTION_ROWS = (
     (slice(0, 2), slice(2, 4), slice(4, 6)),
     (
         slice(len(FEATURE_CELLS), len(FEATURE_CELLS) + 1),
@@ -20,29 +21,29 @@ MOTIONS = (
         slice(len(FEATURE_CELLS) + 2, len(FEATURE_CELLS) + 3),
     ),
 )
-"""Rows of position, velocity, acceleration in a recording: of the ring, and of a flexible ring at its sensor."""
-STENCIL_REACH = 4  # columns on each side of a difference
+"""Rows of position, velocity, acceleration in a recording: of the ring, and at the sensor on a flexible ring."""
+STENCIL_REACH = 4  # columns on each side of the centre of a finite difference
 
 
 def derives_velocity(case: Case) -> bool:
-    """Check if velocity and acceleration of the ring are differences of its positions."""
+    """Check if velocity and acceleration of the ring are finite differences of its positions."""
     return case.method is None or assemble.is_adaptive(case)
 
 
-def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column: int, h: float) -> None:
-    """Write velocity and acceleration as differences of positions, from ``column`` - STENCIL_REACH on.
+def differentiate(values: np.ndarray, motion_rows: tuple[slice, slice, slice], column: int, h: float) -> None:
+    """Write velocity and acceleration as differences of positions, from column ``column`` - STENCIL_REACH on.
 
-    window: (C, n) in SI, at intervals of ``h`` s; motion: its rows, as in ``MOTIONS``; ``column``: at least
-    2 STENCIL_REACH.
+    values: (C, n) recorded rows in SI, at intervals of ``h`` s; motion_rows: an element of ``MOTION_ROWS``;
+    column: at least 2 STENCIL_REACH.
 
     An adaptive method takes several steps between recorded instants, and a model without a method has an impulse
-    or a cusp between them. If the velocity jumps, its samples have a wrong mean, whereas differences of positions
-    sum to the displacement. The differences are of eighth order: the velocity is accurate to 1e-3 up to 0.15 of
-    the column rate, above which nothing is kept. The last STENCIL_REACH columns, which lack neighbours, are
-    overwritten in the next pass.
+    or a cusp between them. If the velocity jumps, the mean of its samples is wrong, whereas differences of
+    positions sum to the displacement. The differences are of eighth order: the velocity is accurate to 1e-3 up to
+    0.15 of the column rate, the upper limit of the fine samples' pass band. The last STENCIL_REACH columns, which
+    lack neighbours, have differences of lower order, and are overwritten in the next pass.
     """
-    position, velocity, acceleration = (window[rows] for rows in motion)
-    n = window.shape[1]
+    position, velocity, acceleration = (values[rows] for rows in motion_rows)
+    n = values.shape[1]
     central = slice(column - STENCIL_REACH, n - STENCIL_REACH), STENCIL_REACH
     for columns, reach in central, *((slice(n - 1 - r, n - r), r) for r in range(STENCIL_REACH - 1, 0, -1)):
         first_weights, second_weights = difference_weights(reach)

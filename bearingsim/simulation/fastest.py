@@ -1,10 +1,13 @@
-"""Fastest rates of a bearing at rest: the largest eigenvalues of stiffness and damping over mass.
+"""Largest eigenvalues of stiffness and damping over mass of a bearing at rest.
+
+The accelerations are linearised:
 
     a(q + dq, v + dv) = a(q, v) - K dq - C dv
 
-Usually the monitored bodies (``core/advance.py``) limit a step, because the rollers are the lightest. A ring that
-is lighter, or more stiffly supported by its bracket or shaft, is faster. The largest eigenvalues of K and C of all
-bodies are computed by power iteration, with matrix products from differences of two evaluations of the model.
+Usually the monitored bodies (``core/advance.py``) limit the step, because the rollers are the lightest. A ring
+that is lighter, or more stiffly supported by its bracket or shaft, has larger eigenvalues. The largest eigenvalues
+of K and C of all bodies are computed by power iteration, with matrix products from differences of two evaluations
+of the model.
 """
 
 from math import sqrt
@@ -16,9 +19,9 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.interface import harmonics, state_width
 
-# power iterations to detect a body four times faster, and to converge to its rate
+# power iterations that detect an eigenvalue four times larger, and that converge to it
 SEARCH_ITERATIONS, REFINE_ITERATIONS = 3, 24
-RELATIVE_DISPLACEMENT = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
+RELATIVE_DISPLACEMENT = 1e-3  # displacement over the approach at rest, small enough for linear contacts
 
 
 class Rates(NamedTuple):
@@ -29,7 +32,7 @@ class Rates(NamedTuple):
 
     @property
     def fastest(self) -> float:
-        """Largest eigenvalue (1/s) of a body with both K and C, which limits the step of an explicit method."""
+        """Largest eigenvalue magnitude (1/s) of an oscillator of K and C, which limits explicit steps."""
         omega = sqrt(self.K)
         return fastest_rate(omega, self.C / (2.0 * omega)) if omega > 0.0 else self.C
 
@@ -42,9 +45,9 @@ def fastest_rate(omega: float, zeta: float) -> float:
 def rates_at_rest(
     model: Any, t: float, y: np.ndarray, approach: float, iterations: int = REFINE_ITERATIONS
 ) -> Rates:
-    """Compute the rates of a bearing at rest at time ``t`` (s). The buffer ``y`` is restored.
+    """Compute the rates of a bearing at rest at time ``t`` (s).
 
-    approach: that of the most loaded contact (m).
+    y: buffer in equilibrium, changed and restored; approach: that of the most loaded contact (m).
     """
     position_scales, velocity_scales = length_factors(model).reshape(2, lay.STATE)
     displacement = RELATIVE_DISPLACEMENT * approach
@@ -57,8 +60,8 @@ def _largest(
 ) -> float:
     """Return the largest eigenvalue of minus the Jacobian of the accelerations in a block of the state.
 
-    scales: (STATE,) lengths per unit of each entry (m, or 1), 0 if not part of the state; size: largest change of
-    an entry (m or m/s).
+    block: offset of the block in the buffer; scales: (STATE,) as from ``length_factors``; size: largest change of
+    an entry as a length or speed (m or m/s).
     """
     cells = np.flatnonzero(scales)
     scales, state_cells, acceleration_cells = scales[cells], block + cells, lay.ACCELERATION + cells

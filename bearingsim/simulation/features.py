@@ -1,4 +1,4 @@
-"""Features of a run: lines, statistics, extremes, load zone, cage slip, bands, and features of other packages.
+"""Features of a run: lines, statistics, largest values, load zone, cage slip, bands, and those of other packages.
 
 Band features are computed from fine samples, which are not low-passed, so they do not depend on `sampling`. The
 fine rate is high enough to leave the bands unattenuated (``time_grid.make_grid``).
@@ -22,14 +22,14 @@ from bearingsim.core.geometry.motion import speed_factor
 from bearingsim.errors import UserError
 from bearingsim.extensions import BrokenExtension
 from bearingsim.simulation.channels import CAGE_SPEED, MOTION
-from bearingsim.simulation.recording import RawRecord, windows
+from bearingsim.simulation.recording import RawRecord, pass_segments
 from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.spectral_lines import (
     ROW_OF,
     SampleAngles,
     angles_of_record,
     ball_pass_lines,
-    blocks,
+    block_ranges,
     other_lines,
     sensor_samples,
     sensor_series,
@@ -37,24 +37,27 @@ from bearingsim.simulation.spectral_lines import (
 from bearingsim.simulation.time_grid import Grid
 
 
-def features(
-    case: Case, model: Any, grid: Grid, raw: RawRecord, pass_lines: Mapping[str, np.ndarray]
+def compute_features(
+    case: Case, model: Any, grid: Grid, raw: RawRecord, pass_amplitudes: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
-    """Return every feature of a run; pass_lines: its ``lines_of_passes``."""
+    """Compute all features of a run except those of bands and of other packages.
+
+    pass_amplitudes: result of ``amplitudes_by_pass``.
+    """
     return {
-        **ball_pass_lines(case, pass_lines),
+        **ball_pass_lines(case, pass_amplitudes),
         **other_lines(case, model, grid, raw),
-        **statistics(case, grid, raw),
-        **extremes(case, grid, raw),
-        **cage_and_load_zone(case, model, grid, raw),
+        **compute_statistics(case, grid, raw),
+        **find_extremes(case, grid, raw),
+        **compute_cage_and_load_zone(case, model, grid, raw),
     }
 
 
-def statistics(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
+def compute_statistics(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
+    """Compute RMS, peak, crest factor and kurtosis along the sensor, over the whole ball passes of the record.
 
-    They are computed from the low-passed motion at fine samples, so peaks between two samples of the record are
-    included. A raw record (`antialias: false`) is evaluated at its own samples.
+    The low-passed motion at fine samples is used, so peaks between two samples of the record are included. A raw
+    record (`antialias: false`) is evaluated at its own samples.
     """
     motion = _low_passed_motion(case, grid, raw) if case.antialias else _raw_motion(case, grid, raw)
     return {
@@ -65,25 +68,26 @@ def statistics(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
 
 
 Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
-"""Function that returns the values (n,) of a quantity along the sensor, and their multiplicities (None: one)."""
+"""Function that returns values (n,) of a quantity along the sensor and their multiplicities (None: all 1)."""
 
 
 def _raw_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
-    passes = len(windows(case, grid, raw, reach=0).index)
+    """Return the motion along the sensor at the samples of the record, unfiltered."""
+    passes = len(pass_segments(case, grid, raw, reach=0).index)
     raw_values = raw.raw_values[:, : round(passes / grid.rate * case.sampling)]
     return lambda quantity: (sensor_series(case, raw_values, quantity), None)
 
 
 def _low_passed_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
-    """Filter the motion along the sensor over the record's distinct passes."""
-    record_windows, filtered = windows(case, grid, raw, reach=raw.reach), raw.low_passed
-    count, weights = record_windows.distinct * record_windows.M, record_windows.weights
-    multiplicities = np.repeat(weights, record_windows.M) if np.any(weights > 1) else None
-    return lambda quantity: (sensor_samples(case, filtered, quantity, record_windows.start, count), multiplicities)
+    """Return the low-passed motion along the sensor over the distinct passes of the record."""
+    segments, filtered = pass_segments(case, grid, raw, reach=raw.reach), raw.low_passed
+    count, weights = segments.distinct * segments.M, segments.weights
+    multiplicities = np.repeat(weights, segments.M) if np.any(weights > 1) else None
+    return lambda quantity: (sensor_samples(case, filtered, quantity, segments.start, count), multiplicities)
 
 
-def extremes(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return the largest force (N), tilt (rad) and line load (N/m) of any roller in the record's whole passes.
+def find_extremes(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
+    """Find the largest force (N), tilt (rad) and line load (N/m) of any roller in the whole passes of the record.
 
     If the record has no whole pass, the first pass to begin at or after its start is used. Quantities that the
     model does not compute are NaN.
@@ -101,19 +105,22 @@ def extremes(case: Case, grid: Grid, raw: RawRecord) -> dict[str, float]:
     }
 
 
-def cage_and_load_zone(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return the mean extent of the load zone (rad) and the cage slip; NaN if the model does not compute them."""
-    record_windows, entry = windows(case, grid, raw, reach=0), MODELS[case.model]
-    start, M = record_windows.start, record_windows.M
-    slip, loaded_rollers = np.empty(record_windows.distinct * M), 0.0
-    for begin, end in blocks(len(slip)):
+def compute_cage_and_load_zone(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
+    """Compute the mean extent of the load zone (rad), and mean and standard deviation of the cage slip.
+
+    NaN if the model does not compute them.
+    """
+    segments, entry = pass_segments(case, grid, raw, reach=0), MODELS[case.model]
+    start, M = segments.start, segments.M
+    slip, loaded_rollers = np.empty(segments.distinct * M), 0.0
+    for begin, end in block_ranges(len(slip)):
         rollers, speed = raw.read(
             start + begin, end - begin, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
         )
         time = (start + np.arange(begin, end)) / grid.fine_rate
         slip[begin:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
-        loaded_rollers += rollers @ record_windows.weights[np.arange(begin, end) // M]
-    weights = record_windows.weights
+        loaded_rollers += rollers @ segments.weights[np.arange(begin, end) // M]
+    weights = segments.weights
     pass_means = slip.reshape(-1, M).mean(axis=1)
     extent = 2.0 * pi / model.bearing.Z * loaded_rollers / (weights.sum() * M)
     return {
@@ -123,11 +130,11 @@ def cage_and_load_zone(case: Case, model: Any, grid: Grid, raw: RawRecord) -> di
     }
 
 
-def band_features(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return the band features of a case over the whole ball passes of its record; NaN if there are none."""
+def compute_band_features(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
+    """Compute the band features over the whole ball passes of a record; NaN if it has no whole pass."""
     requested = {name: feature for name in case.features if (feature := read_band(name)) is not None}
-    record_windows = windows(case, grid, raw, reach=0)
-    start, count = record_windows.start, len(record_windows.index) * record_windows.M
+    segments = pass_segments(case, grid, raw, reach=0)
+    start, count = segments.start, len(segments.index) * segments.M
     if not requested or not count:
         return dict.fromkeys(requested, nan)
     series = {f.quantity: sensor_samples(case, raw, f.quantity, start, count) for f in requested.values()}
@@ -136,7 +143,7 @@ def band_features(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[st
     for name, feature in requested.items():
         cpu_time.check()
         samples, band = series[feature.quantity], band_of(case, feature)
-        if not resolves(band, count / grid.fine_rate):
+        if not can_resolve(band, count / grid.fine_rate):
             values[name] = nan
         elif feature.line:
             values[name] = _envelope_line(case, feature, band, samples, grid.fine_rate, angles)
@@ -150,16 +157,16 @@ def band_of(case: Case, feature: BandFeature) -> Band:
     return feature.band or Band(0.0, PASSBAND * case.sampling)
 
 
-def resolves(band: Band, duration: float) -> bool:
-    """Check if ``duration`` (s) is at least 1/low and 1/(high - low) of a band."""
+def can_resolve(band: Band, duration: float) -> bool:
+    """Check if ``duration`` (s) resolves a band, that is if it is at least 1/low and 1/(high - low)."""
     return (band.low == 0.0 or band.low * duration >= 1.0) and (band.high - band.low) * duration >= 1.0
 
 
 def _envelope_line(
-    case: Case, feature: BandFeature, band: Band, series: np.ndarray, fs: float, angles: SampleAngles
+    case: Case, feature: BandFeature, band: Band, series: np.ndarray, sampling_rate: float, angles: SampleAngles
 ) -> float:
-    """Return the amplitude of a line of the squared envelope; NaN if the band or record does not resolve it."""
-    Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
+    """Compute the amplitude of a line of the squared envelope; NaN if the band or record does not resolve it."""
+    Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / sampling_rate
     ends = angles.ends().phases(Z)
     frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)
     resolved = zip(frequencies, signals.are_resolved(frequencies, duration), strict=True)
@@ -167,21 +174,21 @@ def _envelope_line(
     if not (is_resolved or LINES[name].outer) or not 0.0 < frequency < band.high - band.low:
         return nan
     angle = angles.phase(LINES[name], Z)
-    return float(abs(signals.amplitude_at(signals.squared_envelope(series, fs, band), angle)))
+    return float(abs(signals.amplitude_at(signals.squared_envelope(series, sampling_rate, band), angle)))
 
 
 class NotRecorded(UserError, KeyError):
-    """Error for a feature that reads a series that its case does not record."""
+    """Error of a feature function that reads a series which the case does not record."""
 
 
 class RecordedSeries(dict[str, np.ndarray]):
-    """Recorded series (n,) by name."""
+    """Recorded series (n,) by name; raises ``NotRecorded`` for any other name."""
 
     def __missing__(self, name: str) -> np.ndarray:
         raise NotRecorded(name)
 
 
-def extension_features(
+def compute_extension_features(
     case: Case, time: np.ndarray, series: dict[str, np.ndarray]
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Compute the features of other packages from a record: ``time`` (n,) in s, ``series`` (n,) by name, in SI.
@@ -205,18 +212,20 @@ def extension_features(
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:
+    """Return a read-only view of an array."""
     view = array.view()
     view.flags.writeable = False
     return view
 
 
 def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: RecordedSeries) -> float:
+    """Compute a feature of another package. Raises BrokenExtension without a real number."""
     try:
         value = call(feature.compute, case, time, series)
     except BrokenExtension as error:
         raise BrokenExtension(f"feature `{feature.name}`: {error}") from error
     number = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
-    if not isinstance(number, Real | np.bool_):  # float() would read a text, and drop an imaginary part
+    if not isinstance(number, Real | np.bool_):  # float() would convert a string, and drop an imaginary part
         message = f"`{feature.compute}` returned a {type(value).__name__}, not a real number"
         raise BrokenExtension(f"feature `{feature.name}`: {message}")
     return float(number)

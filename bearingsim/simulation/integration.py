@@ -22,11 +22,11 @@ from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
 from bearingsim.simulation import channels
-from bearingsim.simulation.differentiation import MOTIONS, STENCIL_REACH, derives_velocity, differentiate
+from bearingsim.simulation.differentiation import MOTION_ROWS, STENCIL_REACH, derives_velocity, differentiate
 from bearingsim.simulation.recording import RawRecord, Recording, extend_back, pop_peaks
 from bearingsim.simulation.repetition import (
-    RECORD_CLOSENESS,
-    Closeness,
+    RECORD_CRITERION,
+    PeriodCriterion,
     Repetition,
     Search,
     may_repeat,
@@ -40,11 +40,11 @@ from bearingsim.simulation.run_setup import (
     nested_types,
     run_failure,
 )
-from bearingsim.simulation.settling import SlowModes, slowest_decay
+from bearingsim.simulation.settling import SteadyExtrapolation, slowest_decay
 
 SECONDS_PER_CALL = 0.1  # s, approximate CPU time between two readings of the clock
 FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # first and largest number of steps (or recorded instants) between readings
-STEADY_TOLERANCE = 0.01  # fraction of the closeness of periodic passes below which a change is ignored
+STEADY_TOLERANCE = 0.01  # change of a steady motion, as a fraction of ``PeriodCriterion.sum_limit``
 
 
 @dataclass
@@ -59,7 +59,7 @@ class Pace:
     steps: int = FIRST_STEPS
 
     def add(self, seconds: float, steps: int) -> None:
-        """Add the CPU time of some steps, and choose the number of the next ones."""
+        """Add the CPU time of some steps, and choose the number of steps until the next reading."""
         self.cpu_s += seconds
         self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
 
@@ -72,12 +72,12 @@ class StepUsage:
     cpu_s: float = 0.0
 
 
-_TOTAL = StepUsage()
+_TOTAL_USAGE = StepUsage()
 
 
 def step_usage() -> StepUsage:
-    """Return the steps taken in this process so far, including failed runs and those used only for comparison."""
-    return replace(_TOTAL)
+    """Return the steps of this process so far, and their CPU time, including failed runs and pilots."""
+    return replace(_TOTAL_USAGE)
 
 
 class Inspector(Protocol):
@@ -88,34 +88,34 @@ class Inspector(Protocol):
         """Ball passes of the run, settling included."""
 
     def ends(self, raw: RawRecord) -> bool:
-        """Check if the ball passes so far are enough."""
+        """Check if the run may end after the ball passes so far."""
 
 
 class Inspection(NamedTuple):
-    """Inspection of a run after each of ``passes``; ``enough`` returns whether the run may end."""
+    """Inspection of a run after each of ``passes``; may_end: function of the record so far."""
 
     passes: Collection[int]
-    enough: Callable[[RawRecord], bool]
+    may_end: Callable[[RawRecord], bool]
 
     def ends(self, raw: RawRecord) -> bool:
-        """Check if the ball passes so far are enough."""
-        return self.enough(raw)
+        """Check if the run may end after the ball passes so far."""
+        return self.may_end(raw)
 
 
 class Run:
     """Run of a case, computed and recorded by ball passes, until it is periodic or complete.
 
-    It may be computed as far as a pilot first, and continued later. setup: as given; y: the buffer; pace: its CPU
-    time; passes: number computed so far; period: of the motion, 0 if it is not periodic so far.
+    It may be interrupted after a pilot and continued later. setup: as given; y: the buffer; pace: CPU time of its
+    steps; passes: number computed so far; period: of the motion in ball passes, 0 if it is not periodic so far.
     """
 
     def __init__(self, setup: Setup, y: np.ndarray, pace: Pace, search: Search | None = None) -> None:
-        """Begin a run. y: the buffer at t = 0 (``_start``); search: for a period, None for no search."""
+        """Begin a run. y: the buffer at t = 0 (``_make_initial_buffer``); search: for a period, or None."""
         self.setup, self.y, self.pace, self.search = setup, y, pace, search
         self.passes, self.period, self.difference = 0, 0, nan
         self.recording = Recording(setup.case, setup.grid, setup.model.bearing.Z, y)
         self._initial_passages = _defect_passages(setup, 0.0, y)
-        self._windows = _ball_passes(setup, self.recording.samples, y, self.recording.cells, pace)
+        self._pass_iterator = _ball_passes(setup, self.recording.samples, y, self.recording.cells, pace)
 
     @classmethod
     def begin(
@@ -123,13 +123,18 @@ class Run:
         setup: Setup,
         perturbation: float = 0.0,
         start: np.ndarray | None = None,
-        closeness: Closeness = RECORD_CLOSENESS,
+        criterion: PeriodCriterion = RECORD_CRITERION,
         max_passes: int | None = None,
     ) -> "Run":
-        """Return the run of a setup before its first step; arguments as in ``integrate``."""
+        """Return a run before its first step, at a steady state if one is extrapolated.
+
+        Arguments as in ``integrate``.
+        """
         pace = Pace(setup.max_cpu)
-        steady_start = _find_steady_start(setup, pace, start, closeness, max_passes)
-        return cls(setup, _start(setup, perturbation, steady_start), pace, _search(setup, closeness))
+        steady_start = _find_steady_start(setup, pace, start, criterion, max_passes)
+        return cls(
+            setup, _make_initial_buffer(setup, perturbation, steady_start), pace, _make_search(setup, criterion)
+        )
 
     @property
     def is_periodic(self) -> bool:
@@ -137,17 +142,17 @@ class Run:
         return self.period > 0 and self.passes % self.period == 0
 
     def ball_passes(self) -> Iterator[int]:
-        """Compute and record the ball passes that follow; yield the number computed so far after each."""
-        while not self.is_periodic and (window := next(self._windows, None)) is not None:
-            self.recording.add_pass(self.passes, window, self.y)
+        """Compute and record the remaining ball passes; yield the number computed so far after each."""
+        while not self.is_periodic and (pass_values := next(self._pass_iterator, None)) is not None:
+            self.recording.add_pass(self.passes, pass_values, self.y)
             self.passes += 1
             if self.search is not None and self.period == 0:
                 peaks = self.recording.peaks[self.passes - 1]
-                self.period, self.difference = self.search.add_pass(window, self.y, peaks)
+                self.period, self.difference = self.search.add_pass(pass_values, self.y, peaks)
             yield self.passes
 
     def advance(self, passes: int) -> None:
-        """Compute the run until ``passes``, unless it is periodic before. Raises like ``integrate``."""
+        """Compute the run up to ball pass ``passes``, unless it is periodic before. Raises like ``integrate``."""
         for _ in islice(self.ball_passes(), max(0, passes - self.passes)):
             pass
 
@@ -162,7 +167,7 @@ class Run:
         return raw
 
     def inspected_record(self) -> RawRecord:
-        """Return the record so far, its end unchecked."""
+        """Return the record so far, without a check of its end."""
         contraction = inf if self.search is None else self.search.contraction
         repetition = Repetition(self.passes, self.period, self.difference, contraction)
         return self.recording.raw_record(repetition, self.y)
@@ -172,25 +177,27 @@ def integrate(
     setup: Setup,
     perturbation: float = 0.0,
     start: np.ndarray | None = None,
-    closeness: Closeness = RECORD_CLOSENESS,
-    patience: int = 0,
+    criterion: PeriodCriterion = RECORD_CRITERION,
+    max_search_passes: int = 0,
     max_passes: int | None = None,
     inspector: Inspector | None = None,
-    begun: Run | None = None,
+    partial_run: Run | None = None,
 ) -> RawRecord:
     """Integrate the ball passes and record fine samples (and raw values if the case needs them).
 
-    Ends after all passes, at an inspection, or once the motion is periodic within ``closeness``, after a whole
-    number of periods (so that a run started from its end is in phase). perturbation: initial perturbation of the
-    ring, relative to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static
-    equilibrium; patience: ball passes after which a non-periodic motion raises ``TooCostly``, 0 for never;
-    max_passes: largest number of ball passes; inspector: inspections that may end the run; begun: the same run,
-    of which some passes are computed. It is continued if no end of the run lies within them.
+    Ends after all passes, at an inspection, or once the motion is periodic by ``criterion``, after a whole number
+    of periods (so that a run started from its end is in phase). perturbation: initial perturbation of the ring,
+    relative to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static
+    equilibrium; max_search_passes: ball passes after which a non-periodic motion raises ``TooCostly``, 0 for
+    never; max_passes: largest number of ball passes; inspector: inspections that may end the run; partial_run: the
+    same run with some passes computed, continued unless it has already reached an inspection or ``max_passes``.
+
+    Raises ``MethodFailure`` if the monitor stops the run, and SimulationError without a static equilibrium.
     """
     inspected: Collection[int] = () if inspector is None else inspector.passes
-    run = begun
+    run = partial_run
     if run is None or run.passes >= min((*inspected, max_passes or inf)):
-        run = Run.begin(setup, perturbation, start, closeness, max_passes)
+        run = Run.begin(setup, perturbation, start, criterion, max_passes)
     run.pace.max_cpu = setup.max_cpu
     for passes in run.ball_passes():
         is_inspected = run.period == 0 and passes in inspected
@@ -198,24 +205,24 @@ def integrate(
             break
         if passes == max_passes:
             break
-        if run.period == 0 and passes == patience:
+        if run.period == 0 and passes == max_search_passes:
             raise TooCostly(
                 f"no ball pass of {passes} repeats another", setup.step_fraction, periodic=False, regular=False
             )
     return run.record()
 
 
-def _search(setup: Setup, closeness: Closeness) -> Search | None:
-    """Return a search for a period; None if the case is computed in full."""
+def _make_search(setup: Setup, criterion: PeriodCriterion) -> Search | None:
+    """Make a search for a period; None if the motion cannot be periodic or is computed in full."""
     if not may_repeat(setup.case):
         return None
     cells, memoryless = channels.recorded_cells(setup.case), MODELS[setup.case.model].memoryless
     slowest_ratio = exp(-slowest_decay(setup.case) / setup.grid.rate)
-    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio)
+    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, criterion, slowest_ratio)
 
 
-def _start(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:
-    """Return a buffer at t = 0, at static equilibrium or ``state``, with accelerations and a prepared method."""
+def _make_initial_buffer(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:
+    """Make a buffer at t = 0, at static equilibrium or ``state``, with accelerations and a prepared method."""
     case, model = setup.case, setup.model
     y, residual = assemble.start(case, model)
     if not residual <= 1e-8 * hypot(case.load, case.load_across):
@@ -241,62 +248,63 @@ def _restart_at(setup: Setup, t: float, y: np.ndarray) -> None:
 
 
 def _find_steady_start(
-    setup: Setup, pace: Pace, start: np.ndarray | None, closeness: Closeness, max_passes: int | None
+    setup: Setup, pace: Pace, start: np.ndarray | None, criterion: PeriodCriterion, max_passes: int | None
 ) -> np.ndarray | None:
-    """Return the steady state at t = 0 (2, 6, ROW), extrapolated from slow modes; ``start`` if not reached.
+    """Return the steady state at t = 0 (2, 6, ROW), extrapolated from slow modes; ``start`` if it is not reached.
 
-    The state is found at the end of a ball pass, where each roller is at the initial position of another, and
-    rotated back. max_passes: largest number of ball passes.
+    The state is that at the end of a ball pass, where each roller is at the initial position of another, rotated
+    back to t = 0. max_passes: largest number of ball passes.
     """
-    slow_modes = SlowModes.from_case(
-        setup.case, setup.model, setup.grid.rate, STEADY_TOLERANCE * closeness.sum_limit
+    extrapolation = SteadyExtrapolation.from_case(
+        setup.case, setup.model, setup.grid.rate, STEADY_TOLERANCE * criterion.sum_limit
     )
-    if slow_modes is None:
+    if extrapolation is None:
         return start
-    y, passes = _start(setup, 0.0, start), 0
+    y, passes = _make_initial_buffer(setup, 0.0, start), 0
     if start is not None:
         motion = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
-        slow_modes.set_initial_change(y[motion], _start(setup, 0.0)[motion])
+        extrapolation.set_initial_change(y[motion], _make_initial_buffer(setup, 0.0)[motion])
     cells = channels.recorded_cells(setup.case)
     short_setup = replace(
-        setup, grid=replace(setup.grid, passes=min(slow_modes.passes, max_passes or slow_modes.passes))
+        setup, grid=replace(setup.grid, passes=min(extrapolation.passes, max_passes or extrapolation.passes))
     )
     with suppress(MethodFailure):  # unless the extrapolation caused it, the run itself fails in the same way
         for _ in _ball_passes(short_setup, NoSamples(), y, cells, pace):
             passes += 1
-            if slow_modes.extrapolate(y):
+            if extrapolation.extrapolate(y):
                 _restart_at(setup, passes * setup.grid.steps_per_pass * setup.grid.step, y)
-            if slow_modes.converged:
+            if extrapolation.converged:
                 break
     state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW)
-    return rotate_state(state, setup.model, passes) if slow_modes.steady and np.isfinite(state).all() else start
+    return rotate_state(state, setup.model, passes) if extrapolation.steady and np.isfinite(state).all() else start
 
 
 def _ball_passes(
     setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: np.ndarray, pace: Pace
 ) -> Iterator[np.ndarray]:
-    """Yield the recording of each ball pass, (C, tail + steps), preceded by the end of the pass before.
+    """Yield the recorded values of each ball pass, preceded by the end of the pass before, (C, tail + steps).
 
-    The array is the same every time. ``pace`` sums the CPU time of the integrator.
+    The same array is yielded every time. The CPU time of the integrator is added to ``pace``.
     """
     case, grid = setup.case, setup.grid
     steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
-    window = np.empty((len(cells), tail + steps))
-    window[:] = y[cells][:, np.newaxis]
-    motions = (MOTIONS if case.rig.ring is not None else MOTIONS[:1]) if derives_velocity(case) else ()
+    pass_values = np.empty((len(cells), tail + steps))
+    pass_values[:] = y[cells][:, np.newaxis]
+    motions = (MOTION_ROWS if case.rig.ring is not None else MOTION_ROWS[:1]) if derives_velocity(case) else ()
     _warm_up(setup, samples, y, cells)
-    if MODELS[case.model].memoryless:  # does not start from rest, so the model also gives samples before t = 0
-        lead_in = window[:, steps - 2 * STENCIL_REACH :]
+    if MODELS[case.model].memoryless:
+        # the motion does not start from rest, so samples before t = 0 are computed as well
+        lead_in = pass_values[:, steps - 2 * STENCIL_REACH :]
         _record_steps(setup, NoSamples(), -lead_in.shape[1], y, cells, lead_in, pace)
         for motion in motions:
             differentiate(lead_in, motion, 2 * STENCIL_REACH, grid.step)
         pop_peaks(y)
     for p in range(grid.passes):
-        window[:, :tail] = window[:, steps:].copy()
-        _record_steps(setup, samples, p * steps, y, cells, window[:, tail:], pace)
+        pass_values[:, :tail] = pass_values[:, steps:].copy()
+        _record_steps(setup, samples, p * steps, y, cells, pass_values[:, tail:], pace)
         for motion in motions:
-            differentiate(window, motion, tail, grid.step)
-        yield window
+            differentiate(pass_values, motion, tail, grid.step)
+        yield pass_values
 
 
 def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passes: int) -> None:
@@ -310,17 +318,18 @@ def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passe
 
 
 _COMPILED: set[tuple] = set()
-"""Types of method, model, monitor and samples whose integrator is compiled or loaded in this process."""
+"""Types of method, model, monitor and samples for which the integrator is compiled or loaded in this process."""
 
 
 def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: np.ndarray) -> None:
-    """Compile or load an integrator outside of the measured CPU time, by a step that is discarded."""
+    """Compile or load an integrator by a discarded step, to keep compilation out of the measured CPU time."""
     types = nested_types((setup.method, setup.model, setup.monitor, samples))
     if types in _COMPILED:
         return
     y = y.copy()
     y[lay.CPU_END] = cpu_time.end()
-    columns = np.empty((len(cells), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
+    # strided like a recording, because Numba compiles for each array layout
+    columns = np.empty((len(cells), 2))[:, :1]
     advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, cells, columns, samples)
     _COMPILED.add(types)
 
@@ -334,7 +343,10 @@ def _record_steps(
     out: np.ndarray,
     pace: Pace,
 ) -> None:
-    """Take and record all steps of ``out`` from number ``start``. Raises MethodFailure if the run is stopped."""
+    """Take the steps from number ``start`` on, and record one in each column of ``out``.
+
+    Raises MethodFailure if the run is stopped.
+    """
     n = 0
     while n < out.shape[1]:
         y[lay.CPU_END], start_time = cpu_time.end(), cpu_time.now()
@@ -345,8 +357,8 @@ def _record_steps(
         n += count
         seconds = cpu_time.now() - start_time
         pace.add(seconds, count)
-        _TOTAL.steps += count
-        _TOTAL.cpu_s += seconds
+        _TOTAL_USAGE.steps += count
+        _TOTAL_USAGE.cpu_s += seconds
         cpu_time.check()
         if outcome == outcomes.SUCCESS and pace.cpu_s > pace.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
@@ -355,7 +367,7 @@ def _record_steps(
 
 
 def _defect_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
-    """Return the roller passes over each defect until ``t`` (s); empty without contact forces or memory."""
+    """Return the passages of rollers over each defect until ``t`` (s); empty without contact forces or memory."""
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [relative_passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]

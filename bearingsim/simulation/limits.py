@@ -42,9 +42,9 @@ from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import SEARCH_ITERATIONS, Rates, rates_at_rest
 
-SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
-LONGEST_STEP = 20e-6  # s, longest step of models without a limit
-FASTER_RATIO = 2.0  # ratio to the rate of the monitored bodies above which another body limits the step
+SAFETY = 0.9  # of the limit at impact, which is that of a single roller; motion of the ring lowers it
+LONGEST_STEP = 20e-6  # s, longest automatic step
+FASTER_RATIO = 2.0  # ratio of eigenvalues above which another body than the monitored ones limits the step
 PASS_SAMPLES = 16  # cage angles in a ball pass at which static equilibrium is computed
 
 
@@ -52,11 +52,13 @@ PASS_SAMPLES = 16  # cage angles in a ball pass at which static equilibrium is c
 class Limits:
     """Limits of a case's step. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
-    The limits are those of the method on the linearised bearing; ``impact_force`` is an estimate of the peak.
-    damping_ratio: of the most loaded roller (in `ring`, of the ring) on its contacts, without friction;
-    damping_time (s): c/k of a contact under the largest static load, the larger of both races; fastest_rate (1/s):
-    largest eigenvalue of the bearing at rest, of this body, of a flexible ring or of a body that is much lighter
-    or more stiffly supported; wave: shortest time (s) in which a contact passes a wave of the surfaces' form;
+    rest_load: largest static outer force; contact_frequency: of the most loaded roller on its contacts;
+    damping_ratio: of this roller (in `ring`, of the ring), without friction; fastest_rate (1/s): largest
+    eigenvalue of the bearing at rest, that of this roller, of a flexible ring, or of a body that is much lighter
+    or more stiffly supported; damping_time: c/k of a contact under the largest static load, the larger of both
+    races; at_rest, at_impact: longest stable step of the method on the linearised bearing; closing_speed (m/s): of
+    roller and race at the far edge of the steepest defect; impact_force: estimated peak; crossing: shortest time
+    of a defect crossing; undulation: shortest time in which a contact passes an undulation of a surface;
     approach_bound (m), energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not
     exceed.
     """
@@ -71,17 +73,17 @@ class Limits:
     impact_force: float
     at_impact: float
     crossing: float
-    wave: float
+    undulation: float
     approach_bound: float
     energy_bound: float
 
 
 def longest_step(limits: Limits) -> float:
-    """Return the longest step (s) that a case may give."""
-    return min(SAFETY * limits.at_impact, min(limits.crossing, limits.wave) / MIN_STEPS_PER_CROSSING)
+    """Return the longest `step` (s) that is accepted."""
+    return min(SAFETY * limits.at_impact, min(limits.crossing, limits.undulation) / MIN_STEPS_PER_CROSSING)
 
 
-class SpringRates(NamedTuple):
+class BodyRates(NamedTuple):
     """Stiffness K (1/s^2) and damping C (1/s) of a body over its mass: at rest, and largest."""
 
     K_rest: float
@@ -103,30 +105,30 @@ def step_limits(case: Case) -> Limits:
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
-def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
-    """Return the limits that do not depend on a method, and the rates from which those of a method follow."""
-    rest_load, K, C = loads_at_rest(rest_case(case))
-    alone = Rates(*contact_rates(rest_case(case)))
-    frequency = sqrt(alone.K) / (2.0 * pi) if alone.K > 0.0 else inf
-    ratio, faster = damping_ratio_at_rest(case), fast_body_rates(rest_case(case))
+def _common_limits(case: Case) -> tuple[Limits, BodyRates]:
+    """Return the limits that do not depend on a method, and the rates that give the step limits of a method."""
+    rest_load, K, C = load_and_rates_at_rest(rest_case(case))
+    single_contact = Rates(*contact_rates(rest_case(case)))
+    frequency = sqrt(single_contact.K) / (2.0 * pi) if single_contact.K > 0.0 else inf
+    damping, fast_body = damping_ratio_at_rest(case), fast_body_rates(rest_case(case))
     bending_rate = Rates(K, C).fastest if case.rig.ring is not None else 0.0
-    K, C = max(K, faster.K), max(C, faster.C)
+    K, C = max(K, fast_body.K), max(C, fast_body.C)
     limits = Limits(
         rest_load=rest_load,
         contact_frequency=frequency,
-        damping_ratio=ratio,
-        fastest_rate=max(alone.fastest, bending_rate, faster.fastest),
+        damping_ratio=damping,
+        fastest_rate=max(single_contact.fastest, bending_rate, fast_body.fastest),
         damping_time=damping_time(case, rest_load),
         at_rest=inf,
         closing_speed=0.0,
         impact_force=rest_load,
         at_impact=inf,
         crossing=inf,
-        wave=undulation_time(case),
+        undulation=undulation_time(case),
         approach_bound=inf,
         energy_bound=inf,
     )
-    return _with_defects(case, limits, K, C) if MODELS[case.model].loaded else (limits, SpringRates(K, C, K, C))
+    return _with_defects(case, limits, K, C) if MODELS[case.model].loaded else (limits, BodyRates(K, C, K, C))
 
 
 def damping_ratio_at_rest(case: Case) -> float:
@@ -138,7 +140,7 @@ def damping_ratio_at_rest(case: Case) -> float:
     if MODELS[healthy.model].memoryless:
         return 0.0
     if MODELS[healthy.model].has_inertia:
-        rest_load, *_ = loads_at_rest(healthy)
+        rest_load, *_ = load_and_rates_at_rest(healthy)
         return damping_ratio(healthy, rest_load)
     return ring_damping_ratio(healthy)
 
@@ -168,38 +170,39 @@ def ring_damping_ratio(healthy: Case) -> float:
     return ratio
 
 
-def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, SpringRates]:
-    """Add the impacts at defects to the limits."""
+def _with_defects(case: Case, limits_at_rest: Limits, K: float, C: float) -> tuple[Limits, BodyRates]:
+    """Return the limits with those at defects, and the rates at rest and at impact."""
     model = assemble.model(case)
     speed = closing_speed(model)
-    impacts = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
-    impacts += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    mass_ratio = max(1.0, model.bearing.m_r / model.bearing.m_o)  # over the mass of the lighter body
+    impacts = [free_impact_response(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
+    impacts += [step_impact_response(model, law, limits_at_rest.rest_load) for law in (model.outer, model.inner)]
+    mass_ratio = max(1.0, model.bearing.m_r / model.bearing.m_o)  # the rates are those of the lighter body
     _, K_impact, C_impact = (mass_ratio * max(values) for values in zip(*impacts, strict=True))
     if case.rig.ring is not None:  # the flexible race deflects as well
         mobility_factor = 1.0 + model.bearing.m_r * model.bending.mobility
         K_impact, C_impact = mobility_factor * K_impact, mobility_factor * C_impact
-    approach_bound, energy_bound = bounds(case, model, healthy)
+    approach_bound, energy_bound = motion_bounds(case, model, limits_at_rest)
     limits = replace(
-        healthy,
+        limits_at_rest,
         closing_speed=speed,
-        impact_force=impact_force(model, healthy.rest_load),
+        impact_force=impact_force(model, limits_at_rest.rest_load),
         crossing=crossing_time(model),
         approach_bound=approach_bound,
         energy_bound=energy_bound,
     )
-    return limits, SpringRates(K, C, K + K_impact, C + C_impact)
+    return limits, BodyRates(K, C, K + K_impact, C + C_impact)
 
 
 def impact_force(model: Any, load: float) -> float:
     """Estimate the largest contact force (N) of a roller that passes the defects under ``load`` (N).
 
-    The simplifications are listed in ``core/defects/passage.py``. Massless rollers follow a defect without impact.
+    The simplifications are listed in ``core/defects/passage.py``. Massless rollers follow the surface without
+    impact.
     """
     b = model.bearing
     if b.m_r == 0.0:
         return load
-    model = model._replace(defects=static_model(model).defects)  # slices weighted by length
+    model = model._replace(defects=static_model(model).defects)  # with slices as groups, weighted by their length
     inner_load = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
     approaches = approach(model.outer, load), approach(model.inner, inner_load)
     peaks = (bounded(partial(passage_peak, model, d, *approaches)) for d in range(len(model.defects.head)))
@@ -214,8 +217,8 @@ ball passes.
 """
 
 
-def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
-    """Return bounds of a contact's approach (m) and of the energy (J) of radial motion.
+def motion_bounds(case: Case, model: Any, limits_at_rest: Limits) -> tuple[float, float]:
+    """Return bounds of a contact's approach (m) and of the energy (J) of radial motion in a valid run.
 
     Approach: the whole load on one roller, the drop through clearance and defect, the stopping distance from the
     closing speed at the contact frequency at rest, and the amplitude due to an unbalance. Energy: the work of the
@@ -223,18 +226,18 @@ def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
     all bodies at the closing speed and at the speed of the inner ring due to an unbalance.
     """
     b, v = model.bearing, closing_speed(model)
-    load = hypot(case.load, case.load_across) + healthy.rest_load
+    load = hypot(case.load, case.load_across) + limits_at_rest.rest_load
     static_approach = max(approach(law, load) for law in (model.outer, model.inner))
     drop = static_approach + max(case.clearance, 0.0) + largest_roller_drop(model)
     centrifugal_force = b.Z * b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
     v_inner = unbalance_speed(case)
     energy = (b.Z * load + centrifugal_force) * drop + 0.5 * (b.m_o + b.Z * b.m_r) * (v * v + v_inner * v_inner)
-    stopping_distance = v / (2.0 * pi * healthy.contact_frequency)
+    stopping_distance = v / (2.0 * pi * limits_at_rest.contact_frequency)
     return APPROACH_MARGIN * (drop + stopping_distance + v_inner / case.speed), ENERGY_MARGIN * energy
 
 
 def unbalance_speed(case: Case) -> float:
-    """Return the speed (m/s) of an inner ring under unbalance, limited by the damping of the shaft alone."""
+    """Return the speed (m/s) of an inner ring under unbalance at resonance, limited by the shaft's damping."""
     if case.unbalance is None or case.shaft is None:
         return 0.0
     c = case.shaft.damping
@@ -243,7 +246,7 @@ def unbalance_speed(case: Case) -> float:
 
 @lru_cache(maxsize=256)
 def rest_case(case: Case) -> Case:
-    """Return the case without defects, with the lowest model that has contact forces if its own has none."""
+    """Return the case without defects, with the simplest model with contact forces if its own model has none."""
     healthy = assemble.healthy_case(case)
     return (
         healthy
@@ -253,8 +256,8 @@ def rest_case(case: Case) -> Case:
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
-def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
-    """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
+def load_and_rates_at_rest(healthy: Case) -> tuple[float, float, float]:
+    """Return the largest outer force (N), stiffness/mass (1/s^2), damping/mass (1/s) of a body in a ball pass."""
     model = assemble.model(healthy)
     load, K, C = 0.0, 0.0, 0.0
     for _, y, K_now, C_now in rest_states(model):
@@ -265,8 +268,8 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
 def fast_body_rates(healthy: Case) -> Rates:
-    """Return the rates at rest of a body much faster than the monitored ones; zero if there is none."""
-    load, *monitored = loads_at_rest(healthy)
+    """Return the rates at rest of a body much faster than the monitored bodies; zero if there is none."""
+    load, *monitored = load_and_rates_at_rest(healthy)
     model = assemble.without_friction(assemble.model(healthy))
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.supports(type(model)):
         return Rates(0.0, 0.0)
@@ -279,9 +282,9 @@ def fast_body_rates(healthy: Case) -> Rates:
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
 def contact_rates(healthy: Case) -> tuple[float, float]:
-    """Return stiffness and damping over mass as ``loads_at_rest``, but without the bending of a flexible ring."""
+    """Return the rates of ``load_and_rates_at_rest`` without the bending of a flexible ring."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
-        return loads_at_rest(healthy)[1:]
+        return load_and_rates_at_rest(healthy)[1:]
     model, rates = assemble.model(healthy), []
     stiff_model = model._replace(bending=RigidRing())
     for _, y, _, _ in rest_states(model):
@@ -292,7 +295,10 @@ def contact_rates(healthy: Case) -> tuple[float, float]:
 
 
 def rest_states(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
-    """Yield times (s) of a ball pass, the buffer at equilibrium, and a body's stiffness and damping over mass."""
+    """Yield times (s) of a ball pass, the buffer in equilibrium, and the largest stiffness and damping over mass.
+
+    The same buffer is yielded every time.
+    """
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(PASS_SAMPLES):
         t = (n + 0.5) / PASS_SAMPLES * pass_time
@@ -301,11 +307,12 @@ def rest_states(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
         yield t, y, float(K), float(C)
 
 
-def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:
-    """Return ``impact`` of a roller under ``load`` (N) at the step in the race at the end of a defect.
+def step_impact_response(model: Any, law: Any, load: float) -> tuple[float, float, float]:
+    """Return force, K and C of a roller that meets the step at the end of a defect under ``load`` (N).
 
-    Zeros for excitations without such a step. The roller has dropped in free flight, accelerated by the energy of
-    its inner contact (at most load times approach), by no more than the defect depth; this drop is its approach.
+    The results are those of ``free_impact_response``; zeros for excitations without such a step. The roller has
+    dropped in free flight, accelerated by the energy of its inner contact (at most load times approach) and by its
+    centrifugal force, by no more than the defect depth. This drop is its approach at the step.
     """
     b, defects = model.bearing, model.defects
     if b.m_r == 0.0 or len(defects.head) == 0 or not isinstance(defects.excitation, STEP_EXCITATIONS):
@@ -318,11 +325,11 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
     return float(normal_force(law, depth, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
-def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
+def free_impact_response(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     """Return the peak force (N) of a free roller that hits a race, and the largest K (1/s^2) and C (1/s).
 
-    m: mass of the roller (kg); speed: of the impact (m/s); K, C: stiffness and damping over m. Zeros for massless
-    rollers, which have no impact.
+    m: mass of the roller (kg); law: of the contact; speed: of the impact (m/s); K, C: stiffness and damping over
+    m. Zeros for massless rollers, which have no impact.
     """
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
@@ -332,7 +339,10 @@ def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=1024)
 def step_limit(method: str | None, K: float, C: float) -> float:
-    """Return the step (s) above which a method is unstable; K (1/s^2), C (1/s): over a body's mass."""
+    """Return the step (s) above which a method is unstable, by bisection; infinite if it has no limit.
+
+    K (1/s^2), C (1/s): stiffness and damping over a body's mass.
+    """
     if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
     make_method = assemble.kind_of_method(method).parameters

@@ -1,4 +1,4 @@
-"""Record of a run: time series, features, and facts on the computation."""
+"""Record of a run: time series, features, and information on its computation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,14 +17,19 @@ from bearingsim.simulation import accuracy, channels, recording, step_check, tim
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
 from bearingsim.simulation.comparison import fault_lines
-from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
+from bearingsim.simulation.features import (
+    compute_band_features,
+    compute_extension_features,
+    compute_features,
+    refuse_undeclared,
+)
 from bearingsim.simulation.integration import StepUsage, step_usage
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import may_be_periodic
 from bearingsim.simulation.run_setup import Setup, SimulationError
 from bearingsim.simulation.settling import has_free_cage
-from bearingsim.simulation.spectral_lines import lines_of_passes, reason_unresolved
-from bearingsim.simulation.start_error import StartErrors, start_errors
+from bearingsim.simulation.spectral_lines import amplitudes_by_pass, reason_unresolved
+from bearingsim.simulation.start_error import StartErrors, estimate_start_errors
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.sufficiency import Inspections
 
@@ -34,8 +39,8 @@ class Record:
     """Record of a simulation, in SI.
 
     time: (n,) s from the start of the record (after settling); series: (n,) arrays by dataset name
-    (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: facts on the computation (step,
-    number of steps, CPU seconds, limits, cage angle at the start of the record).
+    (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: entries on the computation
+    (step, number of steps, CPU time, limits, cage angle at the start of the record).
     """
 
     time: np.ndarray
@@ -60,7 +65,7 @@ class Record:
 
     @property
     def error(self) -> dict[str, float]:
-        """Standard error of the amplitude of each line, from its scatter between ball passes."""
+        """Standard error of each line's amplitude, from its scatter between ball passes."""
         ending = "-scatter"
         return {k.removesuffix(ending): v for k, v in self.features.items() if k.endswith(ending)}
 
@@ -83,30 +88,34 @@ class Usage(NamedTuple):
         return cls(cpu_time.now(), step_usage())
 
 
-def make_record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: Usage) -> Record:
-    """Return the record of a run."""
+def make_record(inspections: Inspections, raw: RawRecord, check: StepCheck, start_usage: Usage) -> Record:
+    """Make the record of a run.
+
+    check: its step check; start_usage: usage of the process before the first attempt. Raises SimulationError if
+    the step check is strict and the error due to the initial transient too large or unknown.
+    """
     full_setup, setup = inspections.setup, inspections.setup_of_record(raw)
     case = setup.case
     rows = channels.requested_rows(case, raw.cells)
     samples = recording.sample_rows(case, setup.grid, raw, rows)
-    instants = np.arange(time_grid.samples(case)) / case.sampling
-    series = channels.series(case, setup.model, samples, raw.cells[rows], case.settle_s + instants)
-    pass_lines = lines_of_passes(case, setup.model, setup.grid, raw)
-    values = features(case, setup.model, setup.grid, raw, pass_lines) | band_features(
+    instants = np.arange(time_grid.sample_count(case)) / case.sampling
+    series = channels.read_channels(case, setup.model, samples, raw.cells[rows], case.settle_s + instants)
+    pass_amplitudes = amplitudes_by_pass(case, setup.model, setup.grid, raw)
+    values = compute_features(case, setup.model, setup.grid, raw, pass_amplitudes) | compute_band_features(
         case, setup.model, setup.grid, raw
     )
     is_random = _is_random(case, check.chaotic)
     errors = no_errors = StandardErrors(nan, nan)
     if is_random or check.chaotic:
-        errors = accuracy.standard_errors(case, setup.model, setup.grid, raw, pass_lines)
+        errors = accuracy.estimate_standard_errors(case, setup.model, setup.grid, raw, pass_amplitudes)
     values |= _check_features(
         check, _pass_ratio(inspections.shortest_setup, setup), errors if check.chaotic else no_errors
     )
     resolved = [line for line in fault_lines(case) if not isnan(values[f"velocity@{line}"])]
-    values |= _start_features(start_errors(setup, raw, errors if is_random else no_errors, resolved))
+    values |= _start_features(estimate_start_errors(setup, raw, errors if is_random else no_errors, resolved))
     if case.step_check == "strict" and not (check.chaotic or has_free_cage(case) or case.ramp is not None):
         _refuse_start_error(case, [values["error.start"], values["error.start.rms"]])
-    extension_values, reasons = extension_features(case, instants, series)
+    extension_values, reasons = compute_extension_features(case, instants, series)
     unresolved = [line for line in fault_lines(case) if line not in resolved]
     reasons |= {f"{NO_VALUE}velocity@{line}": reason_unresolved(case, line) for line in unresolved}
     refuse_undeclared(values | extension_values)
@@ -114,22 +123,22 @@ def make_record(inspections: Inspections, raw: RawRecord, check: StepCheck, star
         time=instants,
         series=series,
         features=values | extension_values,
-        info=_info(full_setup, raw, inspections.record_errors(raw)) | reasons | _usage_info(start),
+        info=_info(full_setup, raw, inspections.record_errors(raw)) | reasons | _usage_info(start_usage),
     )
 
 
-def _usage_info(start: Usage) -> dict[str, float | int | str]:
-    """Return the CPU time (s) of a job and the steps of all its runs, step check included."""
+def _usage_info(start_usage: Usage) -> dict[str, float | int | str]:
+    """Return the CPU time (s) of a job, and steps and CPU time of all its runs, step check included."""
     now = Usage.now()
     return {
-        "cpu_s": now.cpu_s - start.cpu_s,
-        "steps_taken": now.step_usage.steps - start.step_usage.steps,
-        "integrator_cpu_s": now.step_usage.cpu_s - start.step_usage.cpu_s,
+        "cpu_s": now.cpu_s - start_usage.cpu_s,
+        "steps_taken": now.step_usage.steps - start_usage.step_usage.steps,
+        "integrator_cpu_s": now.step_usage.cpu_s - start_usage.step_usage.cpu_s,
     }
 
 
 def _refuse_start_error(case: Case, errors: Sequence[float]) -> None:
-    """Raise SimulationError if a strict check requires a smaller or a known error due to the initial transient."""
+    """Raise SimulationError if an error by the initial transient is unknown or too large for a strict check."""
     if isnan(sum(errors)):
         raise SimulationError(
             "the record is too short to show whether the run has settled",
@@ -143,13 +152,15 @@ def _refuse_start_error(case: Case, errors: Sequence[float]) -> None:
         )
 
 
-def _pass_ratio(checked: Setup, record: Setup) -> float:
+def _pass_ratio(checked_setup: Setup, record_setup: Setup) -> float:
     """Return the ratio of a record's ball passes to those of the shortest record, whose step was checked."""
-    return recording.whole_passes(record.case, record.grid) / recording.whole_passes(checked.case, checked.grid)
+    return recording.whole_passes(record_setup.case, record_setup.grid) / recording.whole_passes(
+        checked_setup.case, checked_setup.grid
+    )
 
 
 def _check_features(check: StepCheck, pass_ratio: float, chaos_errors: StandardErrors) -> dict[str, float]:
-    """Return a step check as features.
+    """Return the results of a step check as features.
 
     pass_ratio: ratio of ball passes in the record to those of the record whose step was checked; chaos_errors:
     standard errors of a chaotic record, otherwise NaN.
@@ -167,7 +178,7 @@ def _check_features(check: StepCheck, pass_ratio: float, chaos_errors: StandardE
 
 
 def _info(setup: Setup, raw: RawRecord, record_errors: StandardErrors) -> dict[str, float | int | str]:
-    """Return facts on the computation of a run; record_errors: of a record with `until`, else NaN."""
+    """Return the entries on the computation of a run; record_errors: of a record with `until`, else NaN."""
     case, grid, y = setup.case, setup.grid, raw.y
     steps = raw.repetition.computed * grid.steps_per_pass
     adaptive = assemble.is_adaptive(case)
@@ -197,17 +208,17 @@ def _info(setup: Setup, raw: RawRecord, record_errors: StandardErrors) -> dict[s
 
 
 def _is_random(case: Case, chaotic: bool) -> bool:
-    """Check if line, RMS and largest force may scatter at random."""
+    """Check if amplitudes, RMS and largest force may scatter at random between ball passes."""
     return chaotic or may_be_periodic(case) or has_free_cage(case)
 
 
 def _start_features(errors: StartErrors) -> dict[str, float]:
-    """Return the relative errors of a record due to the start-up transient."""
+    """Return the relative errors of a record due to the initial transient as features."""
     return {"error.start": errors.line, "error.start.rms": errors.rms, "error.start.force": errors.force}
 
 
 def _damping(setup: Setup) -> dict[str, float]:
-    """Return the damping of the contacts; NaN if the model has none (``config/rules/damping.py``)."""
+    """Return damping time, damping ratio and crossing time; NaN without damping (``config/rules/damping.py``)."""
     limits = setup.limits
     values = {
         "damping_time_s": limits.damping_time,

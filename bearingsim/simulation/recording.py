@@ -1,4 +1,4 @@
-"""Recording of a run: fine samples (periodic passes are repeated on reading), raw values and peaks."""
+"""Recording of a run: fine samples (periodic passes are repeated when they are read), raw values and peaks."""
 
 from collections import deque
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ from bearingsim.core.sampling import (
 from bearingsim.simulation import channels
 from bearingsim.simulation.differentiation import STENCIL_REACH, derives_velocity
 from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, rotated_rows
-from bearingsim.simulation.time_grid import Grid, samples
+from bearingsim.simulation.time_grid import Grid, sample_count
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class RawRecord:
     cells: (C,) recorded cells of the buffer; fine: (C, n) their fine samples over the computed passes, with t = 0
     in column ``zero``, the first pass from column ``lead`` on, and ``M`` samples per pass; Z: number of rollers;
     raw_values: (C, m) raw values at the sampling instants, empty if not requested; peaks: (passes, E) largest
-    values of ``EXTREMES`` in each computed pass; taps: (odd,) of the low-pass to the band of ``sampling``; y: the
-    buffer at the end.
+    values of ``EXTREMES`` in each computed pass; taps: (odd,) coefficients of the low-pass to the band of
+    ``sampling``; y: the buffer at the end.
     """
 
     cells: np.ndarray
@@ -54,7 +54,7 @@ class RawRecord:
 
     @property
     def reach(self) -> int:
-        """Fine samples on each side on which a low-passed sample depends."""
+        """Number of fine samples on each side on which a low-passed sample depends."""
         return len(self.taps) // 2
 
     @property
@@ -70,7 +70,10 @@ class RawRecord:
         return None if self.repetition.period else self.lead - self.zero + self.repetition.computed * self.M
 
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
-        """Return fine samples (R, count) from number ``start`` on, of all rows or ``rows`` (R,)."""
+        """Return fine samples (R, count) from number ``start`` on, of all rows or ``rows`` (R,).
+
+        Raises IndexError for samples that are neither computed nor repeated.
+        """
         rows = np.arange(len(self.cells)) if rows is None else np.asarray(rows)
         column, computed = self.zero + start, self.lead + self.repetition.computed * self.M
         if column < 0 or (column + count > computed and self.repetition.period == 0):
@@ -83,7 +86,7 @@ class RawRecord:
     def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
         """Return columns ``start`` to ``end``, beyond the computed ones, from the passes that they repeat.
 
-        After ``Z`` periods the rollers are back in their places, and the columns repeat as well.
+        After ``Z`` periods every roller is in its initial position, so the columns repeat as well.
         """
         first_pass, last_pass = ((column - self.lead) // self.M for column in (start, end - 1))
         count = last_pass + 1 - first_pass
@@ -94,20 +97,20 @@ class RawRecord:
             self.fine[self._rotated_rows[m][rows], column : column + self.M]
             for m, column in zip(shifts, starts, strict=True)
         ]
-        skipped = start - self.lead - first_pass * self.M
+        offset = start - self.lead - first_pass * self.M
         repeated = np.tile(np.concatenate(parts, axis=1), ceil(count / len(passes)))
-        return repeated[:, skipped : skipped + end - start]
+        return repeated[:, offset : offset + end - start]
 
     @cached_property
     def _rotated_rows(self) -> np.ndarray:
-        """Rows (Z, C): element [m, c] is that of the roller that was in the position of row c m passes before."""
+        """Row numbers (Z, C): [m, c] is that of the roller that was in the position of row c m passes before."""
         if np.all(lay.lane_of(self.cells) < 0):  # no quantity of a roller is recorded
             return np.broadcast_to(np.arange(len(self.cells)), (self.Z, len(self.cells)))
         return np.array([rotated_rows(self.cells, self.Z, m) for m in range(self.Z)])
 
     @property
     def low_passed(self) -> "RawRecord | LowPassed":
-        """Record filtered to the band of ``sampling``, with the same ``read``.
+        """Record low-passed to the band of ``sampling``, with the same ``read``.
 
         A periodic motion is filtered once; otherwise samples are filtered as they are read.
         """
@@ -128,7 +131,7 @@ MULTIPLICATIONS = 1 << 28
 
 @dataclass(frozen=True)
 class LowPassed:
-    """Raw record, filtered to the band of ``sampling`` as it is read."""
+    """Raw record that is low-passed to the band of ``sampling`` when it is read."""
 
     raw: RawRecord
 
@@ -145,11 +148,11 @@ class LowPassed:
 
 
 @dataclass(frozen=True)
-class Windows:
-    """Adjacent windows of ``M`` fine samples, from the record's first fine sample ``start`` on.
+class Segments:
+    """Ball passes of a record as adjacent segments of ``M`` fine samples, from the first fine sample ``start`` on.
 
-    index: (K,) number of the distinct window equal to each window of the record. After the first ``distinct`` ones
-    each equals the window ``period`` before.
+    index: (K,) number of the distinct segment to which each segment of the record is equal; period: number of
+    segments after which a periodic motion repeats, 0 if it is not periodic.
     """
 
     start: int
@@ -159,12 +162,12 @@ class Windows:
 
     @property
     def distinct(self) -> int:
-        """Number of distinct windows, which come first."""
+        """Number of distinct segments, which are the first ones."""
         return int(self.index.max(initial=-1)) + 1
 
     @property
     def weights(self) -> np.ndarray:
-        """Occurrences (distinct,) of each window."""
+        """Numbers of occurrences (distinct,) of the distinct segments."""
         return np.bincount(self.index, minlength=self.distinct)
 
 
@@ -179,24 +182,23 @@ def whole_passes(case: Case, grid: Grid) -> int:
 
 
 def recorded_samples(case: Case, raw: RawRecord) -> tuple["RawRecord | LowPassed", int]:
-    """Return the fine samples as recorded, low-passed unless `antialias` is false, and the reach of the filter, in
-    fine samples."""
+    """Return the fine samples, low-passed with `antialias`, and the reach of the filter (fine samples)."""
     return (raw.low_passed, raw.reach) if case.antialias else (raw, 0)
 
 
-def windows(case: Case, grid: Grid, raw: RawRecord, reach: int) -> Windows:
-    """Return the complete ball passes of the record as windows.
+def pass_segments(case: Case, grid: Grid, raw: RawRecord, reach: int) -> Segments:
+    """Return the complete ball passes of the record as segments.
 
-    reach: fine samples beyond both ends of a window on which its filtered values depend.
+    reach: number of fine samples beyond both ends of a segment on which its values depend.
     """
-    K, M, start = whole_passes(case, grid), grid.fine_per_pass, first_sample(case, grid)
-    if raw.end is not None:  # the computed samples may end first
-        K = min(K, (raw.end - reach - start) // M)
-    k = np.arange(K)
+    count, M, start = whole_passes(case, grid), grid.fine_per_pass, first_sample(case, grid)
+    if raw.end is not None:  # the computed samples may end before the record
+        count = min(count, (raw.end - reach - start) // M)
+    numbers = np.arange(count)
     if raw.periodic_from is None:
-        return Windows(start, M, k, 0)
+        return Segments(start, M, numbers, 0)
     onset, period = max(0, ceil((raw.periodic_from + reach - start) / M)), raw.repetition.period
-    return Windows(start, M, np.where(k < onset, k, onset + (k - onset) % period), period)
+    return Segments(start, M, np.where(numbers < onset, numbers, onset + (numbers - onset) % period), period)
 
 
 class Recording:
@@ -211,26 +213,26 @@ class Recording:
         self.fine = np.empty((len(self.cells), self.lead + self.grid.passes * self.grid.fine_per_pass))
         self.fine[:, : self.lead] = y[self.cells][:, np.newaxis]
         self.stores_raw_values = channels.stores_raw_values(self.case)
-        self.raw_values = np.empty((len(self.cells), samples(self.case) if self.stores_raw_values else 0))
+        self.raw_values = np.empty((len(self.cells), sample_count(self.case) if self.stores_raw_values else 0))
         self.raw_values[:, :1] = y[self.cells][:, np.newaxis]  # t = 0, if the record begins there
         self.peaks = np.empty((self.grid.passes, len(EXTREMES)))
-        self.samples = samples_between_steps(self.case, self.raw_values)
-        stores_passes = self.stores_raw_values and may_repeat(self.case)  # for raw values of repeated passes
+        self.samples = make_samples(self.case, self.raw_values)
+        stores_passes = self.stores_raw_values and may_repeat(self.case)  # to sample raw values of repeated passes
         self.last_passes: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if stores_passes else 0)
 
-    def add_pass(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
-        """Record pass ``p``; window: its recording, as yielded by ``_ball_passes``."""
+    def add_pass(self, p: int, pass_values: np.ndarray, y: np.ndarray) -> None:
+        """Record pass ``p``; pass_values: its values at all steps (``integration._ball_passes``)."""
         M, D = self.grid.fine_per_pass, self.grid.decimation
         start = self.lead + p * M
-        decimate(window, self.taps, D, self.fine[:, start : start + M])
+        decimate(pass_values, self.taps, D, self.fine[:, start : start + M])
         if self.stores_raw_values and type(self.samples) is NoSamples:
-            _sample_pass(self.case, self.grid, p, window, self.raw_values)
+            _sample_pass(self.case, self.grid, p, pass_values, self.raw_values)
             if self.last_passes.maxlen:
-                self.last_passes.append(window.copy())
+                self.last_passes.append(pass_values.copy())
         self.peaks[p] = pop_peaks(y)
 
     def fill_repeated_passes(self, repetition: Repetition) -> None:
-        """Sample raw values of the passes that were not computed."""
+        """Fill in the raw values of the passes that were not computed."""
         for p in range(repetition.computed, self.grid.passes):
             cpu_time.check()
             source = int(repetition.source(p))
@@ -257,10 +259,10 @@ class Recording:
         )
 
 
-def samples_between_steps(case: Case, raw_values: np.ndarray) -> NoSamples | Samples:
-    """Return the samples that an adaptive method writes into ``raw_values`` at the sampling instants.
+def make_samples(case: Case, raw_values: np.ndarray) -> NoSamples | Samples:
+    """Make the samples that an adaptive method writes into ``raw_values`` at the sampling instants.
 
-    Methods of fixed step have steps short enough to interpolate between them.
+    ``NoSamples`` for methods of fixed step, whose steps are short enough for interpolation between them.
     """
     if not channels.stores_raw_values(case) or not assemble.is_adaptive(case):
         return NoSamples()
@@ -269,7 +271,8 @@ def samples_between_steps(case: Case, raw_values: np.ndarray) -> NoSamples | Sam
 
 def pop_peaks(y: np.ndarray) -> list[float]:
     """Return the largest value of each of ``EXTREMES`` over all rollers since the last call; reset it."""
-    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty if the model lacks them
+    # rows that the model does not have are empty
+    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]
     peaks = [float(row.max(initial=0.0)) for row in rows]
     for row in rows:
         row[:] = 0.0
@@ -278,7 +281,7 @@ def pop_peaks(y: np.ndarray) -> list[float]:
 
 
 def extend_back(case: Case, raw: RawRecord) -> None:
-    """Fill in the samples before t = 0 with those of whole cage revolutions later.
+    """Fill in the samples before t = 0 with those whole cage revolutions later.
 
     If the motion is not periodic, only the ring's motion and the other ``feature_cells`` rows are extended, by
     their first pass. Filters use these samples, but features do not.
@@ -291,13 +294,13 @@ def extend_back(case: Case, raw: RawRecord) -> None:
         fine[:rows, :zero] = fine[:rows, zero + np.arange(-zero, 0) % raw.M]
 
 
-def _sample_pass(case: Case, grid: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
-    """Fill in and return the raw values at the instants within ball pass ``p``.
+def _sample_pass(case: Case, grid: Grid, p: int, pass_values: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
+    """Fill in the raw values at the sampling instants within ball pass ``p``; return them (C, k).
 
-    Its end is included, its start only in pass 0. Differences of positions are accurate up to ``STENCIL_REACH``
-    steps before the end, so the instants after them are read with the next pass.
+    The end of the pass is included, its start only in pass 0. If velocities are differences of positions, they are
+    accurate up to ``STENCIL_REACH`` steps before the end, so the instants after that are read with the next pass.
     """
-    steps, tail = grid.steps_per_pass, window.shape[1] - grid.steps_per_pass
+    steps, tail = grid.steps_per_pass, pass_values.shape[1] - grid.steps_per_pass
     missing = STENCIL_REACH if derives_velocity(case) else 0
     ratio = 1.0 / (case.sampling * grid.step)  # steps per sample
     start = case.settle_s / grid.step
@@ -305,7 +308,7 @@ def _sample_pass(case: Case, grid: Grid, p: int, window: np.ndarray, raw_values:
     begin = 0 if p == 0 else min(begin, raw_values.shape[1])
     end = min(end, raw_values.shape[1])
     if end > begin:
-        interpolate_linearly(window, start - p * steps + tail - 1, ratio, raw_values, begin, end)
+        interpolate_linearly(pass_values, start - p * steps + tail - 1, ratio, raw_values, begin, end)
     return raw_values[:, begin : max(begin, end)]
 
 
@@ -313,14 +316,14 @@ BLOCK = 1 << 15  # fine samples resampled at a time
 
 
 def sample_rows(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the samples (R, n) of ``rows`` of the raw record.
+    """Sample ``rows`` (R,) of the raw record at the n sampling instants; return the samples (R, n).
 
-    With ``antialias`` all rows except contact forces are low-passed.
+    With `antialias` all rows except contact forces are low-passed.
     """
     if not case.antialias:
         return raw.raw_values[rows]
     forces = channels.contact_force_mask(case, raw.cells[rows])
-    values = np.empty((len(rows), samples(case)))
+    values = np.empty((len(rows), sample_count(case)))
     if forces.any():
         values[forces] = raw.raw_values[rows[forces]]
     values[~forces] = _low_passed(case, grid, raw, rows[~forces])
@@ -329,7 +332,7 @@ def sample_rows(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.
 
 def _low_passed(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
     """Return the low-passed samples (R, n) of ``rows``, computed block by block."""
-    out = np.empty((len(rows), samples(case)))
+    out = np.empty((len(rows), sample_count(case)))
     if len(rows) == 0:
         return out
     ratio, kernel = grid.fine_rate / case.sampling, interpolation_kernel()

@@ -1,7 +1,8 @@
-"""Periodic motion: conditions on the case, and detection of the first periodic pass.
+"""Periodic motion: conditions on the case, and search for the period, ball pass by ball pass.
 
-During a ball pass each roller moves to the initial position of the next. Therefore passes are compared by
-position: roller j with roller j + m of m passes before. Further periods are not computed (docs/repetition.md).
+During a ball pass each roller moves to the initial position of the next one. Passes are therefore compared by
+position: roller j with roller j + m of m passes before. Periods after the first are not computed
+(docs/repetition.md).
 """
 
 from collections import deque
@@ -19,43 +20,43 @@ from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.simulation.fastest import length_factors
 
-CONSTANT = frozenset(
+CONSTANT_FIELDS = frozenset(
     {
         *("bearing", "rig", "speed", "load", "load_across", "gravity", "clearance", "contact", "friction", "drag"),
         *("shaft", "misalignment", "step", "tolerance", "step_check", "duration", "settle", "start_angle", "seed"),
         *("sampling", "antialias", "features", "record", "until"),
     }
 )
-"""Fields of a case that act in the same way in every ball pass."""
+"""Fields of a case whose effect is the same in every ball pass."""
 
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
     **{name: condition.is_met for name, condition in PASS_CONDITIONS.items()},
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
 }
-"""Conditions on the other fields but `periodic` for a periodic motion."""
+"""Conditions for a periodic motion on the other fields, except `periodic`."""
 
 
 def may_repeat(case: Case) -> bool:
-    """Check if the motion of a case with a named method may become periodic and be computed until then only."""
+    """Check if the run of a case with a named method ends when its motion is periodic."""
     return case.periodic and may_be_periodic(case)
 
 
 def may_be_periodic(case: Case) -> bool:
-    """Check if the motion of a case may be periodic, even if `periodic: false` computes it in full.
+    """Check if the motion of a case may be periodic, even if it is computed in full (`periodic: false`).
 
-    A case with a field in neither ``CONSTANT`` nor ``CONDITIONS`` is computed in full.
+    Cases of a class with a field in neither ``CONSTANT_FIELDS`` nor ``CONDITIONS`` are computed in full.
     """
-    return _has_only_known_fields(type(case)) and all(holds(case) for holds in CONDITIONS.values())
+    return _has_only_known_fields(type(case)) and all(is_met(case) for is_met in CONDITIONS.values())
 
 
 @cache
-def _has_only_known_fields(cases: type[Case]) -> bool:
-    """Check if it is known how each field of a class of cases acts on the ball passes."""
-    return {*CONSTANT, *CONDITIONS, "periodic"}.issuperset(cases.model_fields)
+def _has_only_known_fields(case_class: type[Case]) -> bool:
+    """Check if all fields of a class of cases are in ``CONSTANT_FIELDS`` or ``CONDITIONS``."""
+    return {*CONSTANT_FIELDS, *CONDITIONS, "periodic"}.issuperset(case_class.model_fields)
 
 
 def searches_for_period(case: Case) -> bool:
-    """Check if a case is first computed until periodic, for its record or to check its step on one period."""
+    """Check if a case is first computed until it is periodic, for its record or to check its step on a period."""
     is_used = case.periodic or case.checks_step
     return is_used and case.step_check != "strict" and may_be_periodic(case)
 
@@ -67,16 +68,16 @@ EXTREMES = {
     "tilt.max": lay.TILT_MAX,
     "line_load.max": lay.LINE_LOAD_MAX,
 }
-"""Buffer rows of the largest values of each roller, by feature."""
+"""Buffer rows with the largest values of each roller, by feature."""
 
 
 class Repetition(NamedTuple):
     """Computed ball passes of a motion, and its period.
 
     computed: number of computed ball passes; period: in ball passes, 0 if the motion is not periodic; difference:
-    largest difference of the last pass from the one a period before, relative to the range of the quantity (NaN if
-    no period was searched for); contraction: ratio of the last difference of successive passes to the one before
-    (inf if unknown).
+    largest difference of the last pass from the pass a period before, relative to the range of the quantity (the
+    smallest for any period if the motion is not periodic, NaN without a search); contraction: ratio of the last
+    difference of successive passes to the one before (inf if unknown).
     """
 
     computed: int
@@ -85,23 +86,23 @@ class Repetition(NamedTuple):
     contraction: float = inf
 
     def source(self, p: np.ndarray | int) -> np.ndarray:
-        """Return the computed pass equal to pass ``p`` (any shape), apart from the numbering of rollers."""
+        """Return the number of the computed pass that equals pass ``p`` (any shape), roller numbers apart."""
         p = np.asarray(p)
         start = self.computed - self.period
         return np.where(p < self.computed, p, start + (p - start) % max(1, self.period))
 
 
-LONGEST_PERIOD = 4  # ball passes; longer periods have not been observed
+LONGEST_PERIOD = 4  # ball passes, longest observed period
 
 
-class Closeness(NamedTuple):
-    """Limits of differences relative to the range.
+class PeriodCriterion(NamedTuple):
+    """Criterion of a periodic motion: limits of the differences between passes, relative to the range.
 
-    sum_limit: limit of the sum of all future differences; difference_limit: limit of the last difference if the
-    differences need not show their decay; pass_count: required number of successive passes within a limit for a
-    period of one pass, and ``period`` - 1 more for longer periods; contraction: ratio of successive differences in
-    a run of the same motion with another step (inf if unknown), by which one difference shows that later ones are
-    small.
+    sum_limit: limit of the estimated sum of all later differences; difference_limit: limit of the last difference,
+    below which no decay of the differences is required; pass_count: number of successive passes that must meet the
+    criterion for a period of one pass, ``period`` - 1 more for longer periods; contraction: ratio of successive
+    differences in a run of the same case with another step (inf if unknown), from which later differences are
+    estimated after a single one.
     """
 
     sum_limit: float
@@ -110,24 +111,24 @@ class Closeness(NamedTuple):
     contraction: float = inf
 
 
-RECORD_CLOSENESS = Closeness(1e-7, 1e-10, pass_count=2)
-"""Limits for a record computed with one step."""
+RECORD_CRITERION = PeriodCriterion(1e-7, 1e-10, pass_count=2)
+"""Criterion for a record."""
 CONTRACTION_MARGIN, MAX_CONTRACTED = 10.0, 0.02
-"""Safety factor on a contraction known from another step, and largest difference of passes to which it applies."""
+"""Safety factor on a contraction from another step, and largest difference of passes to which it applies."""
 MAX_DECAY_RATIO = 0.98  # ratio of successive differences above which they do not count as decaying
-NEAR_FACTOR = 1e3  # factor on the limit within which final states must agree before all steps are compared
-MAX_STORED = 256e6  # bytes of recordings stored for comparison
-MIN_RELATIVE_RANGE = 1e-3  # least range of x or y, relative to the larger of the two
+NEAR_FACTOR = 1e3  # factor on ``sum_limit`` within which final states must agree before all steps are compared
+MAX_STORED_BYTES = 256e6  # bytes of recordings stored for comparison
+MIN_RELATIVE_RANGE = 1e-3  # smallest range of x or y, relative to the larger of the two
 
 
 class Search:
     """Search for a period, ball pass by ball pass.
 
     Two passes are compared at all steps in the position and velocity of the ring and in the other recorded
-    quantities, except accelerations, and also in the largest forces (and tilt) and in the final state. Each
-    difference is relative to the range of the quantity within a pass. It must be small in ``Closeness.pass_count``
-    successive passes, and so must the sum of all future differences: with a ratio rho from pass to pass, this sum
-    is rho/(1 - rho) of the last difference.
+    quantities except accelerations, and also in the largest forces (and tilt) and in the final state. Each
+    difference is relative to the range of the quantity within a pass. The difference must be small in
+    ``PeriodCriterion.pass_count`` successive passes, and so must the sum of all later differences: if each is rho
+    times the one before, this sum is rho/(1 - rho) times the last difference.
     """
 
     def __init__(
@@ -136,26 +137,27 @@ class Search:
         steps: int,
         model: Any,
         memoryless: bool,
-        closeness: Closeness,
+        criterion: PeriodCriterion,
         slowest_ratio: float = 0.0,
     ) -> None:
         """Prepare the comparison of passes.
 
         cells: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
-        in a pass; memoryless: whether the first pass is already periodic; closeness: limits of the differences;
-        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass.
+        in a pass; memoryless: whether the first pass is already periodic; criterion: limits of the differences;
+        slowest_ratio: fraction of the slowest mode at equilibrium that is left after a pass.
         """
-        self.cells, self.memoryless, self.closeness, self.Z = cells, memoryless, closeness, model.bearing.Z
+        self.cells, self.memoryless, self.criterion, self.Z = cells, memoryless, criterion, model.bearing.Z
         self.slowest_ratio, self.steps = slowest_ratio, steps
-        self.near = NEAR_FACTOR * closeness.sum_limit if closeness.contraction == inf else MAX_CONTRACTED
+        self.near_limit = NEAR_FACTOR * criterion.sum_limit if criterion.contraction == inf else MAX_CONTRACTED
         self.model = model
-        self.compared_rows = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
+        # without accelerations, which jump, and without the cage, which is part of the final state
+        self.compared_rows = np.r_[0:4, 9 : len(cells)]
         self.compared_rows = self.compared_rows[cells[self.compared_rows] != lay.SENSOR_A]
         self.weights = length_factors(model)
         self.lane = lay.lane_of(cells)
         self.lane_rows = set((cells - self.lane)[self.lane >= 0].tolist())
         self.min_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
-        capacity = int(MAX_STORED // (8 * len(cells) * steps))
+        capacity = int(MAX_STORED_BYTES // (8 * len(cells) * steps))
         self.periods = range(1, 1 + min(LONGEST_PERIOD, capacity))
         self.recordings: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.end_states: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
@@ -164,19 +166,19 @@ class Search:
         self.rotated_rows = {period: rotated_rows(compared_cells, self.Z, period) for period in self.periods}
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
-    def add_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
-        """Return the period in ball passes at the end of a pass (0 if there is none) and a difference.
+    def add_pass(self, pass_values: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
+        """Compare a pass with those before it; return the period in ball passes (0 for none) and a difference.
 
         The difference is that of passes a period apart, or the smallest for any period if there is none.
 
-        window: (C, n) recording of the pass, preceded by the end of the pass before; y: the buffer at its end;
-        peaks: ``EXTREMES`` within it.
+        pass_values: (C, n) values at the steps of the pass, preceded by the end of the pass before; y: the buffer
+        at its end; peaks: ``EXTREMES`` within it.
         """
         if self.memoryless:
             return 1, 0.0
         if not self.periods:
             return 0, nan
-        self.recordings.append(window[self.compared_rows, -self.steps :])
+        self.recordings.append(pass_values[self.compared_rows, -self.steps :])
         end_state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights
         self.end_states.append(end_state.reshape(2, 6, lay.ROW))
         self.peaks.append(peaks)
@@ -186,13 +188,13 @@ class Search:
             if period < len(self.end_states):
                 differences = self.differences[period]
                 differences.append(self._difference(period, ranges, end_ranges))
-                passes = self.closeness.pass_count + period - 1  # each pass of a period must agree
+                passes = self.criterion.pass_count + period - 1  # each pass of a period must agree
                 if all(
-                    _has_converged(differences[: len(differences) - n], self.closeness, self.slowest_ratio)
+                    _has_converged(differences[: len(differences) - n], self.criterion, self.slowest_ratio)
                     for n in range(passes)
                 ):
                     return period, differences[-1]
-        if len(self.end_states) > 1 and self._is_in_reach(self.differences[1][-1]):
+        if len(self.end_states) > 1 and self._is_near_orbit(self.differences[1][-1]):
             return 1, self.differences[1][-1]
         return 0, min((differences[-1] for differences in self.differences.values() if differences), default=nan)
 
@@ -201,13 +203,13 @@ class Search:
         """Ratio of the last difference of successive passes to the one before; that of another step if unknown."""
         last_two = self.differences.get(1, [])[-2:]
         if len(last_two) < 2 or not 0.0 < last_two[0] < inf:
-            return self.closeness.contraction
+            return self.criterion.contraction
         return max(last_two[1] / last_two[0], self.slowest_ratio)
 
-    def _is_in_reach(self, difference: float) -> bool:
-        """Check if a pass is on its orbit, by its difference from the one before and the known contraction."""
-        error = CONTRACTION_MARGIN * self.closeness.contraction * difference
-        return difference <= MAX_CONTRACTED and error <= self.closeness.sum_limit
+    def _is_near_orbit(self, difference: float) -> bool:
+        """Check if a pass is on the periodic orbit, by its last difference and a known contraction."""
+        error = CONTRACTION_MARGIN * self.criterion.contraction * difference
+        return difference <= MAX_CONTRACTED and error <= self.criterion.sum_limit
 
     def _ranges(self, recording: np.ndarray) -> np.ndarray:
         """Return the range of the quantity of each recorded row (C,), 0 if it is not compared."""
@@ -222,17 +224,20 @@ class Search:
         return ranges
 
     def _end_ranges(self, ranges: np.ndarray) -> np.ndarray:
-        """Return the range (2, 6) of each row of positions and velocities, from the last final state."""
+        """Return the range (2, 6) of each row of positions and velocities over the rollers at the last end."""
         rollers = self.end_states[-1][:, :, lay.FIRST_LANE : lay.FIRST_LANE + self.Z]
         ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
         return np.maximum(ring_ranges, rollers.max(axis=2) - rollers.min(axis=2))
 
     def _difference(self, period: int, ranges: np.ndarray, end_ranges: np.ndarray) -> float:
-        """Return the largest difference from ``period`` passes before; only that of the ends if it is large."""
+        """Return the largest difference of the last pass from that ``period`` passes before.
+
+        Only the final states are compared if they differ by more than ``near_limit``.
+        """
         previous_end = rotate_state(self.end_states[-1 - period], self.model, -period)
         end_differences = np.abs(self.end_states[-1] - previous_end).max(axis=2)
-        end_difference = _largest_ratio(end_differences, end_ranges)  # of lengths and speeds
-        if not end_difference <= self.near:
+        end_difference = _largest_ratio(end_differences, end_ranges)  # as lengths and speeds
+        if not end_difference <= self.near_limit:
             return end_difference
         current, previous = self.recordings[-1], self.recordings[-1 - period]
         row_differences = np.array(
@@ -272,8 +277,8 @@ def _largest_ratio(differences: np.ndarray, ranges: np.ndarray) -> float:
         return float((differences[differs] / ranges[differs]).max(initial=0.0))
 
 
-def _has_converged(differences: list[float], closeness: Closeness, slowest_ratio: float) -> bool:
-    """Check if the last of some differences and the sum of all future ones are small.
+def _has_converged(differences: list[float], criterion: PeriodCriterion, slowest_ratio: float) -> bool:
+    """Check if the last of successive differences, and the estimated sum of all later ones, are small.
 
     slowest_ratio: ratio of successive differences in the slowest mode, which may be too small to show in the
     differences.
@@ -281,17 +286,17 @@ def _has_converged(differences: list[float], closeness: Closeness, slowest_ratio
     if not differences or not isfinite(differences[-1]):
         return False
     last = differences[-1]
-    if last <= closeness.difference_limit and remaining_sum(last, slowest_ratio) <= closeness.sum_limit:
+    if last <= criterion.difference_limit and remaining_sum(last, slowest_ratio) <= criterion.sum_limit:
         return True
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
-    before, earlier = differences[-2], differences[-3]
-    if before == 0.0 or earlier == 0.0:  # no convergence
+    previous, earlier = differences[-2], differences[-3]
+    if previous == 0.0 or earlier == 0.0:  # the ratio is undefined
         return False
-    rho = max(last / before, before / earlier, slowest_ratio)
-    return rho < MAX_DECAY_RATIO and remaining_sum(last, rho) <= closeness.sum_limit
+    rho = max(last / previous, previous / earlier, slowest_ratio)
+    return rho < MAX_DECAY_RATIO and remaining_sum(last, rho) <= criterion.sum_limit
 
 
-def remaining_sum(difference: float, rho: float) -> float:
-    """Return the sum of a geometric sequence of ratio ``rho`` after ``difference``, at least ``difference``."""
-    return difference * max(1.0, rho / (1.0 - rho)) if rho < 1.0 else inf
+def remaining_sum(difference: float, ratio: float) -> float:
+    """Return the sum of a geometric sequence of ratio ``ratio`` after ``difference``, at least ``difference``."""
+    return difference * max(1.0, ratio / (1.0 - ratio)) if ratio < 1.0 else inf

@@ -17,7 +17,7 @@ from bearingsim.simulation.settling import resolve_settling
 
 
 class SimulationError(Exception):
-    """Failure of a run: its reason, advice, and time (s into the run, None before its start)."""
+    """Failure of a run, with its reason, advice, and time (s into the run, None before its start)."""
 
     def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
         super().__init__(f"{reason}; {advice}")
@@ -28,7 +28,10 @@ class SimulationError(Exception):
 
 
 class MethodFailure(SimulationError):
-    """Failure of the method or its step, if another method (``alternative``, in words) may succeed."""
+    """Failure of a method or its step; another one may succeed.
+
+    alternative: text on another method, appended to the advice; method_advice: advice without this text.
+    """
 
     def __init__(self, reason: str, advice: str, time: float | None = None, alternative: str = "") -> None:
         super().__init__(reason, advice + alternative, time)
@@ -44,10 +47,10 @@ class TooSlow(MethodFailure):
 
 
 class TooCostly(MethodFailure):
-    """End of an attempt whose price is above that of the next one.
+    """End of an attempt whose cost exceeds that of the next one.
 
     step_fraction: fraction of the automatic step at which it would be continued; periodic: whether the response
-    may still be periodic; regular: whether it is known not to be chaotic.
+    may still be periodic; regular: whether the motion is known not to be chaotic.
     """
 
     def __init__(self, reason: str, step_fraction: float, periodic: bool, regular: bool) -> None:
@@ -56,7 +59,7 @@ class TooCostly(MethodFailure):
 
 
 class TooChaotic(SimulationError):
-    """Refusal of a chaotic record too short for an RMS within 1 %; ``duration`` s would be enough."""
+    """Refusal of a chaotic record that is too short for an RMS within 1 %; duration: advised duration (s)."""
 
     def __init__(self, reason: str, advice: str, duration: float = nan) -> None:
         super().__init__(reason, advice)
@@ -67,8 +70,8 @@ class TooChaotic(SimulationError):
 class Setup:
     """Case ready for integration: named method, time grid, parameters of the core and step limits.
 
-    step_fraction: fraction of the automatic step; max_cpu: CPU time (s) allowed for the steps, if they are
-    automatic.
+    step_fraction: ratio to the case's own step or the automatic step; max_cpu: CPU time (s) allowed for the steps,
+    if they are automatic.
     """
 
     case: Case
@@ -107,10 +110,12 @@ MAX_EVALUATIONS = 2e4  # model evaluations of an adaptive method after which it 
 
 
 def make_monitor(grid: time_grid.Grid, limits: Limits) -> Monitor:
-    """Return a monitor that checks the motion at least every quarter of a contact period and defect crossing."""
-    patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
-    stride = int(min(patience, limits.crossing / 2.0) / (2.0 * grid.step))
-    return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
+    """Make a monitor that checks the motion at least every quarter of a contact period and defect crossing."""
+    overrun_limit = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
+    stride = int(min(overrun_limit, limits.crossing / 2.0) / (2.0 * grid.step))
+    return Monitor(
+        min(32, max(1, stride)), overrun_limit, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS
+    )
 
 
 STOP_REASONS = {
@@ -130,7 +135,7 @@ STOP_REASONS = {
 
 
 def run_failure(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
-    """Return the failure of a run stopped at ``t`` (s), with advice; body: body number, or count of crossings."""
+    """Make the failure of a run stopped at ``t`` (s), with advice; body: its number, or that of crossings."""
     reason = STOP_REASONS[outcome].format(
         body=body_name(setup.model, body),
         count=body,
@@ -144,16 +149,16 @@ def run_failure(setup: Setup, outcome: int, body: int, t: float) -> MethodFailur
     failure_type = TooSlow if outcome == outcomes.TOO_SLOW else MethodFailure
     methods = choice.alternatives(setup.case)
     alternative = f", or `method: {methods[0]}`" if methods and not needs_roller_mass(setup, outcome) else ""
-    return failure_type(f"{reason}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, alternative)
+    return failure_type(f"{reason}, {1e3 * t:.4g} ms into the run", advise(setup, outcome), t, alternative)
 
 
 def needs_roller_mass(setup: Setup, outcome: int) -> bool:
-    """Check if a method fails because the rollers have no mass."""
+    """Check if a method fails because the damping force of a massless roller jumps."""
     has_stalled = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
     return has_stalled and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
-def advice(setup: Setup, outcome: int) -> str:
+def advise(setup: Setup, outcome: int) -> str:
     """Return advice on a step, tolerance, model or duration with which the run may succeed."""
     adaptive = assemble.is_adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:

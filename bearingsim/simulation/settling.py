@@ -1,8 +1,8 @@
 """Settling of a run: slowest mode of the transient, time of `settle: auto`, extrapolation to the steady motion.
 
-A run starts from static equilibrium, which is not the steady motion. The transient decays in the modes of the ring
-(and of the inner ring on its shaft) on contacts and bracket, found by linearising the bearing at equilibrium,
-without friction.
+A run starts from static equilibrium, which is not a state of the steady motion. The transient is a sum of decaying
+modes of the ring on contacts and bracket (and of the inner ring on its shaft). The modes are those of the bearing
+linearised at equilibrium, without friction.
 """
 
 from collections import deque
@@ -24,35 +24,35 @@ from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import harmonics
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import length_factors
-from bearingsim.simulation.limits import loads_at_rest, rest_case, rest_states
+from bearingsim.simulation.limits import load_and_rates_at_rest, rest_case, rest_states
 from bearingsim.simulation.repetition import may_be_periodic, rotate_state
 
 MAX_TRANSIENT = 5e-5
-"""Largest part of the initial transient left at the start of the record. The transient is initially up to ten
+"""Largest fraction of the initial transient left at the start of the record. The transient is initially up to ten
 times the RMS, and must fall below 5e-4 of the RMS, a tenth of the smallest accuracy (0.5 %)."""
-MIN_SETTLING, MAX_SETTLING = 0.05, 10.0  # s, bounds of `settle: auto`
-FAST_DECAY = 0.05  # part of a mode left after a ball pass below which no extrapolation is needed
-WAITING_PASSES = 2  # ball passes after which only slow modes are left
-EXTRAPOLATIONS, MAX_PASSES = 6, 120  # usual number of extrapolations; largest number of ball passes for them
-NOTABLE_TRANSIENT = 0.01  # part of the transient left at the start of the record that is reported or refused
-CAGE_TURNS = 5.0  # revolutions of a free cage to settle
-CAGE_TURNS_EARLY = 2.0
-"""Turns of a free cage to settle before a record with `until`, without drag; the remaining transient changes line
-and RMS by 0.03 % (docs/evidence/early_ends.md)."""
-MIN_RING_SHARE = 1e-5  # share of the rings in a mode below which it is a mode of unloaded rollers only
-RELATIVE_DISPLACEMENT = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
+MIN_SETTLING, MAX_SETTLING = 0.05, 10.0  # s, limits of the decay time in `settle: auto`
+FAST_DECAY = 0.05  # fraction of a mode left after a ball pass, below which the mode is not extrapolated
+WAITING_PASSES = 2  # ball passes after which fast modes have decayed
+EXTRAPOLATIONS, MAX_PASSES = 6, 120  # usual number of extrapolations, and largest number of their ball passes
+NOTABLE_TRANSIENT = 0.01  # fraction of the transient at the start of the record above which it is reported
+CAGE_REVOLUTIONS = 5.0  # of a free cage to settle
+CAGE_REVOLUTIONS_EARLY = 2.0
+"""Revolutions of a free cage to settle before a record with `until`, without drag; the remaining transient changes
+the amplitude at BPFO and the RMS by 0.03 % (docs/evidence/early_ends.md)."""
+MIN_RING_SHARE = 1e-5  # relative amplitude of the rings in a mode below which only unloaded rollers move
+RELATIVE_DISPLACEMENT = 1e-3  # displacement over the approach at rest, small enough for linear contacts
 
 
 def resolve_settling(case: Case) -> Case:
-    """Replace `settle: auto` of a case by a time. Raises ``Refused`` if there is no equilibrium."""
-    return case.model_copy(update={"settle": settling(case)}) if case.settle == "auto" else case
+    """Return the case with a time in place of `settle: auto`. Raises ``Refused`` if there is no equilibrium."""
+    return case.model_copy(update={"settle": settling_time(case)}) if case.settle == "auto" else case
 
 
-def settling(case: Case) -> float:
+def settling_time(case: Case) -> float:
     """Return the time (s) of `settle: auto`. Raises ``Refused`` if there is no equilibrium."""
     time = min(max(MIN_SETTLING, decay_time(case)), MAX_SETTLING)
-    turns = CAGE_TURNS if case.until is None or case.drag is not None else CAGE_TURNS_EARLY
-    return max(time, turns * cage_turn(case)) if has_free_cage(case) else time
+    revolutions = CAGE_REVOLUTIONS if case.until is None or case.drag is not None else CAGE_REVOLUTIONS_EARLY
+    return max(time, revolutions * cage_revolution_time(case)) if has_free_cage(case) else time
 
 
 def decay_time(case: Case) -> float:
@@ -62,17 +62,20 @@ def decay_time(case: Case) -> float:
 
 
 def remaining_transient(case: Case) -> float:
-    """Return the part of the transient left at the start of the record; `settle` of the case is a time."""
+    """Return the fraction of the transient left at the start of the record; `settle` must be a time."""
     return exp(-slowest_decay(case) * case.settle_s)
 
 
 def has_transient(case: Case) -> bool:
-    """Check if a notable part of the transient is left at the start of the record; `settle` is a time."""
-    return remaining_transient(case) > NOTABLE_TRANSIENT and slow_modes(case) == 0
+    """Check if the fraction left exceeds ``NOTABLE_TRANSIENT`` and is not removed by extrapolation.
+
+    `settle` must be a time.
+    """
+    return remaining_transient(case) > NOTABLE_TRANSIENT and slow_mode_count(case) == 0
 
 
 def refuse_unsettled(case: Case) -> None:
-    """Raise ``Refused`` if the step check is strict and ``has_transient`` is true; `settle` is a time."""
+    """Raise ``Refused`` if the step check is strict and ``has_transient`` is true; `settle` must be a time."""
     if case.step_check == "strict" and has_transient(case):
         time, share = decay_time(case), remaining_transient(case)
         remedy = f"use a `settle` of {time:.2g} s" if time <= MAX_SETTLING else "use more damping"
@@ -87,38 +90,38 @@ def has_free_cage(case: Case) -> bool:
     return MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
 
 
-def cage_turn(case: Case) -> float:
+def cage_revolution_time(case: Case) -> float:
     """Return the time (s) of a revolution of the cage."""
     return case.bearing.rollers / case.bearing.ball_pass_frequency(case.speed)
 
 
 def slowest_decay(case: Case) -> float:
-    """Return the decay rate (1/s) of the slowest mode of the bearing, inf without modes."""
-    return max(0.0, -max((mode.real for mode in modes(case)), default=-inf))
+    """Return the decay rate (1/s) of the slowest mode of the bearing; infinite without modes."""
+    return max(0.0, -max((mode.real for mode in mode_eigenvalues(case)), default=-inf))
 
 
-def slow_modes(case: Case) -> int:
+def slow_mode_count(case: Case) -> int:
     """Return the number of slow modes used to extrapolate the steady motion; 0 if it is not extrapolated.
 
-    All ball passes must be alike, and `settle`, a time, must be longer than ``MIN_SETTLING``.
+    It is extrapolated if the motion may be periodic and `settle`, a time, is longer than ``MIN_SETTLING``.
     """
     if case.settle_s <= MIN_SETTLING or not may_be_periodic(case):
         return 0
     rate = case.bearing.ball_pass_frequency(case.speed)
-    return sum(mode.real > log(FAST_DECAY) * rate for mode in modes(case))
+    return sum(mode.real > log(FAST_DECAY) * rate for mode in mode_eigenvalues(case))
 
 
 def extrapolation_passes(case: Case) -> int:
     """Estimate the ball passes needed to extrapolate the steady motion."""
-    count = slow_modes(case)
+    count = slow_mode_count(case)
     return min(EXTRAPOLATIONS * (WAITING_PASSES + count + 2), MAX_PASSES) if count > 0 else 0
 
 
-def modes(case: Case) -> tuple[complex, ...]:
+def mode_eigenvalues(case: Case) -> tuple[complex, ...]:
     """Return the eigenvalues (1/s) of rings and rollers in radial motion about equilibrium, conjugates included.
 
-    Empty for a model without memory. Modes of unloaded rollers are left out. So is waviness, whose rates at rest
-    would lift rollers under a small load and so leave them without damping. Raises ``Refused`` if there is no
+    Empty for a model without memory. Modes of unloaded rollers are left out. Waviness is neglected, because at
+    rest it would lift lightly loaded rollers off the race, without damping. Raises ``Refused`` if there is no
     equilibrium.
     """
     if MODELS[case.model].memoryless:
@@ -131,9 +134,8 @@ def modes(case: Case) -> tuple[complex, ...]:
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)
 def _modes(healthy: Case) -> tuple[complex, ...]:
-    load, K, _ = loads_at_rest(healthy)
-    # with friction the rollers roll along with a moving ring; here they move radially
-    # only, so that friction would brake the ring
+    load, K, _ = load_and_rates_at_rest(healthy)
+    # rollers move only radially here, so friction would brake the ring, which in the model they follow by rolling
     model = assemble.without_friction(assemble.model(healthy))
     t, y = next(rest_states(model))[:2]
     matrix, cells = _linearised(model, t, y, RELATIVE_DISPLACEMENT * approach(model.outer, load), K)
@@ -149,8 +151,8 @@ def _linearised(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the state matrix (2 n, 2 n) about equilibrium, by central differences, and its cells (n,).
 
-    displacement: in m; K: largest stiffness over mass (1/s^2), which scales the velocity difference.
-    Cells without stiffness are left out.
+    displacement: step of the differences (m); K: largest stiffness over mass (1/s^2), which gives the step of the
+    velocity. Cells without stiffness are left out.
     """
     cells = _radial_cells(model)
     jacobians = np.empty((2, len(cells), len(cells)))
@@ -165,29 +167,28 @@ def _linearised(
                 accelerations.append(y[lay.ACCELERATION + cells])
             y[cell] = position
             jacobian[:, n] = (accelerations[0] - accelerations[1]) / (2.0 * step)
-    has_stiffness = np.abs(jacobians[0]).sum(axis=1) > 0.0  # not an inner ring without a shaft
+    has_stiffness = np.abs(jacobians[0]).sum(axis=1) > 0.0  # false for an inner ring without a shaft
     stiffness, damping = (jacobian[np.ix_(has_stiffness, has_stiffness)] for jacobian in jacobians)
     zeros = np.zeros_like(stiffness)
     return np.block([[zeros, np.eye(len(zeros))], [stiffness, damping]]), cells[has_stiffness]
 
 
 def _radial_cells(model: Any) -> np.ndarray:
-    """Return the cells of a state for in-plane motion and bending of rings and radial motion of rollers, if they
-    have mass."""
+    """Return the cells of in-plane motion and bending of rings, and of radial motion of rollers with mass."""
     rollers = model.bearing.Z if model.bearing.m_r > 0.0 else 0
     lanes, modes = lay.FIRST_LANE + np.arange(rollers), np.arange(harmonics(model))
     return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + modes, lay.MODES_S + modes]
 
 
 ROUNDING = 1e-11
-"""Change from pass to pass that is rounding error, relative to the first change (or ``set_initial_change``): the
-motion is steady, and no mode can be fitted to it. Measured: 1e-12 (heavy rings, 140 to 180 N)."""
+"""Largest change from pass to pass due to rounding, relative to the first change (or ``set_initial_change``). The
+motion is then steady, and no mode can be fitted. Measured: 1e-12 (heavy rings, 140 to 180 N)."""
 MAX_RESIDUAL = 0.02
 """Largest residual of the fitted modes, relative to the last change. Above it the motion is not yet linear, and an
-extrapolation might lead to another steady motion than the one reached from static equilibrium."""
+extrapolation might lead to another steady motion than that reached from static equilibrium."""
 
 
-class SlowModes:
+class SteadyExtrapolation:
     """Extrapolation of the steady state from the states at the ends of ball passes.
 
     From pass to pass the state changes by s' = s_0 + M (s - s_0). M is almost constant if the motion differs from
@@ -207,14 +208,14 @@ class SlowModes:
         self.steady = False
 
     @classmethod
-    def from_case(cls, case: Case, model: Any, rate: float, tolerance: float) -> "SlowModes | None":
-        """Return the slow modes of a case, or None if it has none.
+    def from_case(cls, case: Case, model: Any, rate: float, tolerance: float) -> "SteadyExtrapolation | None":
+        """Make the extrapolation for a case; None if it has no slow modes.
 
         rate: ball passes per second (Hz); tolerance: fraction of the first change below which the motion is
         steady.
         """
         passes = int(min(MAX_PASSES, case.settle_s * rate))
-        count = slow_modes(case)
+        count = slow_mode_count(case)
         return cls(model, count, passes, tolerance) if count > 0 else None
 
     def set_initial_change(self, start: np.ndarray, rest: np.ndarray) -> None:
@@ -237,7 +238,7 @@ class SlowModes:
         if self.converged:
             return False
         coefficients, *_ = np.linalg.lstsq(changes[:, :-1], -changes[:, -1], rcond=1e-10)
-        polynomial = np.append(coefficients, 1.0)  # its roots are the modes' multipliers per pass
+        polynomial = np.append(coefficients, 1.0)  # its roots are the factors of the modes per pass
         if not np.linalg.norm(changes @ polynomial) <= MAX_RESIDUAL * self.last_change:
             return False
         decays = not diverges(polynomial)
@@ -251,7 +252,7 @@ class SlowModes:
 
     @property
     def converged(self) -> bool:
-        """Convergence to the steady state, after which no further pass is needed."""
+        """True if the state is steady within the tolerance, so that no further pass is needed."""
         return self.steady and self.last_change <= self.tolerance * self.first_change
 
     def _aligned_states(self) -> np.ndarray:

@@ -1,11 +1,11 @@
-"""Standard errors of the requested features of a record. The record ends when they reach the accuracy `until`.
+"""Standard errors of the requested features of a record, which ends when they are at most `until`.
 
-A feature is computed over pairs of successive units (``ending.unit``) that overlap by half, as in ``trial.py``; a
-harmonic of BPFO in a record that also has other lines is computed from single ball passes. The standard error of
-the mean is estimated by batch means. If values are positively correlated, it increases with the batch size, so
-batches are doubled in size and the largest error is used (batch means: Jones, Haran, Caffo and Neath 2006, J. Am.
-Stat. Assoc. 101, 1537; their bias: Vats and Flegal 2022, Biometrika 109, 735; stopping at a relative width: Flegal
-and Gong 2015, Stat. Sinica 25, 655).
+A feature is computed over pairs of successive common periods (``ending.common_period``) that overlap by half, as
+in ``trial.py``; a harmonic of BPFO in a record that also has other lines is computed from single ball passes. The
+standard error of the mean is estimated by batch means. If values are positively correlated, it increases with the
+batch size, so batches are doubled in size and the largest error is used (batch means: Jones, Haran, Caffo and
+Neath 2006, J. Am. Stat. Assoc. 101, 1537; their bias: Vats and Flegal 2022, Biometrika 109, 735; stopping at a
+relative width: Flegal and Gong 2015, Stat. Sinica 25, 655).
 """
 
 from collections.abc import Sequence
@@ -23,12 +23,17 @@ from bearingsim.simulation.accuracy import TWO_SIGMA, StandardErrors
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.recording import RawRecord, first_sample, whole_passes
 from bearingsim.simulation.run_setup import Setup
-from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensor_samples
+from bearingsim.simulation.spectral_lines import (
+    amplitudes_by_pass,
+    angles_of_record,
+    has_other_lines,
+    sensor_samples,
+)
 
-MIN_BATCHES = 4  # smallest number of batches, for at least three degrees of freedom in Student's t (chosen)
+MIN_BATCHES = 4  # smallest number, chosen for at least three degrees of freedom of Student's t
 HANN_VARIANCE_RATIO, HANN_POWER_VARIANCE_RATIO = 3.0 / 2.0, 35.0 / 18.0
-"""Variances of a mean under Hann's window, and of the mean square of a windowed series, over that of a plain mean,
-for white noise. The mean square has the square of the window as its weight."""
+"""Variances, for white noise, of a mean weighted by Hann's window and of one weighted by its square (mean square
+of a windowed series), over that of a plain mean."""
 
 
 class Inspections:
@@ -47,12 +52,14 @@ class Inspections:
         self.errors: dict[int, StandardErrors] = {}
 
     def ends(self, raw: RawRecord) -> bool:
-        """Return whether the standard errors of a run's record are at most `until`."""
+        """Check if the standard errors of a run's record are at most `until`."""
         return self.record_errors(raw).largest <= (self.setup.case.until or 0.0)
 
     def complete_record(self, raw: RawRecord, may_end: bool) -> bool:
-        """Return whether a separate run would end where a trial did: where it is periodic or, with ``may_end``,
-        accurate enough or at the end of the record."""
+        """Check if the run of a trial is complete, that is if a separate run would end at the same ball pass.
+
+        It is complete if it is periodic or, with ``may_end``, accurate enough or at the end of the record.
+        """
         computed = raw.repetition.computed
         if raw.repetition.period > 0:
             return computed <= min(self.passes, default=computed)
@@ -61,14 +68,14 @@ class Inspections:
 
     @property
     def shortest_setup(self) -> Setup:
-        """Setup with the shortest possible record; the step check uses it for its pilot run."""
+        """Setup with the shortest possible record, on which the step is checked."""
         return self._with_passes(min(self.record_passes.values())) if self.record_passes else self.setup
 
     def setup_of_record(self, raw: RawRecord) -> Setup:
-        """Return the setup whose duration is that of the record, which an accuracy check may have ended early.
+        """Return the setup with the duration of the record, which an accuracy check may have ended early.
 
-        If the last check needs all ball passes of the run, the record has the duration of this check, which is
-        less than two ball passes shorter, whether or not the accuracy is reached.
+        If the last check needs all ball passes of the run, the duration is that of this check, less than two ball
+        passes shorter than the case's own, whether or not the accuracy is reached.
         """
         passes = raw.repetition.computed
         if raw.repetition.period > 0 or passes not in self.record_passes:
@@ -76,6 +83,7 @@ class Inspections:
         return self._with_passes(self.record_passes[passes])
 
     def _with_passes(self, passes: int) -> Setup:
+        """Return the setup with a record of ``passes`` ball passes."""
         update = {"duration": passes / self.setup.grid.rate}
         return replace(self.setup, case=self.setup.case.model_copy(update=update))
 
@@ -117,34 +125,37 @@ def largest_standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
 def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
     """Estimate the relative standard errors of the ``requested`` features of a non-periodic record, by name.
 
-    They are relative to the features' values, for a line to at least ``QUIET_LINE`` of the standard deviation of
-    the unfiltered signal. Infinite for too short a record, and for lines that it does not resolve.
+    They are relative to the value of the feature; for a line to at least ``QUIET_LINE`` of the standard deviation
+    of the unfiltered signal, except for lines of an envelope. Infinite for too short a record, and for lines that
+    it does not resolve.
     """
     case, grid = setup.case, setup.grid
     passes = whole_passes(case, grid)
     start, length = first_sample(case, grid), passes * grid.fine_per_pass + 1
-    spans = trial.turn_spans(passes, float(ending.unit(case)), grid.fine_per_pass)
+    spans = trial.revolution_spans(passes, float(ending.common_period(case)), grid.fine_per_pass)
     if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
     fine_samples = cache(partial(sensor_samples, case, raw, start=start, count=length))
     low_passed_samples = cache(partial(sensor_samples, case, raw.low_passed, start=start, count=length))
     angles = angles_of_record(case, setup.model, grid, raw, start, length)
     window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
-    lines, powers = trial.feature_parts(setup, window_features, fine_samples, low_passed_samples, angles, spans)
+    amplitudes, mean_squares = trial.feature_parts(
+        setup, window_features, fine_samples, low_passed_samples, angles, spans
+    )
     pass_features = [name for name in dict.fromkeys(requested) if name not in window_features]
-    pass_lines = lines_of_passes(case, setup.model, grid, raw) if pass_features else {}
-    for name in pass_features if pass_lines else ():
-        lines_by_pass = pass_lines[name.partition("@")[0]][_harmonic(name) - 1]
-        weights = signals.pass_weights(len(lines_by_pass), has_neighbours=True)
-        lines[name] = np.append(np.average(lines_by_pass, weights=weights), lines_by_pass)
+    pass_amplitudes = amplitudes_by_pass(case, setup.model, grid, raw) if pass_features else {}
+    for name in pass_features if pass_amplitudes else ():
+        contributions = pass_amplitudes[name.partition("@")[0]][_harmonic(name) - 1]
+        weights = signals.pass_weights(len(contributions), has_neighbours=True)
+        amplitudes[name] = np.append(np.average(contributions, weights=weights), contributions)
     errors = {}
-    for name, parts in lines.items():
+    for name, parts in amplitudes.items():
         min_amplitude = (
             0.0 if read_band(name) else QUIET_LINE * float(np.std(fine_samples(name.partition("@")[0])))
         )
         in_phase = (parts * np.exp(-1j * np.angle(parts[0]))).real
         errors[name] = batch_error(in_phase[1:]) / (max(abs(parts[0]), min_amplitude) or 1.0)
-    for name, parts in powers.items():
+    for name, parts in mean_squares.items():
         errors[name] = 0.5 * batch_error(parts[1:]) / (parts[0] or 1.0)
     errors = {name: variance_ratio(case, name) ** 0.5 * error for name, error in errors.items()}
     return {name: inf if np.isnan(errors.get(name, nan)) else float(errors[name]) for name in requested}
@@ -175,7 +186,8 @@ def batch_error(values: np.ndarray) -> float:
     The result is the largest for batches of 1, 2, 4 ... values. Twice the variance from batches of one size, minus
     that from batches of half the size, has no first-order bias due to correlation between batches (Vats and Flegal
     2022). The error is scaled by Student's t so that two standard errors have the confidence of two sigma. It is
-    infinite for fewer than MIN_BATCHES values, or if one is NaN (a line that a pair of units does not resolve).
+    infinite for fewer than MIN_BATCHES values, or if one is NaN (a line that a pair of common periods does not
+    resolve).
     """
     from scipy.special import stdtrit
 

@@ -1,4 +1,4 @@
-"""Time grid of a case, and its estimated CPU time, memory and disk space, as printed by ``bearingsim check``."""
+"""Time grid of a case, and estimates of its CPU time, memory and disk space (``bearingsim check``)."""
 
 from dataclasses import dataclass
 from math import ceil, floor
@@ -13,14 +13,14 @@ from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.simulation import pricing
 from bearingsim.simulation.choice import automatic_step, resolve
 from bearingsim.simulation.limits import SAFETY, Limits, longest_step, step_limits
-from bearingsim.simulation.pricing import Cost, Size, cost, cpu_per_second, price, solved_once
+from bearingsim.simulation.pricing import Cost, RecordSize, coefficient, cpu_per_second, estimate_cost, solved_once
 from bearingsim.simulation.repetition import searches_for_period
 from bearingsim.simulation.settling import refuse_unsettled
 
-FINE_PER_SAMPLE, MIN_FINE = 4, 64  # smallest numbers of fine samples per sample, and per ball pass
-PASSBAND = 0.15  # part of the fine rate up to which fine samples are not attenuated (core/sampling.py)
-MAX_STEPS = 10_000_000  # largest number in a ball pass, whose recording is stored in memory (640 MB)
-MAX_CPU = 12 * 3600.0  # s, above which a job is refused unless it gives its own step
+FINE_PER_SAMPLE, MIN_FINE = 4, 64  # smallest numbers of fine samples per sample and per ball pass
+PASSBAND = 0.15  # upper limit of the fine samples' pass band over the fine rate (core/sampling.py)
+MAX_STEPS = 10_000_000  # largest number in a ball pass, which is recorded in memory (640 MB)
+MAX_CPU = 12 * 3600.0  # s, CPU time above which a job is refused unless it gives its own step
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Grid:
 class Estimate:
     """Estimate of a job: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
 
-    check_seconds: part of ``cpu_seconds`` for the step check; memory: peak bytes without those of the program;
-    most_seconds, most_memory: the same if the response might be periodic but is not.
+    check_seconds: part of ``cpu_seconds`` for the step check; memory: peak bytes, without those of the program;
+    most_seconds, most_memory: CPU seconds and peak bytes if the response is not periodic.
     """
 
     cpu_seconds: float
@@ -66,7 +66,7 @@ class Estimate:
 
 
 def requested_step(case: Case) -> float:
-    """Return the step (s) of a case, its own or the automatic one. Raises ``Refused`` if it is too long."""
+    """Return the step (s) of a case, its own or the automatic one. Raises ``Refused`` if its own is too long."""
     case = resolve(case)
     limits = step_limits(case)
     if case.step == "auto":
@@ -78,17 +78,20 @@ def requested_step(case: Case) -> float:
 
 
 def _refusal(step: float, limits: Limits) -> str:
+    """Return the reason why a step (s) is too long."""
     if step > SAFETY * limits.at_impact:
         return (
             f"a step of {1e6 * step:.3g} us is over {1e6 * SAFETY * limits.at_impact:.3g} us, {SAFETY:.0%} of the"
             f" method's limit at an impact ({1e6 * limits.at_rest:.3g} us at rest)"
         )
-    if limits.wave < limits.crossing:
-        return f"a step of {1e6 * step:.3g} us passes a wave of {1e6 * limits.wave:.3g} us in too few steps"
-    return f"a step of {1e6 * step:.3g} us passes a defect of {1e6 * limits.crossing:.3g} us in too few steps"
+    if limits.undulation < limits.crossing:
+        obstacle = f"an undulation of {1e6 * limits.undulation:.3g} us"
+    else:
+        obstacle = f"a defect of {1e6 * limits.crossing:.3g} us"
+    return f"a step of {1e6 * step:.3g} us passes {obstacle} in too few steps"
 
 
-def samples(case: Case) -> int:
+def sample_count(case: Case) -> int:
     """Return the number of samples of the record."""
     return floor(case.duration * case.sampling + 1e-6)
 
@@ -100,7 +103,7 @@ def highest_band_limit(case: Case) -> float:
 
 
 def highest_line_frequency(case: Case) -> float:
-    """Return the highest frequency (Hz) of the lines of a case, at its highest speed."""
+    """Return the highest frequency (Hz) of all ``LINES`` at the highest speed of a case."""
     speed = full_speed_case(case).speed
     return max(case.bearing.line_frequency(line, speed) for line in LINES.values())
 
@@ -112,7 +115,7 @@ def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> G
     ``MAX_CPU``. On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``,
     and if the record has no sample, if a pass has too many steps, or if the steps take too long.
     """
-    if samples(case) < 1:
+    if sample_count(case) < 1:
         raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
     has_named_method, case = case.method != "auto", resolve(case)
     other = ", or use `method: auto`" if has_named_method else ""
@@ -150,20 +153,20 @@ def estimate(case: Case) -> Estimate:
     case = resolve(case)
     refuse_unsettled(case)
     grid = make_grid(case)
-    costs = cost(case, grid.step, grid.passes)
+    costs = estimate_cost(case, grid.step, grid.passes)
     expected, non_periodic_size = _sizes(case, grid, costs)
     memory_expected, most_memory = _memory(case, grid, costs)
     _refuse_too_large(most_memory)
     unchecked_size = expected._replace(checked=0.0)
     seconds, unchecked, longest = (
-        pricing.counts(case, size).seconds for size in (expected, unchecked_size, non_periodic_size)
+        pricing.count_operations(case, size).seconds for size in (expected, unchecked_size, non_periodic_size)
     )
     return Estimate(
-        cpu_seconds=price("job") + costs.total + seconds,
+        cpu_seconds=coefficient("job") + costs.total + seconds,
         bytes=4 * expected.columns * expected.samples,
         steps=costs.passes * grid.steps_per_pass,
         check_seconds=costs.check + seconds - unchecked,
-        most_seconds=price("job") + costs.non_periodic + longest,
+        most_seconds=coefficient("job") + costs.non_periodic + longest,
         memory=memory_expected,
         most_memory=most_memory,
     )
@@ -174,17 +177,19 @@ def _memory(case: Case, grid: Grid, costs: Cost) -> tuple[float, float]:
 
     With `periodic: false` and a step check on a period, the search for the period may need more than the run.
     """
-    peaks = [pricing.memory(case, size) for size in _sizes(case, grid, costs)]
+    peaks = [pricing.peak_memory(case, size) for size in _sizes(case, grid, costs)]
     if not case.periodic and searches_for_period(case):
         periodic = case.model_copy(update={"periodic": True})
-        search_sizes = _sizes(periodic, grid, cost(periodic, grid.step, grid.passes))
-        peaks = [max(run, pricing.memory(periodic, size)) for run, size in zip(peaks, search_sizes, strict=True)]
+        search_sizes = _sizes(periodic, grid, estimate_cost(periodic, grid.step, grid.passes))
+        peaks = [
+            max(run, pricing.peak_memory(periodic, size)) for run, size in zip(peaks, search_sizes, strict=True)
+        ]
     return peaks[0], peaks[1]
 
 
-def _sizes(case: Case, grid: Grid, costs: Cost) -> tuple[Size, Size]:
+def _sizes(case: Case, grid: Grid, costs: Cost) -> tuple[RecordSize, RecordSize]:
     """Return the size of a case with a named method: expected, and if its response is not periodic."""
-    expected = pricing.record_size(
+    expected = pricing.make_record_size(
         case, grid.fine_per_pass, grid.decimation, costs.passes, costs.check / costs.one_pass
     )
     if costs.non_periodic == costs.total:
@@ -194,10 +199,11 @@ def _sizes(case: Case, grid: Grid, costs: Cost) -> tuple[Size, Size]:
 
 def refuse_too_large(case: Case, grid: Grid) -> None:
     """Raise ``Refused`` if a case with a named method may need more memory than is available."""
-    _refuse_too_large(_memory(case, grid, cost(case, grid.step, grid.passes))[1])
+    _refuse_too_large(_memory(case, grid, estimate_cost(case, grid.step, grid.passes))[1])
 
 
 def _refuse_too_large(most_memory: float) -> None:
+    """Raise ``Refused`` if ``most_memory`` (bytes) and the program need more memory than is available."""
     needed, available = PROGRAM_BYTES + most_memory, memory.limit()
     if needed > available:
         raise Refused(

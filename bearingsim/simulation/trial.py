@@ -22,64 +22,67 @@ from bearingsim.simulation import ending, recording, spectral_lines
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
 from bearingsim.simulation.features import band_of
 from bearingsim.simulation.integration import Inspection, Inspector
-from bearingsim.simulation.pilot import PILOT_FRACTION, ROUNDING, elements_with_deviations, longest_turn
+from bearingsim.simulation.pilot import PILOT_FRACTION, ROUNDING, elements_with_deviations, longest_revolution_time
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.run_setup import Setup
-from bearingsim.simulation.settling import cage_turn
+from bearingsim.simulation.settling import cage_revolution_time
 from bearingsim.simulation.spectral_lines import SampleAngles
 
-MIN_PASSES, TURNS = 16, 4
-"""Smallest numbers of ball passes, and of revolutions of every defect through the load zone, that are compared."""
+MIN_PASSES, DEFECT_REVOLUTIONS = 16, 4
+"""Smallest numbers of compared ball passes, and of revolutions of every defect through the load zone."""
 MAX_FRACTION = 0.5
-"""Largest part of a record that is compared. A longer trial would cost as much as the run that it may save."""
-CAGE_TURNS = 5
+"""Largest fraction of a record that is compared. Trials would otherwise cost more than they save."""
+CAGE_REVOLUTIONS = 5
 """Smallest number of revolutions of a free cage that are compared. Tens of successive passes are correlated: the
 standard error of a line is 0.9 % over 16 passes and 0.3 % over 64 (100 N, 3000 rpm)."""
-INSPECTION_TURNS = 2
-"""Turns of the cage after which a trial may end because it is far from the reference."""
+INSPECTION_REVOLUTIONS = 2
+"""Revolutions of the cage after which a trial may end because it is far from the reference."""
 ROUNDING_MARGIN = 1e-9  # s, margin for rounding in a duration that must contain a number of passes
-MAIN_LOBE, NEAR = 2.0, 4.0
-"""Half width of the main lobe of Hann's window, and distance beyond which its response is under 0.6 %, in turns.
-The amplitudes of lines closer than the latter are solved for jointly."""
+MAIN_LOBE, NEAR_DISTANCE = 2.0, 4.0
+"""Half width of the main lobe of Hann's window, and distance beyond which its response is under 0.6 %, in cycles
+over the window. The amplitudes of lines closer than ``NEAR_DISTANCE`` are solved for jointly."""
 LARGEST_FORCE = "outer_force.max"
 MIN_OVERLAP_EIGENVALUE = 0.1
-"""Smallest eigenvalue of the overlap matrix of jointly solved lines; there, noise is amplified threefold."""
+"""Smallest eigenvalue of the overlap matrix of jointly solved lines, at which noise is amplified threefold."""
 
 
 @dataclass(frozen=True)
 class Trial:
     """Features over the first passes of a run after settling.
 
-    passes: number of ball passes; turns: whole revolutions of the slowest defect in them (ball passes if none
-    turns); repeats: if the motion is periodic; lines: by name, (1 + W,) complex amplitudes (SI) of each requested
-    line over the whole trial and over W pairs of turns, NaN if the whole trial does not resolve the line; powers:
-    likewise, mean squares (SI) of each requested RMS; forces: (passes,) largest outer contact forces (N); method:
-    name of the method, empty if the model has none; step: its step (s), or its tolerance if adaptive.
+    passes: number of ball passes; revolutions: number of whole revolutions of the slowest defect in them (of ball
+    passes if none rotates); is_periodic: whether the motion is periodic; amplitudes: by name, (1 + W,) complex
+    amplitudes (SI) of each requested line over all whole revolutions (the whole trial if fewer than three) and
+    over W pairs of successive ones, NaN if the former do not resolve the line; mean_squares: likewise, mean
+    squares (SI) of each requested RMS; forces: (passes,) largest outer contact forces (N); method: name of the
+    method, empty if the model has none; step: its step (s), or its tolerance if adaptive.
     """
 
     passes: int
-    turns: int
-    repeats: bool
-    lines: dict[str, np.ndarray]
-    powers: dict[str, np.ndarray]
+    revolutions: int
+    is_periodic: bool
+    amplitudes: dict[str, np.ndarray]
+    mean_squares: dict[str, np.ndarray]
     forces: np.ndarray
     method: str = ""
     step: float = 0.0
 
     @property
     def is_consistent(self) -> bool:
-        """Consistency of the lengths of all arrays with the numbers of passes and turns."""
-        parts = {len(values) for values in (*self.lines.values(), *self.powers.values())}
-        return parts <= {part_count(self.turns)} and len(self.forces) == self.passes >= self.turns
+        """True if the lengths of all arrays agree with the numbers of passes and revolutions."""
+        parts = {len(values) for values in (*self.amplitudes.values(), *self.mean_squares.values())}
+        return parts <= {part_count(self.revolutions)} and len(self.forces) == self.passes >= self.revolutions
 
     def has_features(self, requested: Iterable[str]) -> bool:
         """Check if the trial has all requested lines and RMS values; it always has the largest force."""
-        return all(name in self.lines or name in self.powers for name in requested if name != LARGEST_FORCE)
+        return all(
+            name in self.amplitudes or name in self.mean_squares for name in requested if name != LARGEST_FORCE
+        )
 
 
 @dataclass(frozen=True)
 class ReferenceValues:
-    """Reference values with which a trial is compared, and may end early.
+    """Reference values with which a trial is compared, to end it early.
 
     values: lines and RMS values (SI) by feature; limits: differences (SI) beyond which the trial ends.
     """
@@ -89,8 +92,8 @@ class ReferenceValues:
 
     def is_far(self, trial: "Trial") -> bool:
         """Check if a trial differs by more than ``limits`` in any feature."""
-        values = {name: float(abs(parts[0])) for name, parts in trial.lines.items()}
-        values |= {name: float(np.sqrt(parts[0])) for name, parts in trial.powers.items()}
+        values = {name: float(abs(parts[0])) for name, parts in trial.amplitudes.items()}
+        values |= {name: float(np.sqrt(parts[0])) for name, parts in trial.mean_squares.items()}
         return any(
             abs(values[name] - value) > self.limits[name] for name, value in self.values.items() if name in values
         )
@@ -99,56 +102,69 @@ class ReferenceValues:
 def trial_passes(case: Case, has_free_cage: bool = False) -> int:
     """Return the number of ball passes over which the model of a case is compared with the reference.
 
-    has_free_cage: whether the reference has a free cage, which needs ``CAGE_TURNS`` even if the record is shorter.
+    has_free_cage: whether the reference has a free cage, which needs ``CAGE_REVOLUTIONS`` even if the record is
+    shorter.
     """
     rate = case.bearing.ball_pass_frequency(case.speed)
-    passes = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_FRACTION * case.duration * rate))
-    return max(min(passes, most_passes(case)), has_free_cage * CAGE_TURNS * case.bearing.rollers)
+    passes = max(
+        MIN_PASSES,
+        ceil(DEFECT_REVOLUTIONS * defect_revolution_time(case) * rate),
+        ceil(PILOT_FRACTION * case.duration * rate),
+    )
+    return max(min(passes, max_passes(case)), has_free_cage * CAGE_REVOLUTIONS * case.bearing.rollers)
 
 
-def most_passes(case: Case) -> int:
+def max_passes(case: Case) -> int:
     """Return the largest number of ball passes in a trial of a case whose motion is not periodic, at least 1."""
     return max(int(MAX_FRACTION * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
 
 
 def shows_friction(case: Case) -> bool:
     """Check if the record of a case contains enough revolutions of a free cage to show the effect of friction."""
-    return case.duration >= CAGE_TURNS * cage_turn(case)
+    return case.duration >= CAGE_REVOLUTIONS * cage_revolution_time(case)
 
 
 def lengthen_for_trial(case: Case) -> Case:
     """Return the case with a record long enough for a trial of a free cage."""
     return case.model_copy(
-        update={"duration": max(case.duration, CAGE_TURNS * cage_turn(case) / MAX_FRACTION + ROUNDING_MARGIN)}
+        update={
+            "duration": max(
+                case.duration, CAGE_REVOLUTIONS * cage_revolution_time(case) / MAX_FRACTION + ROUNDING_MARGIN
+            )
+        }
     )
 
 
-def defect_turn(case: Case) -> float:
-    """Return the time (s) for one revolution of the slowest defect through the load zone; 0 if none turns."""
-    return longest_turn(case)
+def defect_revolution_time(case: Case) -> float:
+    """Return the time (s) for one revolution of the slowest defect through the load zone; 0 if none rotates."""
+    return longest_revolution_time(case)
 
 
 def last_pass(setup: Setup, passes: int) -> int:
     """Return the number of ball passes to compute so that ``passes`` after settling can be read."""
     case, grid = setup.case, setup.grid
-    beyond = grid.passes - floor((case.settle_s + case.duration) * grid.rate)  # within the reach of filters
+    beyond = grid.passes - floor((case.settle_s + case.duration) * grid.rate)  # for the reach of filters
     return min(grid.passes, ceil(case.settle_s * grid.rate) + passes + beyond)
 
 
-def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
+def read_trial(
+    setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, revolution_time: float
+) -> Trial:
     """Return the trial of the first ``passes`` of a run after settling.
 
-    turn: period (s) of the slowest defect, or 0.
+    revolution_time: period (s) of the slowest defect, or 0.
     """
     case, grid = setup.case, setup.grid
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
     rows = raw.low_passed.read(start, length) if case.antialias else fine
     angles = spectral_lines.angles_of_record(case, setup.model, grid, raw, start, length)
-    turn = max(1.0, turn * grid.rate)  # in ball passes
-    spans = turn_spans(passes, turn, grid.fine_per_pass)
+    revolution = max(1.0, revolution_time * grid.rate)  # in ball passes
+    spans = revolution_spans(passes, revolution, grid.fine_per_pass)
     series = partial(spectral_lines.sensor_series, case)
-    lines, powers = feature_parts(setup, requested, partial(series, fine), partial(series, rows), angles, spans)
+    amplitudes, mean_squares = feature_parts(
+        setup, requested, partial(series, fine), partial(series, rows), angles, spans
+    )
     start_pass = ceil(start / grid.fine_per_pass)
     peaks = raw.peaks[:, PEAK_FORCE_COLUMN]
     sources = [
@@ -157,7 +173,15 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     step = float(setup.method.rtol) if assemble.is_adaptive(case) else grid.step
     method_and_step = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
-    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *method_and_step)
+    return Trial(
+        passes,
+        whole_revolutions(passes, revolution),
+        periodic,
+        amplitudes,
+        mean_squares,
+        peaks[sources],
+        *method_and_step,
+    )
 
 
 def may_become_record(case: Case) -> bool:
@@ -170,70 +194,74 @@ def record_inspection(
     inspector: Inspector,
     requested: Sequence[str],
     passes: int,
-    turn: float,
+    revolution_time: float,
     reference_values: ReferenceValues,
 ) -> Inspection:
     """Return the inspection of a trial that may become the record.
 
-    inspector: inspections of the record, which ends the run as soon as its features are accurate enough. After the
-    trial and the shortest record the run also ends unless it is far from the reference, since only then the case
-    is certainly computed with this model.
+    inspector: inspections of the record, which end the run as soon as its features are accurate enough. At the end
+    of the trial, but not before that of the shortest record, the run also ends unless it is far from the
+    reference, since only then the case is certainly computed with this model.
     """
     end = max(last_pass(setup, passes), min(inspector.passes))
 
-    def enough(raw: RawRecord) -> bool:
+    def may_end(raw: RawRecord) -> bool:
         computed = raw.repetition.computed
         if computed in inspector.passes and inspector.ends(raw):
             return True
-        return computed == end and not reference_values.is_far(read_trial(setup, raw, requested, passes, turn))
+        return computed == end and not reference_values.is_far(
+            read_trial(setup, raw, requested, passes, revolution_time)
+        )
 
-    return Inspection((end, *inspector.passes), enough)
+    return Inspection((end, *inspector.passes), may_end)
 
 
 def early_inspection(
-    setup: Setup, requested: Sequence[str], turn: float, reference_values: ReferenceValues
+    setup: Setup, requested: Sequence[str], revolution_time: float, reference_values: ReferenceValues
 ) -> Inspection:
-    """Return the inspection that ends a trial far from the reference after ``INSPECTION_TURNS`` cage turns."""
-    passes = INSPECTION_TURNS * setup.model.bearing.Z
+    """Return the inspection that ends a trial far from the reference after ``INSPECTION_REVOLUTIONS``."""
+    passes = INSPECTION_REVOLUTIONS * setup.model.bearing.Z
     return Inspection(
         (last_pass(setup, passes),),
-        lambda raw: reference_values.is_far(read_trial(setup, raw, requested, passes, turn)),
+        lambda raw: reference_values.is_far(read_trial(setup, raw, requested, passes, revolution_time)),
     )
 
 
 def feature_parts(
     setup: Setup,
     requested: Sequence[str],
-    fine: Callable[[str], np.ndarray],
-    low: Callable[[str], np.ndarray],
+    unfiltered: Callable[[str], np.ndarray],
+    low_passed: Callable[[str], np.ndarray],
     angles: SampleAngles,
     spans: Sequence[slice],
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return amplitudes of requested lines and mean squares of requested RMS values, over each of ``spans``.
+    """Compute amplitudes of requested lines and mean squares of requested RMS values, over each of ``spans``.
 
-    fine, low: functions that return the series (n,) of a quantity along the sensor, unfiltered and low-passed;
-    angles: angles (n,) at the same samples.
+    unfiltered, low_passed: functions that return the series (n,) of a quantity along the sensor, unfiltered and
+    low-passed; angles: angles (n,) at the same samples.
     """
-    case, fs = setup.case, setup.grid.fine_rate
-    lines, powers = {}, {}
+    case, fine_rate = setup.case, setup.grid.fine_rate
+    amplitudes, mean_squares = {}, {}
     for name in requested:
         quantity, _, line = name.partition("@")
         band_feature = read_band(name)
         if band_feature is not None:
-            series, band = fine(band_feature.quantity), band_of(case, band_feature)
+            series, band = unfiltered(band_feature.quantity), band_of(case, band_feature)
             if band_feature.line:
-                envelope = signals.squared_envelope(series, fs, band)
-                lines[name] = amplitudes(
+                envelope = signals.squared_envelope(series, fine_rate, band)
+                amplitudes[name] = line_amplitudes(
                     envelope, nearby_angles(case, angles, band_feature.line, spans[-1]), spans
                 )
             else:
-                powers[name] = np.square([signals.band_rms(series[span], fs, band) for span in spans])
+                mean_squares[name] = np.square([signals.band_rms(series[span], fine_rate, band) for span in spans])
         elif line:
-            lines[name] = amplitudes(fine(quantity), nearby_angles(case, angles, line, spans[-1]), spans)
+            amplitudes[name] = line_amplitudes(
+                unfiltered(quantity), nearby_angles(case, angles, line, spans[-1]), spans
+            )
         elif name.endswith(".rms"):
-            series = low(name.removesuffix(".rms"))
-            powers[name] = np.array([mean_square(series[span]) for span in spans])
-    return lines, powers
+            series = low_passed(name.removesuffix(".rms"))
+            mean_squares[name] = np.array([mean_square(series[span]) for span in spans])
+    return amplitudes, mean_squares
 
 
 def with_trial_step(case: Case, trial: Trial) -> Case:
@@ -245,50 +273,50 @@ def with_trial_step(case: Case, trial: Trial) -> Case:
     return case.model_copy(update=settings)
 
 
-def turn_spans(passes: int, turn: float, per_pass: int) -> list[slice]:
+def revolution_spans(passes: int, revolution: float, per_pass: int) -> list[slice]:
     """Return slices of a trial's fine samples: all whole revolutions, then each pair of successive revolutions.
 
-    turn: in ball passes. With fewer than three turns, only the whole trial is returned.
+    revolution: in ball passes. With fewer than three revolutions, only the whole trial is returned.
     """
-    turns = whole_turns(passes, turn)
-    if part_count(turns) == 1:
+    count = whole_revolutions(passes, revolution)
+    if part_count(count) == 1:
         return [slice(0, passes * per_pass)]
-    ends = [round(n * turn * per_pass) for n in range(turns + 1)]
+    ends = [round(n * revolution * per_pass) for n in range(count + 1)]
     return [slice(0, ends[-1]), *(slice(a, b) for a, b in zip(ends, ends[2:], strict=False))]
 
 
-def part_count(turns: int) -> int:
-    """Return the number of values of a line in a trial: one over all ``turns``, and one per pair of turns."""
-    return turns if turns >= 3 else 1
+def part_count(revolutions: int) -> int:
+    """Return the number of values of a line in a trial: one over all ``revolutions``, one per successive pair."""
+    return revolutions if revolutions >= 3 else 1
 
 
-def whole_turns(passes: int, turn: float) -> int:
-    """Return the number of whole revolutions, each of ``turn`` passes, in ``passes`` passes."""
-    return floor(passes / turn + ROUNDING)
+def whole_revolutions(passes: int, revolution: float) -> int:
+    """Return the number of whole revolutions, each of ``revolution`` passes, in ``passes`` passes."""
+    return floor(passes / revolution + ROUNDING)
 
 
 def nearby_angles(case: Case, sample_angles: SampleAngles, name: str, span: slice) -> np.ndarray:
-    """Return the angles (1 + L, n) of a line and of L excited lines too near to resolve over ``span``."""
+    """Return phase angles (1 + L, n) of a line and of L excited lines within ``NEAR_DISTANCE`` in ``span``."""
     angles = {
         line: sample_angles.phase(LINES[line], case.bearing.rollers) for line in (name, *excited_lines(case))
     }
-    turns = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
-    return np.stack([angles[line] for line in angles if abs(turns[line] - turns[name]) < NEAR])
+    cycles = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
+    return np.stack([angles[line] for line in angles if abs(cycles[line] - cycles[name]) < NEAR_DISTANCE])
 
 
 def excited_lines(case: Case) -> list[str]:
-    """Return the lines at which a case vibrates, due to its defects, its form and the passing rollers."""
-    races = elements_with_deviations(case)
+    """Return the names of the lines at which a case vibrates, due to defects, form and the passing rollers."""
+    elements = elements_with_deviations(case)
 
     def is_excited(line: Line) -> bool:
-        of_inner, of_rollers = line.inner or line.shaft, line.spin or line.cage
-        return not (of_inner and "inner" not in races) and not (of_rollers and "roller" not in races)
+        is_of_inner, is_of_rollers = bool(line.inner or line.shaft), bool(line.spin or line.cage)
+        return not (is_of_inner and "inner" not in elements) and not (is_of_rollers and "roller" not in elements)
 
     return [name for name, line in LINES.items() if is_excited(line)]
 
 
-def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
-    """Return the complex amplitudes (spans,) of a line, without the contribution of nearby lines.
+def line_amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
+    """Compute the complex amplitudes (spans,) of a line, without the contribution of nearby lines.
 
     Nearby lines are solved for over the whole series and subtracted. angles: as from ``nearby_angles``. All
     amplitudes are NaN if the whole series does not resolve the lines from each other or from the mean.
@@ -305,8 +333,8 @@ def solve_lines(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarr
     carriers, x = np.exp(-1j * angles[:, span]), series[span]
     weights = hann(len(x))
     overlap = (carriers * weights) @ carriers.conj().T
-    turns = abs(angles[0, span][-1] - angles[0, span][0]) / (2.0 * pi) * len(x) / (len(x) - 1)
-    if np.linalg.eigvalsh(overlap)[0] < MIN_OVERLAP_EIGENVALUE or turns < MAIN_LOBE * (1.0 - ROUNDING):
+    cycles = abs(angles[0, span][-1] - angles[0, span][0]) / (2.0 * pi) * len(x) / (len(x) - 1)
+    if np.linalg.eigvalsh(overlap)[0] < MIN_OVERLAP_EIGENVALUE or cycles < MAIN_LOBE * (1.0 - ROUNDING):
         return np.full(len(angles), complex(np.nan, np.nan))
     return np.linalg.solve(overlap, 2.0 * (carriers * weights) @ (x - weights @ x))
 

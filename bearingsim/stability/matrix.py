@@ -157,7 +157,7 @@ def prepare_scene(material: Material, defect: str) -> PreparedScene:
     """Prepare a scene for runs: assemble the model and find its static equilibrium."""
     case = scene_case(Scene(material.model, defect, material.k, material.c, material.m3))
     model = assemble.model(case)
-    _, K, C = limits.loads_at_rest(assemble.healthy_case(case))
+    _, K, C = limits.load_and_rates_at_rest(assemble.healthy_case(case))
     return PreparedScene(case, model, assemble.start(case, model)[0], K, C)
 
 

@@ -21,7 +21,7 @@ from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.pricing import TABLE
+from bearingsim.simulation.pricing import COEFFICIENT_FILE
 from bearingsim.simulation.run_setup import make_monitor
 from benchmarks.speed.report import Prices, Section
 from benchmarks.speed.scenes import case
@@ -149,7 +149,7 @@ def proposal(new: Prices) -> list[dict[str, str]]:
 
     Values without a row are added at the end, for a maintainer to decide.
     """
-    with TABLE.open(newline="") as file:
+    with COEFFICIENT_FILE.open(newline="") as file:
         rows = list(csv.DictReader(file))
     unused = dict(new)
     for row in rows:

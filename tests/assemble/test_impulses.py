@@ -6,7 +6,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.assemble import contacts
 from bearingsim.config import Case
-from bearingsim.simulation.limits import loads_at_rest
+from bearingsim.simulation.limits import load_and_rates_at_rest
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "impulse", "defect": SLOT}
@@ -20,7 +20,7 @@ def test_the_ring_is_damped_by_its_contacts() -> None:
     """The mean damping is below the largest of `ring` at rest over a ball pass."""
     case = impulse()
     impulse_model, ring = assemble.model(case), case.model_copy(update={"model": "ring", "method": "verlet"})
-    _, _, largest = loads_at_rest(ring)
+    _, _, largest = load_and_rates_at_rest(ring)
     contact_damping = impulse_model.C_x - case.rig.bracket_damping
     assert 0.3 * largest < contact_damping / impulse_model.m < largest
 

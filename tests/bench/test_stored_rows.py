@@ -73,7 +73,7 @@ def test_job_is_kept_if_its_full_integration_stops(monkeypatch):
         raise SimulationError("the roller leaves the bearing", "use another step", time=0.1)
 
     monkeypatch.setattr(measure, "simulate", simulate)
-    monkeypatch.setattr(measure, "warm", lambda cases: None)
+    monkeypatch.setattr(measure, "compile_solvers", lambda cases: None)
     run = next(run for run in plan.plan_runs(SCENES[0], quick=True) if (run.variant, run.role) == ("ring", JOB))
     job, full = measure.compute_rows(run)
     assert (job["role"], job["failure"], job["force"]) == (JOB, "", 3.0)

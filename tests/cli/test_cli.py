@@ -269,7 +269,7 @@ def test_a_case_without_equilibrium_is_refused(study_folder, monkeypatch):
     def raise_no_equilibrium(case):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
-    monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", raise_no_equilibrium)
+    monkeypatch.setattr("bearingsim.simulation.limits.load_and_rates_at_rest", raise_no_equilibrium)
     for cached in (limits.step_limits, limits._common_limits):
         cached.cache_clear()
     _, stderr = type_("check", "small.yaml", code=2)

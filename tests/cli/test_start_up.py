@@ -61,7 +61,7 @@ def test_warm_compiles_the_models_of_a_study(tmp_path, monkeypatch):
 
 def test_the_default_models_are_compiled_on_request(monkeypatch):
     cases = []
-    monkeypatch.setattr(simulation, "warm", lambda requested, on_compile: cases.extend(requested))
+    monkeypatch.setattr(simulation, "compile_solvers", lambda requested, on_compile: cases.extend(requested))
     assert type_("warm")[0] == "compiled and in the cache: `rollers`, `planar`\n"
     assert [case.model for case in cases] == ["rollers", "planar", "planar"]
     assert [case.cage and case.cage.motion for case in cases] == [None, "kinematic", "free"]

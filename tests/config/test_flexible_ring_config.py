@@ -11,7 +11,7 @@ from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.config.rules.hierarchy import simplest_model
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad, SupportPoint
-from bearingsim.simulation.choice import can_step, choice
+from bearingsim.simulation.choice import choose_method, is_suitable
 from bearingsim.store import case_of
 from bearingsim.store.names import flat_parameters, parameter_attributes
 from bearingsim.study import case_id, json_schema, load_study
@@ -206,9 +206,9 @@ def test_simplest_model_of_a_flexible_ring() -> None:
 def test_auto_excludes_implicit_methods_for_a_flexible_ring() -> None:
     test_case = flexible_case()
     implicit = {name for name, method in METHODS.items() if method.implicit}
-    assert not any(can_step(test_case, name) for name in implicit)
-    assert any(can_step(case(), name) for name in implicit)
-    assert implicit.isdisjoint(choice(test_case).prices)
+    assert not any(is_suitable(test_case, name) for name in implicit)
+    assert any(is_suitable(case(), name) for name in implicit)
+    assert implicit.isdisjoint(choose_method(test_case).costs)
 
 
 def test_missing_bracket_is_not_varied() -> None:

@@ -227,7 +227,7 @@ def test_loads_at_rest_include_misalignment() -> None:
 
     def at_rest(lean: str, **damping: Any) -> tuple[float, float, float]:
         fields = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}
-        return limits.loads_at_rest(assemble.healthy_case(case(**fields)))
+        return limits.load_and_rates_at_rest(assemble.healthy_case(case(**fields)))
 
     tilted, straight = (at_rest(lean, damping=CHI) for lean in ("1 mrad", "0 mrad"))
     assert straight[0] == pytest.approx(316, rel=0.01)

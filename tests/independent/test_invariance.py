@@ -14,7 +14,7 @@ from bearingsim.core.advance import Monitor
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation.limits import step_limits
-from bearingsim.simulation.settling import settling
+from bearingsim.simulation.settling import settling_time
 from bearingsim.study.ranges import pressure
 from tests.independent.invariant_cases import ROLLERS, View, case_of, flexible, planar, ring, rollers, spatial
 from tests.scenes.nf308 import advance_recorded
@@ -156,4 +156,4 @@ def test_settling_does_not_depend_on_the_unit_of_length():
         rig = planar(view)["rig"] | {"ring_mass": view.quantity(20.0, "kg", 3)}
         return case_of(planar, view, rig=rig)
 
-    assert settling(heavy(4.0)) == pytest.approx(4.0 * settling(heavy(1.0)), rel=1e-6)
+    assert settling_time(heavy(4.0)) == pytest.approx(4.0 * settling_time(heavy(1.0)), rel=1e-6)

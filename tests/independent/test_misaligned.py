@@ -9,7 +9,7 @@ from scipy.optimize import root
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.simulation.limits import loads_at_rest, rest_case
+from bearingsim.simulation.limits import load_and_rates_at_rest, rest_case
 from tests.independent.invariant_cases import View, case_of, spatial
 
 Z, SLICES, L_W, D_W, D_M = 13, 24, 12e-3, 12e-3, 65e-3
@@ -173,4 +173,4 @@ def test_stiffness_that_limits_the_step(name):
     s, case = SCENES[name], case_of_scene(SCENES[name])
     _, z, theta_0 = product_at_rest(case)
     expected = max(largest_rate(s, theta_0 + 2 * np.pi / Z * k / 6, z) for k in range(6))
-    assert loads_at_rest(rest_case(case))[1] == pytest.approx(expected, rel=2e-5)
+    assert load_and_rates_at_rest(rest_case(case))[1] == pytest.approx(expected, rel=2e-5)

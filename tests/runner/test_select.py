@@ -14,7 +14,7 @@ from bearingsim.cli.remarks import model_choices as choice_remarks
 from bearingsim.runner import run
 from bearingsim.runner.select import MissingChoices, choose_models
 from bearingsim.selection import ModelSelector
-from bearingsim.selection.choices import key
+from bearingsim.selection.choices import choice_key
 from bearingsim.study import case_id, load_study
 from tests.scenes import trials
 from tests.scenes.choices import (
@@ -124,7 +124,7 @@ def test_quick_study_stores_choices_in_its_own_folder(
     path = write(TEXT + "quick: {duration: 0.15 s, sweep: {load: [150 N, 450 N]}}\n")
     overrides = {"clearance": "5 um"}
     studies = [load_study(path), load_study(path, quick=True), load_study(path, overrides, quick=True)]
-    keys = [{key(study, case) for case in study.cases()} for study in studies]
+    keys = [{choice_key(study, case) for case in study.cases()} for study in studies]
     assert list(map(len, keys)) == [3, 2, 2]
     assert len(set().union(*keys)) == 7
     for study in studies[:2]:

@@ -15,8 +15,8 @@ from bearingsim import cli, runner, selection
 from bearingsim.config import Case
 from bearingsim.runner import Engine
 from bearingsim.selection import Choice, TrialRequest, candidates
-from bearingsim.selection.choices import key
-from bearingsim.simulation.trial import ReferenceValues, Trial, most_passes, part_count, whole_turns
+from bearingsim.selection.choices import choice_key
+from bearingsim.simulation.trial import ReferenceValues, Trial, max_passes, part_count, whole_revolutions
 from bearingsim.study import Study, load_study
 from tests.scenes.study_text import Write
 
@@ -63,7 +63,7 @@ SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
 OFFSET = TEXT.replace("length: 12 mm", "length: 3 mm, offset: 2 mm")
 BENDS = "rig: {ring: {bends: true}}\n"
 RING = "{bends: true, harmonics: 16}"
-SAID, HALF, QUARTER, SIXTH = candidates.SLICES
+SAID, HALF, QUARTER, SIXTH = candidates.SLICE_FRACTIONS
 
 
 def is_free(case: Case) -> bool:
@@ -104,8 +104,10 @@ def steady_trial(
 def trial_of_record(request: TrialRequest, size: float, repeats: bool) -> Trial:
     """A trial of as many turns as a run would give: half of the record unless it is periodic."""
     rate = request.case.bearing.ball_pass_frequency(request.case.speed)
-    passes = request.passes if repeats else min(request.passes, most_passes(request.case))
-    return steady_trial(request, size, passes, whole_turns(passes, max(1.0, request.turn * rate)), repeats)
+    passes = request.passes if repeats else min(request.passes, max_passes(request.case))
+    return steady_trial(
+        request, size, passes, whole_revolutions(passes, max(1.0, request.revolution_time * rate)), repeats
+    )
 
 
 TrialFunction = Callable[[TrialRequest], Trial | None]
@@ -182,4 +184,4 @@ def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
     """Return the choice for each case of a study."""
     numbers = range(len(study.cases()))
     result = selection.ModelSelector(study, numbers).decide(run_trials(study, evaluate)).choices
-    return [result[key(study, case)] for case in study.cases()]
+    return [result[choice_key(study, case)] for case in study.cases()]

@@ -10,7 +10,7 @@ import pytest
 from bearingsim import selection
 from bearingsim.config import Case
 from bearingsim.selection import Choice, candidates, choices
-from bearingsim.selection.choices import key
+from bearingsim.selection.choices import choice_key
 from bearingsim.selection.trials import TrialRequest
 from bearingsim.simulation.trial import Trial
 from bearingsim.store import read_choices, write_choices
@@ -40,7 +40,9 @@ from tests.scenes.trials import (
 
 def names(write: Write, text: str) -> dict[str, list[int]]:
     study = accuracy_study(write, text)
-    return {name: list(result) for name, result in candidates.candidates(study, range(len(study.cases()))).items()}
+    return {
+        name: list(result) for name, result in candidates.list_candidates(study, range(len(study.cases()))).items()
+    }
 
 
 def test_candidates_are_in_descending_order(write: Write, costs: dict[str, float]) -> None:
@@ -73,7 +75,7 @@ def test_candidate_that_merges_two_cases_is_excluded(write: Write, costs: dict[s
 
 def test_ramp_is_computed_by_reference(write: Write, costs: dict[str, float]) -> None:
     """Its first passes are at one speed."""
-    assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
+    assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICE_FRACTIONS}
     study = accuracy_study(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
     assert selection.ModelSelector(study, range(3)).next_trials({}) == []
     assert [choice.why for choice in choose(study, trials_by_model(FAR))] == [
@@ -92,9 +94,9 @@ def test_candidates_are_independent_of_other_cases(write: Write, costs: dict[str
     assert study.cases()[0].model == "spatial"
     half = [candidates.candidate_case(study, n, HALF) for n in range(2)]
     assert [case.contact.slices for case in half if case is not None] == [5, 10]
-    result = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
+    result = {choice_key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
     more = accuracy_study(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
-    result |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
+    result |= {choice_key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
     assert [case.contact.slices for case in selection.apply_choices(more, result).cases()] == [5, 10, 48]
 
 
@@ -103,36 +105,38 @@ def test_reference_of_flexible_ring_has_twice_the_harmonics(write: Write) -> Non
     case = study.cases()[0]
     assert case.model == "rollers"
     own = case.rig.ring
-    above = candidates.reference(case).rig.ring
+    above = candidates.make_reference(case).rig.ring
     assert own is not None
     assert above is not None
     assert int(above.harmonics) == 2 * int(own.harmonics)
     names = [candidates.GIVEN_HARMONICS, "8 harmonics", "ring", "static"]
     assert list(candidates.candidate_changes(case)) == names
-    assert candidates.reference(accuracy_study(write).cases()[0]) == accuracy_study(write).cases()[0]
+    assert candidates.make_reference(accuracy_study(write).cases()[0]) == accuracy_study(write).cases()[0]
 
 
 def test_reference_of_sliced_roller_has_twice_the_slices(write: Write) -> None:
     case = accuracy_study(write, SPATIAL).cases()[0]
     assert (case.model, case.contact.slices) == ("spatial", 24)
-    assert candidates.reference(case).contact.slices == 48
+    assert candidates.make_reference(case).contact.slices == 48
     assert list(candidates.candidate_changes(case))[:4] == [SAID, HALF, QUARTER, SIXTH]
     assert candidates.candidate_case(accuracy_study(write, SPATIAL), 0, SAID) == case
     most = accuracy_study(write, SPATIAL + "contact: {slices: 40}\n").cases()[0]
-    assert candidates.reference(most).contact.slices == 48
+    assert candidates.make_reference(most).contact.slices == 48
 
 
 def test_recorded_slices_are_not_changed(write: Write) -> None:
     """Number 7 of 48 slices is elsewhere than number 7 of 24."""
     case = accuracy_study(write, SPATIAL + "record: [roller.outer_line_load]\n").cases()[0]
-    assert candidates.reference(case) == case
+    assert candidates.make_reference(case) == case
 
 
 # The study with what was chosen
 
 
 def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None = None) -> Study:
-    result = {key(study, case): Choice(candidate, candidate, "reason", error or {}) for case in study.cases()}
+    result = {
+        choice_key(study, case): Choice(candidate, candidate, "reason", error or {}) for case in study.cases()
+    }
     return selection.apply_choices(study, result)
 
 
@@ -243,7 +247,7 @@ def test_candidate_identical_to_an_earlier_case(write: Write, costs: dict[str, f
     stored = run_trials(first, evaluate)
     choices = selection.ModelSelector(first, range(3)).decide(stored).choices
     assert {choice.candidate for choice in choices.values()} == {"rollers"}
-    new = [n for n, case in enumerate(extended.cases()) if key(extended, case) not in choices]
+    new = [n for n, case in enumerate(extended.cases()) if choice_key(extended, case) not in choices]
     selector, results = selection.ModelSelector(extended, new), dict(stored)
     while requests := selector.next_trials(results):
         results |= {request.id: evaluate(request) for request in requests}

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bearingsim.selection.curves import Curve, curves, extremes, groups, scales
+from bearingsim.selection.curves import Curve, curve_extremes, error_scales, group_cases, list_curves
 from tests.scenes.study_text import Write
 from tests.scenes.trials import HEAD, accuracy_study
 
@@ -16,7 +16,7 @@ def drawn(write: Write, *figures: str, sweep: str = SWEEP) -> list[tuple[int, ..
     study = accuracy_study(
         write, f"{HEAD}accuracy: {{within: 5 %, of: [velocity@BPFO]}}\n{sweep}figures:\n{listed}"
     )
-    return [curve.cases for curve in curves(study)]
+    return [curve.cases for curve in list_curves(study)]
 
 
 def whole(drawn_curves: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
@@ -78,10 +78,10 @@ def test_no_case_lies_between_other_seeds(write: Write) -> None:
         f"{HEAD}accuracy: {{within: 5 %, of: [velocity@BPFO]}}\nsweep: {{seed: [0, 1, 2], load: [150 N, 300 N]}}\n"
         "figures: [{y: velocity@BPFO, x: seed}, {y: velocity@BPFO, x: load}]\n",
     )
-    for curve in curves(study):
+    for curve in list_curves(study):
         is_of_seeds = len(curve.cases) == 3
         assert curve.is_ordered != is_of_seeds
-        assert extremes(curve, [{}] * 6) == (curve.cases if is_of_seeds else (*curve.cases, curve.cases[0]))
+        assert curve_extremes(curve, [{}] * 6) == (curve.cases if is_of_seeds else (*curve.cases, curve.cases[0]))
 
 
 def test_where_accepts_words_and_plain_numbers(write: Write) -> None:
@@ -94,13 +94,13 @@ def test_where_accepts_words_and_plain_numbers(write: Write) -> None:
 def test_error_is_relative_to_largest_value_of_lowest_curve() -> None:
     line, other = "velocity@BPFO", "velocity.rms"
     on = [Curve(line, (0, 1, 2)), Curve(line, (2, 3)), Curve(other, (0, 1, 2, 3, 4))]
-    assert scales(line, [1.0, 5.0, 2.0, 3.0, 7.0], on) == [5.0, 5.0, 3.0, 3.0, 7.0]
-    assert scales(line, [1.0, math.nan, 2.0, 3.0, 7.0], on)[:3] == [2.0, 2.0, 2.0]
-    assert all(math.isnan(value) for value in scales(line, [math.nan] * 5, on))
+    assert error_scales(line, [1.0, 5.0, 2.0, 3.0, 7.0], on) == [5.0, 5.0, 3.0, 3.0, 7.0]
+    assert error_scales(line, [1.0, math.nan, 2.0, 3.0, 7.0], on)[:3] == [2.0, 2.0, 2.0]
+    assert all(math.isnan(value) for value in error_scales(line, [math.nan] * 5, on))
 
 
 def test_cases_that_share_a_curve_share_a_model() -> None:
     on = [Curve("velocity@BPFO", numbers) for numbers in ((0, 1), (1, 2), (3, 4), (5, 6))]
-    assert groups([0, 2, 3, 4, 5, 7], on) == [[0], [2], [3, 4], [5], [7]]
-    assert groups(range(8), on) == [[0, 1, 2], [3, 4], [5, 6], [7]]
-    assert groups([], on) == []
+    assert group_cases([0, 2, 3, 4, 5, 7], on) == [[0], [2], [3, 4], [5], [7]]
+    assert group_cases(range(8), on) == [[0, 1, 2], [3, 4], [5, 6], [7]]
+    assert group_cases([], on) == []

@@ -63,9 +63,13 @@ def test_scatter_counts_as_difference(write: Write, costs: dict[str, float]) -> 
 
     def evaluate(request: TrialRequest) -> Trial:
         full = trial(request.case.load, request.passes + offsets[request.case.model], 0.3, names=request.features)
-        lines = {name: parts[: request.passes] for name, parts in full.lines.items()}
+        lines = {name: parts[: request.passes] for name, parts in full.amplitudes.items()}
         return replace(
-            full, passes=request.passes, turns=request.passes, lines=lines, forces=full.forces[: request.passes]
+            full,
+            passes=request.passes,
+            revolutions=request.passes,
+            amplitudes=lines,
+            forces=full.forces[: request.passes],
         )
 
     assert chosen_candidates(accuracy_study(write), evaluate) == ["reference"] * 3
@@ -195,7 +199,7 @@ def test_periodic_reference_is_chosen_without_trials(write: Write) -> None:
     assert len(result) == 3  # nothing else is tried
     assert selection.ModelSelector(study, range(3)).next_trials(result) == []
     assert chosen_candidates(study, evaluate) == ["reference"] * 3
-    assert selection.ModelSelector(study, range(3)).decide(result).repeating == 3
+    assert selection.ModelSelector(study, range(3)).decide(result).periodic_count == 3
 
 
 @pytest.mark.parametrize(
@@ -227,11 +231,11 @@ def test_nan_feature_makes_model_insufficient(write: Write, costs: dict[str, flo
 
     def evaluate(request: TrialRequest) -> Trial:
         result = trial(request.case.load, names=request.features)
-        return replace(result, powers={"velocity.rms": math.nan * result.powers["velocity.rms"]})
+        return replace(result, mean_squares={"velocity.rms": math.nan * result.mean_squares["velocity.rms"]})
 
     study = accuracy_study(write, text)
     assert chosen_candidates(study, evaluate) == ["reference"] * 3
-    assert "could not be distinguished" in choose(study, evaluate)[0].why
+    assert "too few ball passes to compare" in choose(study, evaluate)[0].why
 
 
 @pytest.mark.parametrize(
@@ -254,7 +258,9 @@ def test_reason_names_other_case_of_the_curve(write: Write, costs: dict[str, flo
         return trial(request.case.load * (2.0 if high else 1.0), names=request.features)
 
     result = choose(accuracy_study(write), evaluate)
-    reason = "the nearest cheaper model is 0 % off here, but not shown to be within 4 % elsewhere on a curve"
+    reason = (
+        "the nearest cheaper model is 0 % off for this case, but not shown to be within 4 % elsewhere on a curve"
+    )
     assert result[0].why == reason
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from bearingsim.selection.differences import error, value
-from bearingsim.simulation.trial import Trial, amplitudes, turn_spans
+from bearingsim.selection.differences import difference_bound, feature_value
+from bearingsim.simulation.trial import Trial, line_amplitudes, revolution_spans
 from tests.scenes.trials import PASSES, trial
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
@@ -17,7 +17,7 @@ ALL = (LINE, RMS, FORCE)
 
 
 def off(feature: str, own: Trial, other: Trial) -> float:
-    return error(value(feature, own, None), value(feature, other, None))
+    return difference_bound(feature_value(feature, own, None), feature_value(feature, other, None))
 
 
 def with_parts(parts: np.ndarray) -> Trial:
@@ -35,7 +35,7 @@ def test_error_against_itself_is_zero(feature: str) -> None:
 @pytest.mark.parametrize("feature", ALL)
 def test_error_of_constant_offset_is_the_offset(feature: str) -> None:
     shifted, other = trial(3.3, names=NAMES), trial(3.0, names=NAMES)
-    assert value(feature, shifted, None).value == pytest.approx(3.3, rel=1e-12)
+    assert feature_value(feature, shifted, None).value == pytest.approx(3.3, rel=1e-12)
     assert off(feature, shifted, other) == pytest.approx(0.3, rel=1e-9)
     assert off(feature, other, shifted) == pytest.approx(0.3, rel=1e-9)
 
@@ -43,9 +43,9 @@ def test_error_of_constant_offset_is_the_offset(feature: str) -> None:
 def windowed(noise: np.ndarray) -> Trial:
     """A trial of a line of noise: (turns, samples), read as a run's is."""
     turns, per_turn = noise.shape
-    spans = turn_spans(turns, 1.0, per_turn)
+    spans = revolution_spans(turns, 1.0, per_turn)
     angles = 2.0 * np.pi * 8.0 / per_turn * np.arange(noise.size)[np.newaxis]
-    return Trial(turns, turns, False, {LINE: amplitudes(noise.ravel(), angles, spans)}, {}, np.ones(turns))
+    return Trial(turns, turns, False, {LINE: line_amplitudes(noise.ravel(), angles, spans)}, {}, np.ones(turns))
 
 
 def test_error_covers_scatter_at_confidence_level() -> None:
@@ -54,7 +54,7 @@ def test_error_covers_scatter_at_confidence_level() -> None:
     result = []
     for _ in range(400):
         pair = [windowed(line + 0.1 * rng.normal(size=line.shape)) for _ in range(2)]
-        difference = abs(value(LINE, pair[0], None).value - value(LINE, pair[1], None).value)
+        difference = abs(feature_value(LINE, pair[0], None).value - feature_value(LINE, pair[1], None).value)
         result.append((off(LINE, pair[0], pair[1]) - difference, difference))
     more, difference = np.array(result).T
     assert np.median(more) == pytest.approx(stdtrit(PASSES - 2, 0.975) * np.sqrt(np.mean(difference**2)), rel=0.15)
@@ -73,11 +73,11 @@ def test_scatter_of_rms_is_from_half_the_power() -> None:
 
 def test_healthy_case_is_subtracted_part_by_part() -> None:
     own, healthy = trial(3.0, scatter=0.2, names=NAMES), trial(1.0, scatter=0.2, names=NAMES)
-    result = value(f"{LINE}-healthy", own, healthy)
+    result = feature_value(f"{LINE}-healthy", own, healthy)
     assert result.value == pytest.approx(2.0, rel=1e-12)
-    assert result.parts == pytest.approx(2.0 / 3.0 * value(LINE, own, healthy).parts, rel=1e-9)
-    turned = replace(healthy, lines={LINE: -healthy.lines[LINE]})  # against its phase: the two add up
-    assert value(f"{LINE}-healthy", own, turned).value == pytest.approx(2.0 * result.value, rel=1e-9)
+    assert result.parts == pytest.approx(2.0 / 3.0 * feature_value(LINE, own, healthy).parts, rel=1e-9)
+    turned = replace(healthy, amplitudes={LINE: -healthy.amplitudes[LINE]})  # against its phase: the two add up
+    assert feature_value(f"{LINE}-healthy", own, turned).value == pytest.approx(2.0 * result.value, rel=1e-9)
 
 
 @pytest.mark.parametrize("turns", [1, 2])

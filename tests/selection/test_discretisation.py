@@ -124,26 +124,28 @@ def test_discretisation_error_is_unknown_if_the_case_fails(write: Write, costs: 
     [("rectangular", False), ("triangular", False), ("circular", True), ("elliptical", True), ("spall", True)],
 )
 def test_nodes_are_doubled_if_defect_varies_along_roller(write: Write, shape: str, varies: bool) -> None:
-    other = candidates.remeshed(accuracy_study(write, TEXT.replace("rectangular", shape)).cases()[0])
+    other = candidates.change_mesh(accuracy_study(write, TEXT.replace("rectangular", shape)).cases()[0])
     assert (other is not None) == varies
     assert other is None or (other[0].contact.length_nodes, other[0].contact.slices, other[1]) == (48, 24, 2.0)
 
 
 def test_reference_is_compared_with_half_the_slices_or_twice_the_harmonics(write: Write) -> None:
     """Twice the slices would exceed the limit. Other cases have this error within that of the model."""
-    sliced = candidates.reference(accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
-    other = candidates.remeshed(sliced)
+    sliced = candidates.make_reference(
+        accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0]
+    )
+    other = candidates.change_mesh(sliced)
     assert other is not None
     assert (sliced.contact.slices, other[0].contact.slices, other[0].contact.length_nodes) == (48, 24, NODES)
     assert other[1] == 1.0
-    assert candidates.remeshed(sliced, is_reference=False) is None
-    bending = candidates.reference(accuracy_study(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
-    other = candidates.remeshed(bending)
+    assert candidates.change_mesh(sliced, is_reference=False) is None
+    bending = candidates.make_reference(accuracy_study(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
+    other = candidates.change_mesh(bending)
     assert other is not None
     rings = [case.rig.ring for case in (bending, other[0])]
     assert [int(ring.harmonics) for ring in rings if ring is not None] == [32, 64]
     assert other[1] == 2.0
-    assert candidates.remeshed(bending, is_reference=False) is None
+    assert candidates.change_mesh(bending, is_reference=False) is None
 
 
 @pytest.mark.parametrize(("method", "step"), [("verlet", 1e-6), ("dop853", 1e-5), ("", 0.0)])

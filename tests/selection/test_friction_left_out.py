@@ -9,11 +9,11 @@ from bearingsim import selection
 from bearingsim.config import Case
 from bearingsim.selection import TrialRequest, candidates
 from bearingsim.selection.candidates import WITH_FRICTION, with_friction
-from bearingsim.selection.choices import key
-from bearingsim.simulation import try_out
+from bearingsim.selection.choices import choice_key
+from bearingsim.simulation import run_trial
 from bearingsim.simulation.trial import (
-    CAGE_TURNS,
-    INSPECTION_TURNS,
+    CAGE_REVOLUTIONS,
+    INSPECTION_REVOLUTIONS,
     ReferenceValues,
     Trial,
     lengthen_for_trial,
@@ -87,7 +87,7 @@ def test_stated_friction_or_cage_is_kept(write: Write, text: str) -> None:
 def test_choice_with_open_friction_has_another_key(write: Write) -> None:
     named, left = accuracy_study(write), accuracy_study(write, OPEN)
     assert case_id(named.cases()[0]) == case_id(left.cases()[0])
-    assert key(named, named.cases()[0]) != key(left, left.cases()[0])
+    assert choice_key(named, named.cases()[0]) != choice_key(left, left.cases()[0])
 
 
 def test_friction_is_tried_at_ends_of_curve_and_largest_value(write: Write) -> None:
@@ -139,7 +139,7 @@ def test_large_change_by_friction_is_known_beside_a_difference_from_the_healthy_
         free = is_free(request.case)
         size = 100.0 * (1.5 if free else 1.0) if request.case.defects else 1.0
         is_far = any(values.limits for values in request.reference_values)
-        turns = INSPECTION_TURNS if is_far else CAGE_TURNS
+        turns = INSPECTION_REVOLUTIONS if is_far else CAGE_REVOLUTIONS
         return trial(size, turns, names=request.features, repeats=not free)
 
     assert [choice.candidate for choice in choose(study, evaluate)] == [WITH_FRICTION] * 3
@@ -179,7 +179,7 @@ def test_record_of_few_cage_turns_is_computed_with_friction(write: Write) -> Non
 def test_few_turns_of_non_periodic_response_are_not_compared(write: Write) -> None:
     def evaluate(request: TrialRequest) -> Trial:
         assert not is_free(request.case)
-        return trial(request.case.load, CAGE_TURNS - 1, names=request.features)
+        return trial(request.case.load, CAGE_REVOLUTIONS - 1, names=request.features)
 
     result = choose(accuracy_study(write, OPEN), evaluate)
     assert [choice.candidate for choice in result] == [WITH_FRICTION] * 3
@@ -190,10 +190,10 @@ def test_trials_with_free_cage_have_whole_cage_turns(write: Write) -> None:
     case = accuracy_study(write, OPEN).cases()[0]
     Z, rate = case.bearing.rollers, case.bearing.ball_pass_frequency(case.speed)
     first = selection.ModelSelector(accuracy_study(write, OPEN), [0]).next_trials({})[0]
-    assert first.passes == trial_passes(case, has_free_cage=True) == CAGE_TURNS * Z
-    assert first.turn == pytest.approx(Z / rate)
-    assert trial_passes(case) < CAGE_TURNS * Z
-    assert lengthen_for_trial(case).duration * rate / 2.0 >= CAGE_TURNS * Z
+    assert first.passes == trial_passes(case, has_free_cage=True) == CAGE_REVOLUTIONS * Z
+    assert first.revolution_time == pytest.approx(Z / rate)
+    assert trial_passes(case) < CAGE_REVOLUTIONS * Z
+    assert lengthen_for_trial(case).duration * rate / 2.0 >= CAGE_REVOLUTIONS * Z
     assert lengthen_for_trial(lengthen_for_trial(case)).duration == lengthen_for_trial(case).duration
 
 
@@ -215,16 +215,20 @@ def test_trial_far_from_reference_ends_early() -> None:
     free = candidates.with_friction(case)
     assert free is not None
     Z = case.bearing.rollers
-    passes, turn = CAGE_TURNS * Z, Z / case.bearing.ball_pass_frequency(case.speed)
-    plain, record = try_out(case, [LINE], passes, turn)
+    passes, turn = CAGE_REVOLUTIONS * Z, Z / case.bearing.ball_pass_frequency(case.speed)
+    plain, record = run_trial(case, [LINE], passes, turn)
     assert record is not None
-    assert (plain.passes, plain.turns, plain.repeats) == (passes, CAGE_TURNS, True)
-    size = float(abs(plain.lines[LINE][0]))
-    for most, turns in ((1e-6, INSPECTION_TURNS), (10.0, CAGE_TURNS)):
-        friction_trial, _ = try_out(
+    assert (plain.passes, plain.revolutions, plain.is_periodic) == (passes, CAGE_REVOLUTIONS, True)
+    size = float(abs(plain.amplitudes[LINE][0]))
+    for most, turns in ((1e-6, INSPECTION_REVOLUTIONS), (10.0, CAGE_REVOLUTIONS)):
+        friction_trial, _ = run_trial(
             lengthen_for_trial(free), [LINE], passes, turn, ReferenceValues({LINE: size}, {LINE: most * size})
         )
-        assert (friction_trial.turns, friction_trial.passes, friction_trial.repeats) == (turns, turns * Z, False)
+        assert (friction_trial.revolutions, friction_trial.passes, friction_trial.is_periodic) == (
+            turns,
+            turns * Z,
+            False,
+        )
         assert friction_trial.is_consistent
 
 
@@ -234,11 +238,11 @@ def test_reason_names_the_feature_for_which_a_trial_ended_early(write: Write) ->
 
     def evaluate(request: TrialRequest) -> Trial:
         free = is_free(request.case)
-        turns = INSPECTION_TURNS if free else CAGE_TURNS
+        turns = INSPECTION_REVOLUTIONS if free else CAGE_REVOLUTIONS
         result = trial(request.case.load, turns, names=request.features, repeats=not free)
-        lines = {name: values * (1.001 if free else 1.0) for name, values in result.lines.items()}
-        powers = {name: values * (1.44 if free else 1.0) for name, values in result.powers.items()}
-        return replace(result, lines=lines, powers=powers)
+        lines = {name: values * (1.001 if free else 1.0) for name, values in result.amplitudes.items()}
+        powers = {name: values * (1.44 if free else 1.0) for name, values in result.mean_squares.items()}
+        return replace(result, amplitudes=lines, mean_squares=powers)
 
     result = choose(accuracy_study(write, text), evaluate)
     assert [choice.candidate for choice in result] == [WITH_FRICTION] * 3
@@ -251,9 +255,9 @@ def test_trial_that_ended_early_for_a_smaller_accuracy_is_not_used(write: Write)
 
     def evaluate(request: TrialRequest) -> Trial:
         free = is_free(request.case)
-        complete = trial(request.case.load * (1.05 if free else 1.0), CAGE_TURNS, names=request.features)
+        complete = trial(request.case.load * (1.05 if free else 1.0), CAGE_REVOLUTIONS, names=request.features)
         is_early = any(values.is_far(complete) for values in request.reference_values)
-        turns = INSPECTION_TURNS if is_early else CAGE_TURNS
+        turns = INSPECTION_REVOLUTIONS if is_early else CAGE_REVOLUTIONS
         return trial(abs(complete.forces[0]), turns, names=request.features, repeats=not free)
 
     stored = run_trials(accuracy_study(write, text), evaluate)

@@ -78,7 +78,7 @@ def test_friction_is_tried_at_the_largest_value_of_a_feature_without_figure(writ
         free, is_middle = is_free(request.case), request.case.load == 300.0
         result = trial(request.case.load, names=request.features, repeats=not free)
         rms = (10.0 if is_middle else 1.0) * (1.5 if is_middle and free else 1.0)
-        result.powers["velocity.rms"] = np.full_like(result.powers["velocity.rms"], rms**2)
+        result.mean_squares["velocity.rms"] = np.full_like(result.mean_squares["velocity.rms"], rms**2)
         return result
 
     assert choose(accuracy_study(write, text), evaluate)[1].candidate == WITH_FRICTION

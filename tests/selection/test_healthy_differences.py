@@ -6,7 +6,7 @@ from bearingsim import selection
 from bearingsim.selection import TrialRequest
 from bearingsim.selection.candidates import WITH_FRICTION, with_friction
 from bearingsim.simulation.ending import inspection_passes
-from bearingsim.simulation.trial import CAGE_TURNS, INSPECTION_TURNS, Trial, trial_passes
+from bearingsim.simulation.trial import CAGE_REVOLUTIONS, INSPECTION_REVOLUTIONS, Trial, trial_passes
 from tests.scenes.study_text import Write
 from tests.scenes.trials import (
     OPEN,
@@ -68,7 +68,12 @@ def test_trial_that_ended_early_for_the_amplitude_is_not_used_for_the_difference
         free = is_free(request.case)
         size = 100.0 * (1.5 if free else 1.0) if request.case.defects else 1.0
         is_early = free and any(values.limits for values in request.reference_values)
-        return trial(size, INSPECTION_TURNS if is_early else CAGE_TURNS, names=request.features, repeats=not free)
+        return trial(
+            size,
+            INSPECTION_REVOLUTIONS if is_early else CAGE_REVOLUTIONS,
+            names=request.features,
+            repeats=not free,
+        )
 
     series = OPEN + "record: [ring.velocity]\n"
     stored = run_trials(accuracy_study(write, series), evaluate)

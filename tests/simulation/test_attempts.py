@@ -8,9 +8,9 @@ import pytest
 
 from bearingsim.config import Case
 from bearingsim.simulation import choice, refinement, step_check
-from bearingsim.simulation.pilot import pilot
+from bearingsim.simulation.pilot import make_pilot
 from bearingsim.simulation.run_setup import MethodFailure, StepRefused, TooCostly, TooSlow, set_up
-from bearingsim.simulation.simulate import SimulationError, _first_sound_attempt
+from bearingsim.simulation.simulate import SimulationError, _first_valid_result
 from tests.scenes.short_cases import SLOT, case
 
 INNER: dict[str, Any] = {"model": "rollers", "defect": SLOT | {"race": "inner"}, "duration": "0.3 s", "record": []}
@@ -25,7 +25,7 @@ def made_attempts(test_case: Case, failure: Any) -> list[choice.Attempt]:
         if (error := failure(attempt)) is not None:
             raise error
 
-    _first_sound_attempt(test_case, compute)
+    _first_valid_result(test_case, compute)
     return made
 
 
@@ -39,7 +39,7 @@ def test_the_cheapest_attempt_is_next_whatever_its_method() -> None:
         return TooCostly("refused", attempt.step_fraction / 2, periodic=False, regular=False)
 
     made = made_attempts(case(**INNER), refuse)
-    prices = [attempt.price for attempt in made]
+    prices = [attempt.cost for attempt in made]
     assert len(made) == 5
     assert len({attempt.case.method for attempt in made}) > 1
     assert len(made) > len({attempt.case.method for attempt in made})
@@ -48,8 +48,8 @@ def test_the_cheapest_attempt_is_next_whatever_its_method() -> None:
 
 def test_the_limit_is_the_price_of_the_next_attempt() -> None:
     [made] = made_attempts(case(**INNER), lambda attempt: None)
-    prices = sorted(attempt.price for attempt in choice.attempts(case(**INNER)))
-    assert made.price == prices[0] > 0.0
+    prices = sorted(attempt.cost for attempt in choice.attempts(case(**INNER)))
+    assert made.cost == prices[0] > 0.0
     assert made.limit == prices[1] + choice.MIN_SAVING
 
 
@@ -67,7 +67,7 @@ def test_a_step_that_fails_is_shortened_at_its_price() -> None:
     priced = choice.attempts(case(**INNER))[0]
     shorter = priced.shorter()
     assert shorter is not None
-    assert shorter.price == 2.0 * priced.price
+    assert shorter.cost == 2.0 * priced.cost
 
 
 def test_a_given_step_is_not_shortened() -> None:
@@ -136,15 +136,15 @@ def test_a_regular_motion_whose_steps_are_refused_is_tested_for_chaos_again() ->
 )
 def test_an_attempt_is_priced_alike_at_first_and_later(change: dict[str, Any]) -> None:
     for attempt in choice.attempts(case(**INNER | change)):
-        assert attempt.price > 0.0
-        assert attempt.repriced(1.0, periodic=True).price == pytest.approx(attempt.price)
-        assert attempt.repriced(0.5, periodic=True).price == pytest.approx(2.0 * attempt.price)
-        in_full = attempt.repriced(1.0, periodic=False)
+        assert attempt.cost > 0.0
+        assert attempt.at_step(1.0, periodic=True).cost == pytest.approx(attempt.cost)
+        assert attempt.at_step(0.5, periodic=True).cost == pytest.approx(2.0 * attempt.cost)
+        in_full = attempt.at_step(1.0, periodic=False)
         if "defect" in change:  # with an expensive method a short record is cheaper than its search for a period
-            assert attempt.case.method != "verlet" or in_full.price > 2.0 * attempt.price
+            assert attempt.case.method != "verlet" or in_full.cost > 2.0 * attempt.cost
         else:
-            assert in_full.price >= attempt.repriced(1.0, periodic=True).price
-        assert in_full._replace(limit=1e-9).patience == 0
+            assert in_full.cost >= attempt.at_step(1.0, periodic=True).cost
+        assert in_full._replace(limit=1e-9).max_search_passes == 0
 
 
 def test_patience_is_compared_at_the_step_of_the_attempt() -> None:
@@ -152,10 +152,10 @@ def test_patience_is_compared_at_the_step_of_the_attempt() -> None:
     verlet = choice.Attempt(
         choice.resolve(case(model="rollers", defect=SLOT, duration="0.6 s", method="verlet")), 1.0
     )
-    rest = verlet.repriced(1.0, periodic=False).price
+    rest = verlet.at_step(1.0, periodic=False).cost
     attempt = verlet._replace(limit=1.2 * rest)
-    assert attempt.patience == 0
-    assert attempt._replace(step_fraction=0.5).patience > 0
+    assert attempt.max_search_passes == 0
+    assert attempt._replace(step_fraction=0.5).max_search_passes > 0
 
 
 def refused_attempt() -> tuple[choice.Attempt, TooCostly]:
@@ -176,8 +176,8 @@ def test_a_shorter_step_above_the_limit_ends_the_attempt() -> None:
     assert error.step_fraction == pytest.approx(1.0 / 5.0**0.5, rel=0.05)
     assert not error.periodic
     assert error.regular
-    further = attempt.repriced(error.step_fraction, error.periodic)
-    assert further.price > attempt.repriced(1.0, error.periodic).price
+    further = attempt.at_step(error.step_fraction, error.periodic)
+    assert further.cost > attempt.at_step(1.0, error.periodic).cost
 
 
 def test_a_continued_attempt_takes_the_step_of_an_uninterrupted_one() -> None:
@@ -242,6 +242,6 @@ def test_a_regular_motion_needs_no_perturbed_pilot(regular: bool) -> None:
         mock.patch.object(step_check, "MIN_DIVERGENCE", 0.0),
         mock.patch.object(step_check, "run_pilot", side_effect=step_check.run_pilot) as runs,
     ):
-        result = step_check.check_on_pilot(test_case, 2.0, *pilot(test_case), regular=regular)
+        result = step_check.check_on_pilot(test_case, 2.0, *make_pilot(test_case), regular=regular)
     assert runs.call_count == (2 if regular else 3)
     assert not (regular and result.check.chaotic)

@@ -25,7 +25,8 @@ def chosen_steps(study: Path) -> list[tuple[str, str, str]]:
     """Model, method and step (s) of every job, without consecutive duplicates."""
     cases = [job.case for job in load_study(study).jobs()]
     result = [
-        (case.model, choice.choice(case).method or "", f"{time_grid.make_grid(case).step:.10g}") for case in cases
+        (case.model, choice.choose_method(case).method or "", f"{time_grid.make_grid(case).step:.10g}")
+        for case in cases
     ]
     return [variant for variant, _ in groupby(result)]
 

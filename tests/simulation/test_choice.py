@@ -133,7 +133,7 @@ def test_automatic_method_accepts_a_given_step(share: float, is_verlet: bool) ->
     """Verlet accepts steps up to 90 % of its limit at an impact; adaptive methods have no limit of stability."""
     step = share * limits(case(method="verlet", defect=SLOT)).at_impact
     given = case(method="auto", defect=SLOT, step=step)
-    chosen = choice.choice(given).method
+    chosen = choice.choose_method(given).method
     assert (chosen == "verlet") == is_verlet
     assert is_verlet or METHODS[str(chosen)].adaptive
     assert requested_step(given) == step
@@ -149,10 +149,10 @@ def test_step_that_no_method_accepts_is_refused() -> None:
 def test_tolerance_leads_to_an_adaptive_method() -> None:
     """Verlet, the cheapest method here, has no tolerance."""
     test_case = case(defect=SLOT, duration="0.1 s")
-    assert choice.choice(test_case).method == "verlet"
-    result = choice.choice(test_case.model_copy(update={"tolerance": 1e-3}))
-    assert result.method in result.prices
-    assert all(METHODS[name].adaptive for name in result.prices)
+    assert choice.choose_method(test_case).method == "verlet"
+    result = choice.choose_method(test_case.model_copy(update={"tolerance": 1e-3}))
+    assert result.method in result.costs
+    assert all(METHODS[name].adaptive for name in result.costs)
     assert "tolerance" in result.reason
 
 
@@ -174,23 +174,23 @@ def test_another_method_must_save_more_than_the_error_of_its_price(name: str, pr
 
     test_case = case(model="rollers", defect=SLOT | {"race": "inner"}, duration="0.1 s")
     with mock.patch.object(choice, "_cost", cost):
-        assert choice.choice.__wrapped__(test_case).method == chosen
+        assert choice.choose_method.__wrapped__(test_case).method == chosen
 
 
 @pytest.mark.parametrize("motion", ["free", "kinematic"])
 def test_explicit_adaptive_methods_need_a_cage_without_friction(motion: str) -> None:
     test_case = case(model="planar", friction="none", cage={"motion": motion})
-    assert choice.can_step(test_case, "dop853") == (motion == "kinematic")
-    assert choice.can_step(test_case, "verlet")
-    assert choice.can_step(test_case, "rodas")
-    assert choice.can_step(case(model="rollers"), "dop853")
+    assert choice.is_suitable(test_case, "dop853") == (motion == "kinematic")
+    assert choice.is_suitable(test_case, "verlet")
+    assert choice.is_suitable(test_case, "rodas")
+    assert choice.is_suitable(case(model="rollers"), "dop853")
 
 
 def test_implicit_method_is_chosen_for_stiff_contacts() -> None:
     stiff = case(model="rollers", defect=SLOT, duration="0.1 s", contact={"damping": {"chi": "2000 s/m"}})
-    result, longest = choice.choice(stiff), limits(choice.with_method(stiff, "verlet")).at_impact
+    result, longest = choice.choose_method(stiff), limits(choice.with_method(stiff, "verlet")).at_impact
     assert result.method == "rodas"
-    ratio = result.prices["verlet"] / result.prices["rodas"]
+    ratio = result.costs["verlet"] / result.costs["rodas"]
     reason = f"explicit steps are limited to {1e6 * longest:.2g} us: about {ratio:.2g} times the CPU time"
     assert (result.reason, ratio > 1.0, 1e-8 < longest < 1e-7) == (reason, True, True)
 
@@ -199,21 +199,21 @@ def test_step_is_shortened_to_an_eighth_at_its_price() -> None:
     attempt = choice.attempts(case(model="rollers", defect=SLOT, duration="0.1 s"))[0]
     half = attempt.shorter()
     assert half is not None
-    assert (half.step_fraction, half.price) == (0.5, pytest.approx(2.0 * attempt.price))
+    assert (half.step_fraction, half.cost) == (0.5, pytest.approx(2.0 * attempt.cost))
     quarter = half.shorter()
     assert quarter is not None
-    assert (quarter.step_fraction, quarter.price) == (0.25, pytest.approx(4.0 * attempt.price))
+    assert (quarter.step_fraction, quarter.cost) == (0.25, pytest.approx(4.0 * attempt.cost))
     assert half._replace(step_fraction=0.125).shorter() is None
 
 
 @pytest.mark.parametrize("model", ["static", "impulse"])
 def test_models_without_a_method_have_no_alternatives(model: str) -> None:
     assert choice.alternatives(case(model=model, defect=SLOT)) == []
-    assert choice.choice(case(model=model, defect=SLOT)) == (None, f"{model} has no method", {})
+    assert choice.choose_method(case(model=model, defect=SLOT)) == (None, f"{model} has no method", {})
 
 
 def test_a_method_of_the_case_is_not_compared_with_others() -> None:
-    assert choice.choice(case(model="rollers", method="verlet")) == ("verlet", "given by the case", {})
+    assert choice.choose_method(case(model="rollers", method="verlet")) == ("verlet", "given by the case", {})
 
 
 @pytest.mark.parametrize(("coefficient", "step_s"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
@@ -254,17 +254,17 @@ WAVES = {"outer": {"spectrum": {"amplitude": "0.2 um"}}}
 )
 def test_implicit_methods_need_the_derivatives_of_the_model(fields: dict[str, Any], possible: bool) -> None:
     """Not on wavy surfaces with slip, nor with a flexible ring, nor with an extension that lacks them."""
-    assert choice.can_step(case(**fields), "rodas") == possible
+    assert choice.is_suitable(case(**fields), "rodas") == possible
     with mock.patch.object(choice, "missing_functions", return_value=["no derivative"]):
-        assert not choice.can_step(case(**fields), "rodas")
+        assert not choice.is_suitable(case(**fields), "rodas")
 
 
 def test_a_flexible_ring_that_may_repeat_is_stepped_by_verlet() -> None:
     """Verlet took 4.4 s, dormand-prince 4.8 s; extrapolation to the steady motion ends with the settling time."""
     test_case = case(defect=SLOT, rig=FLEXIBLE, duration="0.15 s")
-    result = choice.choice(test_case)
+    result = choice.choose_method(test_case)
     assert result.method == "verlet"
-    assert result.prices["verlet"] < result.prices["dormand-prince"]
+    assert result.costs["verlet"] < result.costs["dormand-prince"]
 
 
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
@@ -282,7 +282,7 @@ def test_static_costs_one_pass_unless_periodic_is_false() -> None:
     low_limit = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(test_case).cpu_seconds)
     with low_limit, pytest.raises(Refused, match="`static` would take about"):
         make_grid(full)
-    one_pass = time_grid.estimate(test_case).cpu_seconds - pricing.price("job")
+    one_pass = time_grid.estimate(test_case).cpu_seconds - pricing.coefficient("job")
     with mock.patch.object(time_grid, "MAX_CPU", 2.0 * one_pass):
         make_grid(test_case)
 

@@ -17,13 +17,13 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.simulation import (
     choice,
+    compile_solvers,
     features,
     limits,
     simulate,
     spectral_lines,
     step_check,
     time_grid,
-    warm,
     warm_up,
 )
 from bearingsim.simulation.integration import Pace, integrate, step_usage
@@ -51,7 +51,12 @@ def resolved_case() -> Case:
 @pytest.fixture
 def empty_caches() -> None:
     """Clear the caches of earlier cases."""
-    for function in (limits.step_limits, limits._common_limits, limits.loads_at_rest, limits.fast_body_rates):
+    for function in (
+        limits.step_limits,
+        limits._common_limits,
+        limits.load_and_rates_at_rest,
+        limits.fast_body_rates,
+    ):
         function.cache_clear()
 
 
@@ -84,9 +89,9 @@ def test_evaluation_of_a_record_stops_at_the_cpu_limit(resolved_case: Case) -> N
     setup = set_up(resolved_case)
     raw = integrate(setup)
     for compute in (
-        lambda: spectral_lines.lines_of_passes(resolved_case, setup.model, setup.grid, raw),
-        lambda: features.features(resolved_case, setup.model, setup.grid, raw, {}),
-        lambda: features.statistics(resolved_case, setup.grid, raw),
+        lambda: spectral_lines.amplitudes_by_pass(resolved_case, setup.model, setup.grid, raw),
+        lambda: features.compute_features(resolved_case, setup.model, setup.grid, raw, {}),
+        lambda: features.compute_statistics(resolved_case, setup.grid, raw),
         lambda: make_record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
     ):
         assert "<lambda>" in stack_at_timeout(compute)  # not after it
@@ -122,7 +127,7 @@ def test_timeout_in_an_extension_feature_is_not_reported_as_its_error() -> None:
         mock.patch.dict(FEATURES, {"slow": Feature("slow", "", "slow", "its_own:slow")}, clear=True),
         mock.patch.object(catalogue, "code", return_value=slow),
     ):
-        names = stack_at_timeout(lambda: features.extension_features(case(), np.zeros(1), {}))
+        names = stack_at_timeout(lambda: features.compute_extension_features(case(), np.zeros(1), {}))
     assert names[-2:] == ["slow", "check"]
 
 
@@ -152,7 +157,7 @@ def test_warm_up_ends_at_its_cpu_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm_up, "WARM_UP_LIMIT", 0.05)
     slow = case(model="rollers", method="verlet", defect=SLOT, speed="3 rpm", duration="10 s", settle="0 s")
     steps = step_usage().steps
-    warm([slow])
+    compile_solvers([slow])
     assert step_usage().steps - steps < time_grid.make_grid(slow).steps_per_pass > 5_000_000
 
 

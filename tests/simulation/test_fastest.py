@@ -74,4 +74,4 @@ def test_implicit_method_is_chosen_for_a_light_ring() -> None:
         ordinary_limits.contact_frequency, rel=1e-3
     )  # of the rollers
     assert ordinary_limits.fastest_rate == pytest.approx(2.0 * pi * ordinary_limits.contact_frequency, rel=0.5)
-    assert choice.choice(light).method == "rodas"
+    assert choice.choose_method(light).method == "rodas"

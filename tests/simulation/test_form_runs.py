@@ -6,7 +6,7 @@ import pytest
 from bearingsim.config.names import LINES
 from bearingsim.errors import Refused
 from bearingsim.simulation.repetition import may_be_periodic
-from bearingsim.simulation.settling import modes
+from bearingsim.simulation.settling import mode_eigenvalues
 from bearingsim.simulation.simulate import simulate
 from bearingsim.simulation.time_grid import requested_step
 from tests.scenes.nf308 import SLOT, case
@@ -51,7 +51,7 @@ def test_waves_that_lift_rollers_at_rest_leave_the_modes_as_they_are(order):
     surfaces = {"outer": {"harmonics": [{"order": order, "amplitude": "0.2 um"}]}}
     fields = {"speed": "600 rpm", "method": "verlet", "contact": {"damping": "kraemer"}, "duration": "0.2 s"}
     wavy, smooth = case(surfaces=surfaces, **fields), case(**fields)
-    assert modes(wavy) == modes(smooth)
+    assert mode_eigenvalues(wavy) == mode_eigenvalues(smooth)
     assert int(simulate(wavy).info["passes_computed"]) < 10
 
 
@@ -59,7 +59,7 @@ def test_a_step_too_long_for_the_shortest_wave_is_refused():
     """Order 500 of the inner race at 6000 rpm passes a contact in 39 us / 1.5."""
     fast = {"speed": "6000 rpm", "surfaces": {"inner": {"harmonics": [{"order": 500, "amplitude": "5 nm"}]}}}
     wave = 1.0 / (500 * (100.0 - 12.2308 * 100.0 / 30.0))
-    with pytest.raises(Refused, match=r"a step of 5 us passes a wave of 33\.8 us in too few steps"):
+    with pytest.raises(Refused, match=r"a step of 5 us passes an undulation of 33\.8 us in too few steps"):
         requested_step(case(**fast, step="5 us", method="rk4", contact={"damping": "none"}))
     assert requested_step(case(**fast, method="verlet")) <= wave / 40.0
     assert requested_step(case(**fast, model="static")) <= wave / 40.0

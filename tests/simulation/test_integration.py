@@ -9,7 +9,7 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, integration
 from bearingsim.simulation.integration import Inspection, Pace, integrate
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.repetition import RECORD_CLOSENESS
+from bearingsim.simulation.repetition import RECORD_CRITERION
 from bearingsim.simulation.run_setup import Setup, TooCostly, set_up
 from tests.scenes.short_cases import SLOT, case
 
@@ -37,7 +37,7 @@ def test_run_ends_at_the_first_inspection_that_suffices(setup: Setup) -> None:
 
 def test_run_without_a_period_is_too_costly_after_its_patience(setup: Setup) -> None:
     with pytest.raises(TooCostly, match="no ball pass of 5 repeats another") as caught:
-        integrate(setup, patience=5)
+        integrate(setup, max_search_passes=5)
     assert not caught.value.periodic
 
 
@@ -45,7 +45,7 @@ def test_periodic_run_is_not_too_costly() -> None:
     periodic = set_up(choice.resolve(case(model="rollers", defect=SLOT, method="verlet")))
     raw = integrate(periodic)
     assert 1 < raw.repetition.computed < periodic.grid.passes
-    assert integrate(periodic, patience=raw.repetition.computed).repetition == raw.repetition
+    assert integrate(periodic, max_search_passes=raw.repetition.computed).repetition == raw.repetition
 
 
 def test_forces_before_the_start_are_no_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,19 +73,19 @@ def test_run_begins_at_rest_unless_its_steady_motion_is_reached() -> None:
     }
     heavy = set_up(choice.resolve(case(**fields)))
     pace = Pace(max_cpu=60.0)
-    assert integration._find_steady_start(heavy, pace, None, RECORD_CLOSENESS, max_passes=2) is None
-    steady = integration._find_steady_start(heavy, pace, None, RECORD_CLOSENESS, max_passes=None)
+    assert integration._find_steady_start(heavy, pace, None, RECORD_CRITERION, max_passes=2) is None
+    steady = integration._find_steady_start(heavy, pace, None, RECORD_CRITERION, max_passes=None)
     assert steady is not None
     assert steady.shape == (2, 6, lay.ROW)
 
 
 def test_restart_from_a_new_state_equals_a_start_from_it(setup: Setup) -> None:
     """Accelerations follow from the new positions and velocities, not from those before."""
-    y, motion = integration._start(setup, 0.0), slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
+    y, motion = integration._make_initial_buffer(setup, 0.0), slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
     accelerations = slice(lay.ACCELERATION, lay.ACCELERATION + lay.STATE)
     at_rest = y[accelerations].copy()
     y[motion] *= 1.01
     integration._restart_at(setup, 0.0, y)
-    new_start = integration._start(setup, 0.0, y[motion].reshape(2, 6, lay.ROW))
+    new_start = integration._make_initial_buffer(setup, 0.0, y[motion].reshape(2, 6, lay.ROW))
     assert np.array_equal(y[accelerations], new_start[accelerations])
     assert np.abs(y[accelerations] - at_rest).max() > 1.0

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from bearingsim.simulation.start_error import PARTS, error_of_largest
+from bearingsim.simulation.start_error import PARTS, largest_force_error
 
 Z, TURNS, RECORDS = 13, 12, 400
 PAIRS = np.triu_indices(RECORDS, 1)
@@ -34,7 +34,7 @@ def modulated(rng: np.random.Generator, tail: str) -> np.ndarray:
 
 def errors(records: np.ndarray) -> np.ndarray:
     quarter = records.shape[1] // PARTS // Z * Z
-    return np.array([error_of_largest(forces, Z, quarter) * forces.max() for forces in records])
+    return np.array([largest_force_error(forces, Z, quarter) * forces.max() for forces in records])
 
 
 @pytest.mark.parametrize("tail", ["exponential", "normal", "bounded"])
@@ -52,6 +52,6 @@ def test_two_records_differ_by_at_most_two_standard_errors(
 
 def test_error_is_relative_and_zero_for_constant_forces() -> None:
     (forces, *_) = independent(np.random.default_rng(1), "normal")
-    assert error_of_largest(1e3 * forces, Z, 39) == pytest.approx(error_of_largest(forces, Z, 39), rel=1e-12)
-    assert error_of_largest(np.full(60, 7.0), Z, 13) == 0.0
-    assert error_of_largest(np.zeros(8), Z, 2) == 0.0
+    assert largest_force_error(1e3 * forces, Z, 39) == pytest.approx(largest_force_error(forces, Z, 39), rel=1e-12)
+    assert largest_force_error(np.full(60, 7.0), Z, 13) == 0.0
+    assert largest_force_error(np.zeros(8), Z, 2) == 0.0

@@ -15,7 +15,7 @@ from bearingsim.extensions import BrokenExtension
 from bearingsim.runner.findings import missing_values
 from bearingsim.runner.work import _failure
 from bearingsim.simulation import record, simulate
-from bearingsim.simulation.features import extension_features, features, refuse_undeclared
+from bearingsim.simulation.features import compute_extension_features, compute_features, refuse_undeclared
 from bearingsim.study.used import extensions
 from tests.scenes.short_cases import case
 
@@ -92,13 +92,13 @@ def declare_feature(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(f"bearingsim.{module}.DECLARED", {**FEATURES, "mine": FEATURES["velocity.rms"]})
 
 
-def compute_features() -> tuple[dict[str, float], dict[str, str]]:
-    return extension_features(case(), TIME, SERIES)
+def compute_own_features() -> tuple[dict[str, float], dict[str, str]]:
+    return compute_extension_features(case(), TIME, SERIES)
 
 
 def test_finite_number_is_the_value(monkeypatch) -> None:
     register_feature(monkeypatch, "mean")
-    assert compute_features() == ({"mine": 2.0}, {})
+    assert compute_own_features() == ({"mine": 2.0}, {})
 
 
 MISSING_VALUES = {
@@ -111,7 +111,7 @@ MISSING_VALUES = {
 @pytest.mark.parametrize("function", MISSING_VALUES)
 def test_non_finite_value_becomes_nan_with_a_reason(function, monkeypatch) -> None:
     register_feature(monkeypatch, function)
-    values, facts = compute_features()
+    values, facts = compute_own_features()
     assert np.isnan(values["mine"])
     assert facts == {"no_value.mine": MISSING_VALUES[function]}
 
@@ -131,7 +131,7 @@ FAILING = {
 
 def test_array_of_no_dimension_is_a_number(monkeypatch) -> None:
     register_feature(monkeypatch, "array_of_one_number")
-    assert compute_features() == ({"mine": 3.0}, {})
+    assert compute_own_features() == ({"mine": 3.0}, {})
 
 
 def test_features_cannot_change_the_record(monkeypatch) -> None:
@@ -140,7 +140,7 @@ def test_features_cannot_change_the_record(monkeypatch) -> None:
     for function in ("changed_series", "changed_time"):
         register_feature(monkeypatch, function)
         with pytest.raises(BrokenExtension):
-            compute_features()
+            compute_own_features()
     assert all(np.array_equal(SERIES[name], values) for name, values in before.items())
     assert not TIME.any()
 
@@ -150,7 +150,7 @@ def test_failing_function_is_named(function, monkeypatch) -> None:
     """A KeyError within the function does not mean that a series is missing."""
     register_feature(monkeypatch, function)
     with pytest.raises(BrokenExtension, match=f"^feature `mine`: `{__name__}:{FAILING[function]}"):
-        compute_features()
+        compute_own_features()
 
 
 def test_missing_values_are_reported_once_per_reason() -> None:
@@ -189,7 +189,9 @@ def test_a_declared_feature_is_accepted(monkeypatch) -> None:
 
 def test_undeclared_computed_feature_is_refused(monkeypatch) -> None:
     """The failed job has the same message, without the name of the exception class."""
-    monkeypatch.setattr(record, "features", lambda *run: features(*run) | {"velocity.skewness": 0.0})
+    monkeypatch.setattr(
+        record, "compute_features", lambda *run: compute_features(*run) | {"velocity.skewness": 0.0}
+    )
     message = "feature `velocity.skewness` is computed but not declared: add it to config/names.py"
     with pytest.raises(UserError, match=f"^{message}$") as caught:
         simulate(case(model="static", duration=0.02))

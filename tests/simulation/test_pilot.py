@@ -17,7 +17,7 @@ from tests.scenes.step_checks import LIGHT, rollers
 
 def test_motion_that_converges_at_one_step_is_not_perturbed_at_the_next() -> None:
     test_case = choice.resolve(case(model="ring", defect=SLOT | {"race": "inner"}, duration="0.3 s"))
-    pilot_run = pilot.pilot(test_case)
+    pilot_run = pilot.make_pilot(test_case)
     first = step_check.check_on_pilot(test_case, 2.0, *pilot_run)
     assert first.finer.converges
     fraction, real_pilot = first.finer.setup.step_fraction, step_check.run_pilot
@@ -36,7 +36,7 @@ def test_motion_that_converges_at_one_step_is_not_perturbed_at_the_next() -> Non
 def test_pilot_signals_include_wide_band_and_recorded_velocity() -> None:
     """The low-pass of the record removes most of this velocity; changes of both RMS values limit the step."""
     test_case = choice.resolve(rollers(sampling="1000 Hz", duration="0.3 s"))
-    short, passes = pilot.pilot(test_case)
+    short, passes = pilot.make_pilot(test_case)
     signals = step_check.run_pilot(set_up(short), passes)
     recorded_rms = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(signals.recorded_velocity) == pytest.approx(recorded_rms, rel=0.05)
@@ -87,26 +87,26 @@ def test_the_price_of_a_check_leaves_out_the_beginning_of_the_run() -> None:
     continued, separate = (
         choice.resolve(case(**fields, record=record)) for record in (["ring.velocity"], ["roller.1.outer_force"])
     )
-    assert pilot.pilot(continued)[1] == pilot.pilot(separate)[1]
-    pilot_share = pricing.check_cost(separate) - pricing.check_cost(continued)
-    assert pricing.check_cost(continued) == pytest.approx(math.sqrt(5.0) * pilot_share)
+    assert pilot.make_pilot(continued)[1] == pilot.make_pilot(separate)[1]
+    pilot_share = pricing.check_cost_ratio(separate) - pricing.check_cost_ratio(continued)
+    assert pricing.check_cost_ratio(continued) == pytest.approx(math.sqrt(5.0) * pilot_share)
     run = simulate(continued).info
     computed_share = float(run["steps_taken"]) / float(run["steps"]) - 1.0
-    assert 0.0 < computed_share < pricing.check_cost(continued)
+    assert 0.0 < computed_share < pricing.check_cost_ratio(continued)
 
 
 def test_pilot_is_short_but_covers_turns_of_defects_through_the_load_zone() -> None:
     fields = {"duration": "4 s", "settle": "0.1 s"}
     run_passes = 4.1 * RATE
     for race, min_passes in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
-        short, passes = pilot.pilot(choice.resolve(case(defect=SLOT | {"race": race}, **fields)))
+        short, passes = pilot.make_pilot(choice.resolve(case(defect=SLOT | {"race": race}, **fields)))
         assert passes >= max(pilot.MIN_PASSES, min_passes)
         assert 3.0 * (passes + pilot.SKIPPED_PASSES) < 0.25 * run_passes
         assert short.duration * RATE == pytest.approx(passes + 0.5)
 
 
 def test_pilot_of_a_short_record_covers_the_whole_run() -> None:
-    short, passes = pilot.pilot(choice.resolve(case(duration="8 ms", settle="0 s")))
+    short, passes = pilot.make_pilot(choice.resolve(case(duration="8 ms", settle="0 s")))
     assert passes == 1
     assert short.settle_s + short.duration <= 3.0 / RATE
     assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
@@ -114,7 +114,7 @@ def test_pilot_of_a_short_record_covers_the_whole_run() -> None:
 
 def pilot_lengths(**fields: Any) -> tuple[float, int]:
     """Return the settling time (s) of a pilot of `rollers` and its number of compared ball passes."""
-    short, passes = pilot.pilot(choice.resolve(rollers(duration="0.4 s", **fields)))
+    short, passes = pilot.make_pilot(choice.resolve(rollers(duration="0.4 s", **fields)))
     return short.settle_s, passes
 
 
@@ -130,7 +130,7 @@ def test_strict_check_covers_the_whole_run() -> None:
     """Pilots of random scenes diverged only after two thirds of their records."""
     for damping in (LIGHT, {}):
         assert pilot_lengths(step_check="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
-    assert pilot.pilot(choice.resolve(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
+    assert pilot.make_pilot(choice.resolve(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
 
 
 def test_diverging_pilots_without_visible_chaos_are_repeated_longer() -> None:
@@ -151,9 +151,9 @@ def test_diverging_pilots_without_visible_chaos_are_repeated_longer() -> None:
             settle="50 ms",
         )
     )
-    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 1.0, *pilot.pilot(test_case))
+    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 1.0, *pilot.make_pilot(test_case))
     assert is_doubtful
-    assert check.holds
+    assert check.is_accepted
     assert not check.chaotic
     assert step_check.check_step(set_up(test_case, 1.0)).chaotic
 
@@ -161,10 +161,10 @@ def test_diverging_pilots_without_visible_chaos_are_repeated_longer() -> None:
 def test_converging_pilots_are_not_repeated_longer() -> None:
     """In `ring` over an inner slot the step changes velocities by 5 %, and a perturbation decays to 1e-14."""
     test_case = choice.resolve(case(model="ring", defect=SLOT | {"race": "inner"}, duration="0.3 s"))
-    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 2.0, *pilot.pilot(test_case))
+    check, is_doubtful, _ = step_check.check_on_pilot(test_case, 2.0, *pilot.make_pilot(test_case))
     assert not check.chaotic
     assert not is_doubtful
-    assert pilot.pilot(test_case)[1] < pilot.pilot(test_case, step_check.SECOND_PILOT)[1]
+    assert pilot.make_pilot(test_case)[1] < pilot.make_pilot(test_case, step_check.SECOND_PILOT)[1]
 
 
 def test_friction_does_not_count_as_roller_damping() -> None:
@@ -182,7 +182,7 @@ def test_friction_does_not_count_as_roller_damping() -> None:
 def test_pilot_of_a_ramp_runs_at_the_highest_speed() -> None:
     """At the initial low speed it would cover hardly a ball pass."""
     test_case = choice.resolve(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
-    short, passes = pilot.pilot(test_case)
+    short, passes = pilot.make_pilot(test_case)
     assert short.ramp is None
     assert time_grid.make_grid(short).rate == time_grid.make_grid(test_case).rate == pytest.approx(10.0 * RATE)
     assert passes == pytest.approx(pilot.PILOT_FRACTION * 2.03 * 10.0 * RATE, abs=1.0)
@@ -202,11 +202,11 @@ def test_a_run_as_short_as_its_pilot_is_computed_once_at_each_step() -> None:
 def test_a_pilot_continues_a_search_for_a_period() -> None:
     """Its signals are those of a pilot computed separately, whether the search is longer or shorter."""
     coarse = set_up(choice.resolve(rollers(record=["roller.2.radial"], **LIGHT)), 1.0)
-    pilot_case, passes = pilot.pilot(coarse.case)
+    pilot_case, passes = pilot.make_pilot(coarse.case)
     pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
     computed = comparison.pilot_signals(pilot_setup, integrate(pilot_setup), passes)
     for searched_passes in (pilot_setup.grid.passes - 3, pilot_setup.grid.passes + 3):
-        runs = refinement.BegunRuns(coarse.case)
+        runs = refinement.PartialRuns(coarse.case)
         run = runs.runs[1.0] = Run.begin(coarse)
         run.advance(searched_passes)
         raw = runs.beginning(pilot_setup)
@@ -220,12 +220,12 @@ def test_a_pilot_continues_a_search_for_a_period() -> None:
 def test_a_run_that_is_periodic_within_its_pilot_is_not_the_pilot() -> None:
     """The differences of repeated passes, 1e-7, would exceed those by the perturbation of a pilot."""
     coarse = set_up(choice.resolve(case(defect=SLOT)), 1.0)
-    pilot_case, _ = pilot.pilot(coarse.case)
+    pilot_case, _ = pilot.make_pilot(coarse.case)
     pilot_setup = set_up(pilot_case.model_copy(update={"periodic": False}), 1.0)
-    runs = refinement.BegunRuns(coarse.case)
+    runs = refinement.PartialRuns(coarse.case)
     assert runs.beginning(pilot_setup) is None
     assert 0 < runs.runs[1.0].passes < pilot_setup.grid.passes
-    assert integrate(coarse, begun=runs.runs[1.0]).repetition == integrate(coarse).repetition
+    assert integrate(coarse, partial_run=runs.runs[1.0]).repetition == integrate(coarse).repetition
 
 
 def test_the_search_for_a_period_is_the_run_at_the_first_step() -> None:

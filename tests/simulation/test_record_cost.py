@@ -15,7 +15,7 @@ from bearingsim.signals import amplitude_at, amplitudes_of_blocks, lines, passes
 from bearingsim.simulation import pricing, record, simulate, spectral_lines, time_grid
 from bearingsim.simulation.choice import Attempt
 from bearingsim.simulation.run_setup import MethodFailure
-from bearingsim.simulation.simulate import _first_sound_attempt as in_turn
+from bearingsim.simulation.simulate import _first_valid_result as in_turn
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 FULL = {"periodic": False, "step_check": False}
@@ -32,9 +32,9 @@ RAMP = TURNING | {"ramp": {"to": "2400 rpm", "time": "0.1 s"}}
 BANDS = ["velocity.rms@10-1000Hz", "acceleration.rms@10-5000Hz", "envelope@BPFO@2000-5000Hz"]
 
 
-@pytest.mark.parametrize("name", pricing.Counts._fields)
+@pytest.mark.parametrize("name", pricing.OperationCounts._fields)
 def test_every_count_has_a_price(name: str) -> None:
-    assert pricing.price(name.replace("_", " ")) > 0.0
+    assert pricing.coefficient(name.replace("_", " ")) > 0.0
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -90,7 +90,7 @@ def test_features_of_a_long_record_need_little_memory(
 
         return run
 
-    for name in ("lines_of_passes", "features"):
+    for name in ("amplitudes_by_pass", "compute_features"):
         monkeypatch.setattr(record, name, traced(getattr(record, name)))
     for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1 << 10)

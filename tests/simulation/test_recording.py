@@ -9,16 +9,16 @@ from bearingsim.core.advance import NoSamples
 from bearingsim.core.sampling import DECIMATION_REACH, sampling_kernel
 from bearingsim.simulation import channels, choice, integration, limits
 from bearingsim.simulation.channels import FEATURE_CELLS
-from bearingsim.simulation.differentiation import MOTIONS, STENCIL_REACH, difference_weights, differentiate
-from bearingsim.simulation.features import statistics
+from bearingsim.simulation.differentiation import MOTION_ROWS, STENCIL_REACH, difference_weights, differentiate
+from bearingsim.simulation.features import compute_statistics
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import _sample_pass
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import simulate
-from bearingsim.simulation.time_grid import samples
+from bearingsim.simulation.time_grid import sample_count
 from tests.scenes.short_cases import SLOT, case
 
-RING = MOTIONS[0]
+RING = MOTION_ROWS[0]
 POSITION, VELOCITY, ACCELERATION = RING
 H, TAIL, STEPS = 1e-3, 16, 50
 
@@ -52,10 +52,10 @@ def test_differences_are_of_eighth_order_across_passes(omega):
 def test_motion_at_the_sensor_is_differentiated_like_that_of_the_ring():
     """A flexible ring's sensor has rows of its own, after those of the features."""
     window = np.zeros((len(FEATURE_CELLS) + 3, TAIL + STEPS))
-    for motion in MOTIONS:
+    for motion in MOTION_ROWS:
         window[motion[0]] = np.sin(400.0 * H * np.arange(TAIL + STEPS))
         differentiate(window, motion, TAIL, H)
-    ring, sensor = (np.array([window[rows][0] for rows in motion]) for motion in MOTIONS)
+    ring, sensor = (np.array([window[rows][0] for rows in motion]) for motion in MOTION_ROWS)
     np.testing.assert_array_equal(sensor, ring)
     assert np.all(np.ptp(sensor, axis=1) > 0.0)
 
@@ -75,7 +75,7 @@ def test_only_velocities_and_accelerations_are_differentiated(ring, sensor_rows,
     monkeypatch.setattr(integration, "_COMPILED", set())
     forces = [f"roller.{number}.outer_force" for number in (1, 2, 3)]
     setup = set_up(case(model="rollers", method="dop853", rig=ring, record=forces))
-    cells, y = channels.recorded_cells(setup.case), integration._start(setup, 0.0)
+    cells, y = channels.recorded_cells(setup.case), integration._make_initial_buffer(setup, 0.0)
     window = next(integration._ball_passes(setup, NoSamples(), y, cells, integration.Pace(1.0)))
     squares = np.arange(100) ** 2.0
     tail = window.shape[1] - setup.grid.steps_per_pass
@@ -197,7 +197,7 @@ def test_rms_of_an_impulse_train_at_a_high_sampling_rate_is_that_of_its_lines() 
 def test_rms_of_static_motion_at_a_high_sampling_rate_is_that_of_short_steps() -> None:
     test_case = case(model="static", defects=[SLOT], sampling="102.4 kHz", record=[])
     setups = [set_up(test_case, fraction) for fraction in (1.0, 1.0 / 16.0)]
-    rms, fine = (statistics(s.case, s.grid, integrate(s))["velocity.rms"] for s in setups)
+    rms, fine = (compute_statistics(s.case, s.grid, integrate(s))["velocity.rms"] for s in setups)
     assert rms == pytest.approx(fine, rel=1e-3)
 
 
@@ -206,7 +206,7 @@ def test_raw_values_of_a_model_without_method_are_accurate_at_ends_of_passes_too
     test_case = case(model="static", sampling="102.4 kHz", antialias=False, duration="20 ms")
     grid = set_up(test_case).grid
     omega, tail = 0.1 / grid.step, 2 * DECIMATION_REACH * grid.decimation
-    steps, raw_values = grid.steps_per_pass, np.empty((6, samples(test_case)))
+    steps, raw_values = grid.steps_per_pass, np.empty((6, sample_count(test_case)))
     for p in range(grid.passes):
         window = np.empty((6, tail + steps))
         window[POSITION] = np.sin(omega * grid.step * np.arange(p * steps - tail + 1, (p + 1) * steps + 1))

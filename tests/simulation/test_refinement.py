@@ -46,7 +46,7 @@ def test_raw_values_of_a_period_are_compared_once_both_runs_are_steady(overrides
     raw = integrate(setup)
     assert raw.repetition.period == 1
     assert raw.repetition.computed > 50
-    check = step_check.check_on_orbit((setup, raw), step_check.finer_orbit(setup, raw))
+    check = step_check.check_on_orbit((setup, raw), step_check.run_finer_orbit(setup, raw))
     assert check is not None
     assert check.rms < 1e-3
     assert check.record < 2e-3
@@ -56,7 +56,7 @@ def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> 
     test_case = choice.resolve(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
     setup = set_up(test_case)
     raw = integrate(setup)
-    finer = step_check.finer_orbit(setup, raw)
+    finer = step_check.run_finer_orbit(setup, raw)
     start_time = max(comparison.periodic_start(*run) for run in ((setup, raw), finer))
     for count, is_checked in ((comparison.MIN_SAMPLES - 1, False), (comparison.MIN_SAMPLES + 1, True)):
         duration = start_time + count / test_case.sampling - test_case.settle_s
@@ -67,9 +67,9 @@ def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> 
 def test_a_finer_run_ends_after_two_passes_if_the_coarse_one_shows_how_fast_it_settles() -> None:
     """Its second pass is as close to the orbit as after a further search, to the limit of 1e-5."""
     coarse = set_up(choice.resolve(rollers()), 2.0)
-    raw = integrate(coarse, closeness=step_check.ORBIT_CLOSENESS)
+    raw = integrate(coarse, criterion=step_check.ORBIT_CRITERION)
     assert 0.0 < raw.repetition.contraction < 1e-3
-    fine, short = step_check.finer_orbit(coarse, raw)
+    fine, short = step_check.run_finer_orbit(coarse, raw)
     assert short.repetition.computed == 2
     assert short.repetition.contraction == raw.repetition.contraction
     long = integrate(fine, start=step_check.rewound_state(coarse, raw))
@@ -77,7 +77,7 @@ def test_a_finer_run_ends_after_two_passes_if_the_coarse_one_shows_how_fast_it_s
     changes = comparison.compare(*(comparison.period_signals(fine, run, 0.0) for run in (short, long)))
     assert max(changes) < 1e-5
     slow = dataclasses.replace(raw, repetition=raw.repetition._replace(contraction=0.9))
-    assert step_check.finer_orbit(coarse, slow)[1].repetition.computed > 2
+    assert step_check.run_finer_orbit(coarse, slow)[1].repetition.computed > 2
 
 
 def test_the_search_for_a_period_ends_as_close_as_a_finer_run() -> None:
@@ -223,4 +223,4 @@ def test_inaccurate_force_is_reported_without_failing_the_job() -> None:
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
     with patched_orbit_check(StepCheck(line=0.2, rms=0.05)):
         result = simulate(rollers())
-    assert result.info["method"] != choice.choice(rollers()).method
+    assert result.info["method"] != choice.choose_method(rollers()).method

@@ -16,8 +16,8 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, repetition
 from bearingsim.simulation.repetition import (
     EXTREMES,
-    RECORD_CLOSENESS,
-    Closeness,
+    RECORD_CRITERION,
+    PeriodCriterion,
     Repetition,
     Search,
     may_repeat,
@@ -151,7 +151,7 @@ def period_of(
     motion: Callable[[int], np.ndarray],
     passes: int = 40,
     peaks: Callable[[int], np.ndarray] = lambda p: np.ones(5),
-    closeness: Closeness = RECORD_CLOSENESS,
+    closeness: PeriodCriterion = RECORD_CRITERION,
 ) -> tuple[int, int]:
     """Return the period of ``motion`` (from pass number to (9, STEPS)) and the passes needed to find it.
 
@@ -177,7 +177,7 @@ def test_passes_are_compared_in_ring_motion_and_recorded_channels_only() -> None
     """Accelerations jump; loaded rollers and the cage are compared in the state at the end of a pass."""
     setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.3.outer_force"]))
     cells = channels.recorded_cells(setup.case)
-    search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
+    search = Search(cells, STEPS, setup.model, False, RECORD_CRITERION)
     ring = [lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]
     assert cells[search.compared_rows][:5].tolist() == [*ring, lay.Q_O + 2]
     assert set(search.compared_rows) == set(range(len(cells))) - {*range(4, len(channels.FEATURE_CELLS))}
@@ -199,9 +199,9 @@ def no_period_found(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("no_period_found")
 def test_non_periodic_case_is_computed_by_another_method() -> None:
     test_case = case(**LONG)
-    result = choice.choice(test_case)
+    result = choice.choose_method(test_case)
     assert result.method == "verlet"
-    assert 0 < first_attempt(test_case).patience < 30
+    assert 0 < first_attempt(test_case).max_search_passes < 30
     record = simulate(test_case)
     assert record.info["method"] != "verlet"
     assert record.info["passes_computed"] == record.info["passes"]
@@ -213,17 +213,17 @@ def test_non_periodic_case_is_computed_by_another_method() -> None:
 
 @pytest.mark.usefixtures("no_period_found")
 def test_first_method_is_used_again_if_the_others_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    attempts, real_simulate = [], SIMULATION._simulate
+    attempts, real_simulate = [], SIMULATION._attempt_simulation
 
     def failing_simulate(attempt: choice.Attempt, began: float) -> Any:
-        attempts.append((attempt.case.method, attempt.patience, attempt.step_fraction))
+        attempts.append((attempt.case.method, attempt.max_search_passes, attempt.step_fraction))
         if attempt.case.method != "verlet":
             raise RUN_SETUP.TooSlow("too slow", "wait")
         return real_simulate(attempt, began)
 
-    monkeypatch.setattr(SIMULATION, "_simulate", failing_simulate)
+    monkeypatch.setattr(SIMULATION, "_attempt_simulation", failing_simulate)
     record = simulate(case(**LONG))
-    assert attempts[0] == ("verlet", first_attempt(case(**LONG)).patience, 1.0)
+    assert attempts[0] == ("verlet", first_attempt(case(**LONG)).max_search_passes, 1.0)
     assert attempts[-1][:2] == ("verlet", 0)
     assert len(attempts) == len(set(attempts)) > 2
     assert record.info["method"] == "verlet"
@@ -232,19 +232,19 @@ def test_first_method_is_used_again_if_the_others_fail(monkeypatch: pytest.Monke
 def first_attempt(test_case: Case) -> choice.Attempt:
     """Return the first attempt at a case, limited by the price of the second."""
     first, *others = choice.attempts(test_case)
-    return first._replace(limit=min((attempt.price for attempt in others), default=inf) + choice.MIN_SAVING)
+    return first._replace(limit=min((attempt.cost for attempt in others), default=inf) + choice.MIN_SAVING)
 
 
 def test_patience_ends_with_the_search_for_a_period() -> None:
     attempt = first_attempt(case(**LONG))._replace(limit=1e-9)
-    assert attempt.patience > 0
-    assert attempt._replace(periodic=False).patience == 0
+    assert attempt.max_search_passes > 0
+    assert attempt._replace(periodic=False).max_search_passes == 0
 
 
 @pytest.mark.parametrize("change", [{"until": "1 %"}, {"duration": "40 ms"}, {"method": "verlet"}])
 def test_cases_without_limited_patience(change: dict[str, Any]) -> None:
     """A record that may end early, a short record, and a given method."""
-    assert first_attempt(case(**LONG | change)).patience == 0
+    assert first_attempt(case(**LONG | change)).max_search_passes == 0
 
 
 @pytest.mark.parametrize("period", [1, 2, 3, 4])
@@ -267,7 +267,7 @@ def test_period_is_found_once_the_transient_has_decayed(rho: float) -> None:
 @pytest.mark.parametrize(("rho", "result"), [(1e-5, (1, 2)), (4e-5, (1, 3))])
 def test_one_difference_suffices_with_a_known_contraction(rho: float, result: tuple[int, int]) -> None:
     """The first is 5e-4 of the range; ten times ``rho`` of it is 5e-8 or 2e-7, the limit being 1e-7."""
-    closeness = RECORD_CLOSENESS._replace(contraction=rho)
+    closeness = RECORD_CRITERION._replace(contraction=rho)
     assert period_of(lambda p: (1.0 + 1e-3 * rho**p) * waves(p), closeness=closeness) == result
 
 
@@ -323,7 +323,7 @@ def test_forces_are_compared_relative_to_the_range_of_all_rollers() -> None:
     """Forces that differ by much of the range in an unloaded position, but not of the range of all, are equal."""
     setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.outer_force"]))
     cells = channels.recorded_cells(setup.case)
-    search, y = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS), lay.make_buffer(13, 0.0)
+    search, y = Search(cells, STEPS, setup.model, False, RECORD_CRITERION), lay.make_buffer(13, 0.0)
     noise, periods = np.random.default_rng(0), []
     for p in range(5):
         forces = np.array([np.linspace(0.0, (j + p) % 13 != 5, STEPS) for j in range(13)])
@@ -343,7 +343,7 @@ def test_all_rollers_have_one_range() -> None:
     """Each roller passes only its part of the circumference in a ball pass."""
     setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.outer_force"]))
     cells = channels.recorded_cells(setup.case)
-    search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
+    search = Search(cells, STEPS, setup.model, False, RECORD_CRITERION)
     recording = np.zeros((len(search.compared_rows), STEPS))
     forces = np.flatnonzero(lay.lane_of(cells[search.compared_rows]) >= 0)
     recording[forces] = np.linspace(10.0, 20.0, len(forces))[:, np.newaxis]
@@ -360,17 +360,17 @@ def test_number_of_stored_passes_is_limited_by_memory(
     """Periods are searched up to the number of stored passes (doubles); none without a stored pass."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     cells = channels.recorded_cells(setup.case)
-    monkeypatch.setattr(repetition, "MAX_STORED", (passes + part) * 8 * len(cells) * STEPS)
-    search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
+    monkeypatch.setattr(repetition, "MAX_STORED_BYTES", (passes + part) * 8 * len(cells) * STEPS)
+    search = Search(cells, STEPS, setup.model, False, RECORD_CRITERION)
     assert list(search.periods) == list(range(1, passes + 1))
 
 
 def test_motion_without_memory_is_periodic_from_the_first_pass() -> None:
     setup = RUN_SETUP.set_up(resolved(model="static"))
-    search = Search(channels.recorded_cells(setup.case), STEPS, setup.model, True, RECORD_CLOSENESS)
+    search = Search(channels.recorded_cells(setup.case), STEPS, setup.model, True, RECORD_CRITERION)
     assert search.add_pass(waves(0), lay.make_buffer(13, 0.0), np.ones(5)) == (1, 0.0)
 
 
 def test_difference_at_the_limit_has_converged() -> None:
-    assert repetition._has_converged([RECORD_CLOSENESS.difference_limit], RECORD_CLOSENESS, 0.0)
-    assert not repetition._has_converged([1.01 * RECORD_CLOSENESS.difference_limit], RECORD_CLOSENESS, 0.0)
+    assert repetition._has_converged([RECORD_CRITERION.difference_limit], RECORD_CRITERION, 0.0)
+    assert not repetition._has_converged([1.01 * RECORD_CRITERION.difference_limit], RECORD_CRITERION, 0.0)

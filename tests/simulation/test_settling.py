@@ -13,7 +13,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import SimulationError, choice, repetition, settling, step_check, time_grid
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.settling import SlowModes
+from bearingsim.simulation.settling import SteadyExtrapolation
 from tests.scenes.short_cases import SLOT, case
 
 HEAVY: dict[str, Any] = {
@@ -52,43 +52,47 @@ def test_friction_does_not_brake_the_rings(friction: str) -> None:
 
 
 def test_automatic_settling_follows_the_slowest_mode() -> None:
-    assert settling.settling(settled_case()) == settling.MIN_SETTLING
+    assert settling.settling_time(settled_case()) == settling.MIN_SETTLING
     heavy = settled_case(**HEAVY)
-    assert settling.settling(heavy) == pytest.approx(-log(settling.MAX_TRANSIENT) / settling.slowest_decay(heavy))
+    assert settling.settling_time(heavy) == pytest.approx(
+        -log(settling.MAX_TRANSIENT) / settling.slowest_decay(heavy)
+    )
     assert settling.remaining_transient(settling.resolve_settling(heavy)) == pytest.approx(settling.MAX_TRANSIENT)
-    assert settling.settling(settled_case(rig={"ring_mass": "2000 kg"})) == settling.MAX_SETTLING
+    assert settling.settling_time(settled_case(rig={"ring_mass": "2000 kg"})) == settling.MAX_SETTLING
     assert settling.resolve_settling(case(settle="20 ms")).settle == 0.02
 
 
 def test_a_free_cage_settles_for_five_turns() -> None:
     free_cage = settled_case(model="planar")
-    assert settling.settling(free_cage) == pytest.approx(5.0 * settling.cage_turn(free_cage))
-    assert settling.settling(settled_case(model="planar", cage={"motion": "kinematic"})) == settling.MIN_SETTLING
+    assert settling.settling_time(free_cage) == pytest.approx(5.0 * settling.cage_revolution_time(free_cage))
+    assert (
+        settling.settling_time(settled_case(model="planar", cage={"motion": "kinematic"})) == settling.MIN_SETTLING
+    )
 
 
 def test_free_cage_settles_for_two_turns_if_the_record_may_end_early() -> None:
     """Except with oil drag on the rollers, because gross slip takes longer."""
     early = {"model": "planar", "record": [], "until": "1 %"}
     dry, oiled = settled_case(**early), settled_case(**early, drag={"oil_fraction": 0.1})
-    turn = settling.cage_turn(dry)
-    assert [settling.settling(variant) for variant in (dry, oiled)] == pytest.approx([2.0 * turn, 5.0 * turn])
+    turn = settling.cage_revolution_time(dry)
+    assert [settling.settling_time(variant) for variant in (dry, oiled)] == pytest.approx([2.0 * turn, 5.0 * turn])
 
 
 def test_models_without_memory_have_no_modes() -> None:
-    assert settling.modes(settled_case(model="static")) == ()
-    assert settling.settling(settled_case(model="static")) == settling.MIN_SETTLING
+    assert settling.mode_eigenvalues(settled_case(model="static")) == ()
+    assert settling.settling_time(settled_case(model="static")) == settling.MIN_SETTLING
 
 
 def test_run_settles_for_the_automatic_time() -> None:
     heavy = settled_case(**HEAVY)
-    assert simulate(heavy).info["settle_s"] == pytest.approx(settling.settling(heavy))
+    assert simulate(heavy).info["settle_s"] == pytest.approx(settling.settling_time(heavy))
 
 
-def extrapolated(matrix: np.ndarray, passes: int = 40, count: int = 4) -> tuple[SlowModes, np.ndarray]:
+def extrapolated(matrix: np.ndarray, passes: int = 40, count: int = 4) -> tuple[SteadyExtrapolation, np.ndarray]:
     """Extrapolate s' = s_0 + M (s - s_0), s_0 = (1, -1) um; return the modes and the final deviation (2,) (m)."""
     model = assemble.model(case(defect=SLOT))
     slow, y, equilibrium = (
-        SlowModes(model, count, passes, 1e-9),
+        SteadyExtrapolation(model, count, passes, 1e-9),
         assemble.empty_buffer(model),
         np.array([1e-6, -1e-6]),
     )
@@ -128,7 +132,7 @@ def test_motion_with_growing_modes_is_not_steady() -> None:
 def test_states_are_compared_by_roller_position() -> None:
     """A pattern fixed in space is the same in each pass, although each roller has the position of the next."""
     model = assemble.model(case(model="rollers", defect=SLOT))
-    slow, pattern = SlowModes(model, 4, 40, 1e-9), np.arange(13.0)
+    slow, pattern = SteadyExtrapolation(model, 4, 40, 1e-9), np.arange(13.0)
     for n in range(3):
         y = assemble.empty_buffer(model)
         y[lay.RADIAL : lay.RADIAL + 13] = np.roll(pattern, -n)  # roller j has the position of j + 1 a pass before
@@ -142,14 +146,14 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
 ) -> None:
     """Changes that are small from the beginning, or rounding errors, need not decrease further."""
     setup = set_up(choice.resolve(settled_case(**HEAVY | {"load": load}, periodic=True)))
-    raw, passes, real_extrapolate = integrate(setup), [0], SlowModes.extrapolate
+    raw, passes, real_extrapolate = integrate(setup), [0], SteadyExtrapolation.extrapolate
 
-    def counting_extrapolate(slow: SlowModes, y: np.ndarray) -> bool:
+    def counting_extrapolate(slow: SteadyExtrapolation, y: np.ndarray) -> bool:
         passes[0] += 1
         return real_extrapolate(slow, y)
 
-    monkeypatch.setattr(SlowModes, "extrapolate", counting_extrapolate)
-    integrate(setup, start=step_check.rewound_state(setup, raw), closeness=step_check.ORBIT_CLOSENESS)
+    monkeypatch.setattr(SteadyExtrapolation, "extrapolate", counting_extrapolate)
+    integrate(setup, start=step_check.rewound_state(setup, raw), criterion=step_check.ORBIT_CRITERION)
     assert 0 < passes[0] <= settling.WAITING_PASSES + 4 + 2
     passes[0] = 0
     integrate(setup, max_passes=5)
@@ -158,14 +162,14 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
 
 def test_only_slow_modes_of_periodic_motion_are_extrapolated() -> None:
     heavy = choice.resolve(settled_case(**HEAVY))
-    assert settling.slow_modes(heavy) == 4
+    assert settling.slow_mode_count(heavy) == 4
     for other in (
         choice.resolve(settled_case()),
         heavy.model_copy(update={"settle": 0.05}),
         choice.resolve(settled_case(**HEAVY | {"defect": SLOT | {"race": "inner"}})),
         choice.resolve(settled_case(**HEAVY | {"model": "planar"})),
     ):
-        assert settling.slow_modes(other) == 0
+        assert settling.slow_mode_count(other) == 0
 
 
 def test_start_error_of_a_heavy_ring_is_reported_and_removed_by_auto() -> None:
@@ -234,11 +238,11 @@ def test_error_of_a_free_cage_covers_other_seeds() -> None:
 def test_slow_decay_is_not_periodic() -> None:
     """A difference of 1e-8 that halves each pass is not accepted if a mode may decay by 0.995 a pass only."""
     observed = [4e-8, 2e-8, 1e-8]
-    assert repetition._has_converged(observed, repetition.RECORD_CLOSENESS, 0.0)
-    assert not repetition._has_converged(observed, repetition.RECORD_CLOSENESS, 0.995)
+    assert repetition._has_converged(observed, repetition.RECORD_CRITERION, 0.0)
+    assert not repetition._has_converged(observed, repetition.RECORD_CRITERION, 0.995)
     tiny = [1e-9, 1e-9, 0.9e-10]
-    assert repetition._has_converged(tiny, repetition.RECORD_CLOSENESS, 0.99)
-    assert not repetition._has_converged(tiny, repetition.RECORD_CLOSENESS, 0.9999)
+    assert repetition._has_converged(tiny, repetition.RECORD_CRITERION, 0.99)
+    assert not repetition._has_converged(tiny, repetition.RECORD_CRITERION, 0.9999)
 
 
 @pytest.mark.parametrize("rig", [{}, {"ring_mass": "20 kg"}])

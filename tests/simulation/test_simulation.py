@@ -19,7 +19,7 @@ from bearingsim.core.models.interface import begin
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.simulate import simulate
 from bearingsim.simulation.spectral_lines import OTHER_LINES
-from bearingsim.simulation.warm_up import warm
+from bearingsim.simulation.warm_up import compile_solvers
 from tests.independent import rollers
 from tests.scenes.nf308 import advance_recorded, light_rollers
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case, line
@@ -38,7 +38,7 @@ def integrate_steps(test_case: Case, passes: int) -> tuple[np.ndarray, float]:
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     begin(model, 0.0, y)
-    cells = np.array([channels.cell(name) for name in ROW])
+    cells = np.array([channels.cell_of(name) for name in ROW])
     wide = np.empty((len(ROW), passes * grid.steps_per_pass + 1))
     record(y, cells, 0, wide)
     advance_recorded(assemble.method(test_case, grid.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
@@ -285,8 +285,8 @@ def test_warm_up_computes_each_kind_of_case_once() -> None:
             case(),
             case(method="verlet"),  # the choice of `auto`
         ]
-        warm(cases)
-        warm(cases)
+        compile_solvers(cases)
+        compile_solvers(cases)
     warmed = [call.args[0] for call in mock_simulate.call_args_list]
     kinds = [(variant.model, variant.antialias, len(variant.defects)) for variant in warmed]
     assert kinds == [("ring", True, 2), ("ring", True, 0), ("static", True, 0), ("ring", False, 0)]
@@ -301,7 +301,7 @@ def test_specialised_exponents_are_compiled_separately() -> None:
 
     cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
     with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as mock_simulate:
-        warm(cases)
+        compile_solvers(cases)
     assert mock_simulate.call_count == 8  # other exponents are run-time values
 
 

@@ -9,14 +9,20 @@ from scipy.special import stdtrit
 
 from bearingsim import signals, simulate
 from bearingsim.simulation import settling, start_error
-from bearingsim.simulation.accuracy import COSINES, THREE_SIGMA, StandardErrors, standard_error, standard_errors
+from bearingsim.simulation.accuracy import (
+    COSINE_COUNT,
+    THREE_SIGMA,
+    StandardErrors,
+    estimate_standard_errors,
+    standard_error,
+)
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import first_sample
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.spectral_lines import lines_of_passes, sensor_samples
+from bearingsim.simulation.spectral_lines import amplitudes_by_pass, sensor_samples
 from tests.scenes.short_cases import RATE, SLOT, case
 
-STUDENT = stdtrit(COSINES, THREE_SIGMA) / 3.0
+STUDENT = stdtrit(COSINE_COUNT, THREE_SIGMA) / 3.0
 
 
 def chains(rho: float, number: int, length: int) -> np.ndarray:
@@ -107,7 +113,7 @@ def test_line_error_of_a_kinematic_cage_uses_samples_in_phase() -> None:
     setup = set_up(case(**fields, contact=damping, record=[], duration="0.3 s", method="verlet"), 1.0)
     raw = integrate(setup)
     start, M = first_sample(setup.case, setup.grid), setup.grid.fine_per_pass
-    pass_lines = lines_of_passes(setup.case, setup.model, setup.grid, raw)
+    pass_lines = amplitudes_by_pass(setup.case, setup.model, setup.grid, raw)
     passes = len(pass_lines["velocity"][0])
     velocity = sensor_samples(setup.case, raw, "velocity", start, passes * M)
     angle = (
@@ -115,16 +121,16 @@ def test_line_error_of_a_kinematic_cage_uses_samples_in_phase() -> None:
     )
     terms = (2.0 * velocity * np.exp(-1j * angle)).reshape(passes, M)
     in_phase = (terms / terms.mean()).real
-    result = standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
+    result = estimate_standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
     assert result == pytest.approx(standard_error(in_phase), rel=1e-6)
 
 
 def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     setup = set_up(case(model="planar", defect=SLOT, record=[], duration="0.25 s", method="verlet"), 1.0)
     raw = integrate(setup)
-    pass_lines = lines_of_passes(setup.case, setup.model, setup.grid, raw)
+    pass_lines = amplitudes_by_pass(setup.case, setup.model, setup.grid, raw)
     lines = pass_lines["velocity"][0]
-    result = standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
+    result = estimate_standard_errors(setup.case, setup.model, setup.grid, raw, pass_lines).line
     weights = signals.pass_weights(len(lines), has_neighbours=True)
     line = np.average(lines, weights=weights)
     in_phase = (lines / line).real[:, np.newaxis]
@@ -134,7 +140,7 @@ def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
 def test_random_error_of_few_passes_is_that_of_the_largest_force() -> None:
     """Fewer than 16 passes have no standard error of line and RMS, but the rollers' maxima scatter."""
     forces = np.array([50.0, 52.0, 51.0, 57.0, 50.0, 51.0, 50.0, 53.0])
-    motion = start_error.Motion(np.ones(80), np.ones(80), np.zeros((1, 80)), forces, True)
+    motion = start_error.RecordedMotion(np.ones(80), np.ones(80), np.zeros((1, 80)), forces, True)
     result = start_error._random_errors(motion, StandardErrors(np.inf, np.inf), rollers=13, quarter=2)
     excess = [0.0, 1.0, 0.0, 6.0, 0.0, 0.0, 0.0, 2.0]  # above the median of 51 N
     quarters = [52.0, 57.0, 51.0, 53.0]
@@ -143,10 +149,10 @@ def test_random_error_of_few_passes_is_that_of_the_largest_force() -> None:
     assert result.force == pytest.approx(scatter / 57.0)
 
 
-def motion_of_quarters(quarters: list[float]) -> start_error.Motion:
+def motion_of_quarters(quarters: list[float]) -> start_error.RecordedMotion:
     """Return a motion of 48 passes with a line (um/s) of the given amplitude in each quarter, and 10 um/s RMS."""
     velocity = np.repeat(1e-6 * np.array(quarters), 12 * 20) * np.cos(phase := 0.1 * np.pi * np.arange(48 * 20))
-    return start_error.Motion(velocity, np.full(48 * 20, 1e-5), phase[np.newaxis], np.ones(48), False)
+    return start_error.RecordedMotion(velocity, np.full(48 * 20, 1e-5), phase[np.newaxis], np.ones(48), False)
 
 
 @pytest.mark.parametrize("decay", [3.0, 300.0])
@@ -169,7 +175,7 @@ def test_line_of_halves_too_short_for_a_window_has_an_unknown_error() -> None:
     """Halves of a record of 5 passes have 2, less than the two periods between the first and the last sample."""
     phase = 0.1 * np.pi * np.arange(5 * 20)
     velocity = np.repeat([1e-6, 2e-6, 3e-6, 4e-6, 5e-6], 20) * np.cos(phase)
-    passes = start_error.Motion(velocity, velocity, phase[np.newaxis], np.ones(5), True)
+    passes = start_error.RecordedMotion(velocity, velocity, phase[np.newaxis], np.ones(5), True)
     result = start_error._decay_errors(case(defect=SLOT, settle="1 s"), passes, RATE, StandardErrors(nan, nan))
     assert np.isnan(result.line)
     assert result.rms > 0.1

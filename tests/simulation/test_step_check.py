@@ -81,20 +81,20 @@ def test_chaos_is_distinguished_from_periodic_motion() -> None:
 
 
 def test_only_the_rms_is_checked_if_the_motion_is_chaotic() -> None:
-    assert StepCheck(line=0.5, rms=0.003, chaotic=True).holds
-    assert not StepCheck(line=0.5, rms=0.003, chaotic=False).holds
-    assert not StepCheck(line=0.0, rms=0.02, chaotic=True).holds
-    assert StepCheck(line=0.0, rms=0.02, chaotic=True, noise=0.01).holds  # within the scatter due to chaos
-    assert not step_check.UNCHECKED.holds
+    assert StepCheck(line=0.5, rms=0.003, chaotic=True).is_accepted
+    assert not StepCheck(line=0.5, rms=0.003, chaotic=False).is_accepted
+    assert not StepCheck(line=0.0, rms=0.02, chaotic=True).is_accepted
+    assert StepCheck(line=0.0, rms=0.02, chaotic=True, noise=0.01).is_accepted  # within the scatter due to chaos
+    assert not step_check.UNCHECKED.is_accepted
 
 
 def test_unchecked_force_counts_like_the_largest_accepted_one_in_other_bounds() -> None:
     checked = StepCheck(line=0.001, rms=0.001, force=0.02)
     unchecked = replace(checked, checks_force=False)
-    assert unchecked.holds
-    assert not checked.holds
+    assert unchecked.is_accepted
+    assert not checked.is_accepted
     accepted = replace(checked, force=STEP_ACCURACY / checked.bounds.factor)
-    assert accepted.holds
+    assert accepted.is_accepted
     assert unchecked.bound(unchecked.line) == accepted.bound(accepted.line) < checked.bound(checked.line)
     assert unchecked.bound(unchecked.force) == checked.bound(checked.force)
     small = replace(unchecked, force=0.0015)
@@ -132,7 +132,7 @@ def test_rms_scatter_is_infinite_if_pilots_have_not_diverged() -> None:
     assert math.isfinite(chaotic_run.scatter)
     assert result.chaotic
     assert math.isinf(result.scatter)
-    assert pilot.longer_duration(lightly_damped) > lightly_damped.duration
+    assert pilot.advised_duration(lightly_damped) > lightly_damped.duration
 
 
 def test_confidence_factor_is_larger_if_a_single_pass_scatters() -> None:
@@ -141,7 +141,7 @@ def test_confidence_factor_is_larger_if_a_single_pass_scatters() -> None:
     noise = [rng.normal(0.0, 0.3, 2001) for _ in range(3)]
     first_pass = np.arange(2001) < 100
     all_passes, single_pass = (
-        chaos.scatter([a + b * weight for a, b in zip(periodic, noise, strict=True)], 20)
+        chaos.estimate_rms_scatter([a + b * weight for a, b in zip(periodic, noise, strict=True)], 20)
         for weight in (1.0, first_pass)
     )
     assert all_passes[1] < 3.0 < 8.0 < single_pass[1]
@@ -167,7 +167,10 @@ def test_correlated_passes_increase_the_scatter() -> None:
         ]
         for repeats in (1, 16)
     )
-    assert chaos.scatter(correlated, passes)[0] > 2.5 * chaos.scatter(independent, passes)[0]
+    assert (
+        chaos.estimate_rms_scatter(correlated, passes)[0]
+        > 2.5 * chaos.estimate_rms_scatter(independent, passes)[0]
+    )
 
 
 def test_line_difference_is_at_least_the_root_sum_of_squares() -> None:
@@ -191,7 +194,7 @@ def test_rms_change_is_that_of_the_record_or_half_of_the_wide_band(signal: str, 
 
 def test_recorded_channels_are_compared_without_refusing_the_step() -> None:
     test_case = choice.resolve(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
-    short, passes = pilot.pilot(test_case)
+    short, passes = pilot.make_pilot(test_case)
     signals = step_check.run_pilot(set_up(short), passes)
     assert signals.low_passed.shape == (3 + 1, len(signals.recorded_velocity))
     assert len(signals.raw_values) == 1
@@ -209,7 +212,7 @@ def test_recorded_channels_are_compared_without_refusing_the_step() -> None:
             result = step_check.check_step(set_up(test_case, 1.0))
         assert result.record == pytest.approx(0.03, rel=0.02)
         assert result.rms == 0.0
-        assert result.holds
+        assert result.is_accepted
 
 
 def test_raw_value_change_detects_a_shifted_impact() -> None:

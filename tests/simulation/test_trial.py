@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from bearingsim.config import Case
-from bearingsim.simulation import simulate, try_out
+from bearingsim.simulation import run_trial, simulate
 from bearingsim.simulation.trial import (
+    DEFECT_REVOLUTIONS,
     MIN_PASSES,
-    TURNS,
-    amplitudes,
-    defect_turn,
+    defect_revolution_time,
+    line_amplitudes,
+    max_passes,
     mean_square,
-    most_passes,
+    revolution_spans,
     trial_passes,
-    turn_spans,
 )
 from bearingsim.study import healthy_case
 from tests.scenes.short_cases import SLOT, case
@@ -29,9 +29,9 @@ def long_case(**fields: object) -> Case:
 
 def test_periodic_case_is_computed_completely() -> None:
     """The trial returns the record of a run."""
-    result, record = try_out(long_case(), FEATURE_NAMES, 16)
+    result, record = run_trial(long_case(), FEATURE_NAMES, 16)
     full = simulate(long_case())
-    assert result.repeats
+    assert result.is_periodic
     assert record is not None
     assert record.features.keys() == full.features.keys()
     is_equal = [
@@ -41,47 +41,52 @@ def test_periodic_case_is_computed_completely() -> None:
     assert all(is_equal)
     assert record.series.keys() == full.series.keys() != set()
     assert all((record.series[name] == series).all() for name, series in full.series.items())
-    assert abs(result.lines["velocity@BPFO"][0]) == pytest.approx(full.features["velocity@BPFO"], rel=1e-3)
+    assert abs(result.amplitudes["velocity@BPFO"][0]) == pytest.approx(full.features["velocity@BPFO"], rel=1e-3)
     assert result.forces.max() == pytest.approx(full.features["outer_force.max"], rel=1e-6)
 
 
 @pytest.mark.parametrize("fields", [{"periodic": False}, {"periodic": False, "antialias": False}])
 def test_non_periodic_case_is_represented_by_its_first_passes(fields: dict[str, bool]) -> None:
-    result, record = try_out(long_case(**fields), FEATURE_NAMES, 16)
+    result, record = run_trial(long_case(**fields), FEATURE_NAMES, 16)
     full = simulate(long_case(**fields)).features
     assert record is None
-    assert not result.repeats
-    assert [len(parts) for parts in (result.lines["velocity@BPFO"], result.forces)] == [1 + 15, 16]
-    assert abs(result.lines["velocity@BPFO"][0]) == pytest.approx(full["velocity@BPFO"], rel=0.02)
-    assert np.sqrt(result.powers["velocity.rms"][0]) == pytest.approx(full["velocity.rms"], rel=0.05)
+    assert not result.is_periodic
+    assert [len(parts) for parts in (result.amplitudes["velocity@BPFO"], result.forces)] == [1 + 15, 16]
+    assert abs(result.amplitudes["velocity@BPFO"][0]) == pytest.approx(full["velocity@BPFO"], rel=0.02)
+    assert np.sqrt(result.mean_squares["velocity.rms"][0]) == pytest.approx(full["velocity.rms"], rel=0.05)
     assert result.forces.max() <= full["outer_force.max"]
 
 
 def test_healthy_case_is_divided_into_the_same_turns() -> None:
     damaged = case(defects=[SLOT | {"race": "inner"}], duration="0.25 s")
-    passes, turn = trial_passes(damaged), defect_turn(damaged)
+    passes, turn = trial_passes(damaged), defect_revolution_time(damaged)
     healthy = healthy_case(damaged)
     assert healthy is not None
     damaged_trial, healthy_trial = (
-        try_out(test_case, ("velocity@BPFI",), passes, turn)[0] for test_case in (damaged, healthy)
+        run_trial(test_case, ("velocity@BPFI",), passes, turn)[0] for test_case in (damaged, healthy)
     )
-    assert damaged_trial.turns == healthy_trial.turns
-    assert abs(damaged_trial.lines["velocity@BPFI"]).shape == abs(healthy_trial.lines["velocity@BPFI"]).shape
-    assert abs(healthy_trial.lines["velocity@BPFI"][0]) < 0.01 * abs(damaged_trial.lines["velocity@BPFI"][0])
+    assert damaged_trial.revolutions == healthy_trial.revolutions
+    assert (
+        abs(damaged_trial.amplitudes["velocity@BPFI"]).shape
+        == abs(healthy_trial.amplitudes["velocity@BPFI"]).shape
+    )
+    assert abs(healthy_trial.amplitudes["velocity@BPFI"][0]) < 0.01 * abs(
+        damaged_trial.amplitudes["velocity@BPFI"][0]
+    )
 
 
 def test_record_that_may_end_early_has_a_trial() -> None:
     """It may be accurate enough before so many passes."""
     test_case = long_case(until="40 %", record=[], periodic=False)
-    passes = most_passes(test_case)
-    result, record = try_out(test_case, FEATURE_NAMES, passes)
+    passes = max_passes(test_case)
+    result, record = run_trial(test_case, FEATURE_NAMES, passes)
     assert result.passes == len(result.forces) == passes
     assert record is None
 
 
 def test_trial_with_a_strict_step_check_is_not_the_record() -> None:
-    result, record = try_out(long_case(step_check="strict"), FEATURE_NAMES, 16)
-    assert result.repeats
+    result, record = run_trial(long_case(step_check="strict"), FEATURE_NAMES, 16)
+    assert result.is_periodic
     assert record is None
 
 
@@ -101,7 +106,9 @@ def test_trial_has_enough_passes_but_at_most_half_of_the_record(race: str, durat
     assert trial_passes(test_case) == pytest.approx(passes, abs=1)
     assert trial_passes(test_case) <= max(1.0, 0.5 * test_case.duration * rate)
     if test_case.duration >= 1.0:
-        assert trial_passes(test_case) >= max(MIN_PASSES, TURNS * defect_turn(test_case) * rate)
+        assert trial_passes(test_case) >= max(
+            MIN_PASSES, DEFECT_REVOLUTIONS * defect_revolution_time(test_case) * rate
+        )
 
 
 # Lines of synthetic series
@@ -125,9 +132,9 @@ def phases(spans: list[slice], *cycles: float) -> np.ndarray:
 
 def test_modulation_by_defect_turns_is_not_scatter() -> None:
     """A line is modulated by the turns of a defect, which are no whole number of ball passes."""
-    spans = turn_spans(22, PER_TURN, PER_PASS)
+    spans = revolution_spans(22, PER_TURN, PER_PASS)
     series = tones(spans, (CYCLES, 1.0), *((CYCLES + k / PER_TURN, 0.4) for k in (-2, -1, 1, 2)))
-    result = amplitudes(series, phases(spans, CYCLES), spans)
+    result = line_amplitudes(series, phases(spans, CYCLES), spans)
     assert len(result) == 1 + 3  # four turns
     assert result[0] == pytest.approx(1.0, abs=1e-3)
     assert np.abs(result[1:] - result[0]).max() < 0.01
@@ -139,10 +146,10 @@ def test_modulation_by_defect_turns_is_not_scatter() -> None:
 @pytest.mark.parametrize(("offset", "is_known"), [(2.5, True), (0.7, True), (0.4, False), (0.0, False)])
 def test_close_lines_are_separated_by_a_fit(offset: float, is_known: bool) -> None:
     """``offset``: distance of another line, 30 times as large, in cycles per window."""
-    spans = turn_spans(22, PER_TURN, PER_PASS)
+    spans = revolution_spans(22, PER_TURN, PER_PASS)
     other = CYCLES + offset / (4.0 * PER_TURN)
     series = tones(spans, (CYCLES, 0.01), (other, 0.3))
-    result = amplitudes(series, phases(spans, CYCLES, other), spans)
+    result = line_amplitudes(series, phases(spans, CYCLES, other), spans)
     assert np.isnan(result).all() or is_known
     if is_known:
         assert result[0] == pytest.approx(0.01, rel=0.1)

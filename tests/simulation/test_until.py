@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from bearingsim import signals, simulate
 from bearingsim.config import Case
-from bearingsim.simulation import ending, try_out
+from bearingsim.simulation import ending, run_trial
 from bearingsim.simulation.choice import resolve
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import first_sample, whole_passes
@@ -88,7 +88,7 @@ def turning_defect_case(race: str) -> Case:
 @pytest.mark.parametrize("race", ["inner", "roller"])
 def test_record_of_a_turning_defect_has_nearly_whole_turns(race: str) -> None:
     test_case = turning_defect_case(race)
-    [turn] = ending.turn_lengths(test_case)
+    [turn] = ending.revolution_lengths(test_case)
     inspections = [*ending.inspection_passes(test_case)]
     assert len(inspections) > 4
     for passes in inspections:
@@ -97,7 +97,11 @@ def test_record_of_a_turning_defect_has_nearly_whole_turns(race: str) -> None:
 
 
 def test_unit_of_passes_has_nearly_whole_turns() -> None:
-    assert [ending.unit(turning_defect_case(race)) for race in ("outer", "inner", "roller")] == [2, 16, 13]
+    assert [ending.common_period(turning_defect_case(race)) for race in ("outer", "inner", "roller")] == [
+        2,
+        16,
+        13,
+    ]
 
 
 @pytest.mark.parametrize(("passes", "inspections"), [(82.5, [65]), (83.5, [65, 82])])
@@ -210,7 +214,9 @@ def test_price_of_a_record_that_may_end_early() -> None:
 def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
     test_case = case(**FREE_CAGE, duration="0.4 s", until="1 %")
     record = simulate(test_case)
-    result, trial_record = try_out(test_case, ["velocity@BPFO", "velocity.rms"], 65, 0.0, ReferenceValues({}, {}))
+    result, trial_record = run_trial(
+        test_case, ["velocity@BPFO", "velocity.rms"], 65, 0.0, ReferenceValues({}, {})
+    )
     assert trial_record is not None
     assert result.passes == 65
     assert trial_record.features == pytest.approx(record.features, rel=0.0, abs=0.0, nan_ok=True)
@@ -223,7 +229,7 @@ def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
 
 def test_a_trial_that_is_not_accurate_enough_is_no_record() -> None:
     test_case = case(**FREE_CAGE, duration="0.4 s", until="0.0001 %", step_check=False)
-    result, record = try_out(test_case, ["velocity@BPFO"], 65, 0.0, ReferenceValues({}, {}))
+    result, record = run_trial(test_case, ["velocity@BPFO"], 65, 0.0, ReferenceValues({}, {}))
     assert record is None
     assert result.passes == 65
 
@@ -235,7 +241,7 @@ def test_trial_far_from_the_reference_goes_on_as_the_record(duration: str, fract
     record = simulate(test_case)
     amplitude = fraction * record.features["velocity@BPFO"]
     far = ReferenceValues({"velocity@BPFO": amplitude}, {"velocity@BPFO": 1e-6 * record.features["velocity@BPFO"]})
-    result, trial_record = try_out(test_case, ["velocity@BPFO"], 65, 0.0, far)
+    result, trial_record = run_trial(test_case, ["velocity@BPFO"], 65, 0.0, far)
     assert trial_record is not None
     assert result.passes == 65
     assert trial_record.features == pytest.approx(record.features, rel=0.0, abs=0.0, nan_ok=True)
@@ -246,7 +252,7 @@ def test_trial_far_from_the_reference_ends_early_without_step_check() -> None:
     """It ends after two of the five turns of the cage, because its record would be computed again."""
     test_case = case(**FREE_CAGE, duration="0.4 s", until="0.0001 %", step_check=False)
     far = ReferenceValues({"velocity@BPFO": 0.0}, {"velocity@BPFO": 0.0})
-    result, record = try_out(test_case, ["velocity@BPFO"], 65, 0.0, far)
+    result, record = run_trial(test_case, ["velocity@BPFO"], 65, 0.0, far)
     assert record is None
     assert result.passes == 26
 

@@ -25,7 +25,10 @@ def prepare_scene(defect, delay=0.0):
     case = crossing_case("rollers", defect, {}, delay)
     model = assemble.model(case)
     return matrix.PreparedScene(
-        case, model, assemble.start(case, model)[0], *limits.loads_at_rest(assemble.healthy_case(case))[1:]
+        case,
+        model,
+        assemble.start(case, model)[0],
+        *limits.load_and_rates_at_rest(assemble.healthy_case(case))[1:],
     )
 
 

@@ -180,7 +180,9 @@ def test_each_exponent_and_excitation_is_compiled(monkeypatch):
     """Runs and equilibria are replaced; only the compiled cases are counted."""
     cases = []
     monkeypatch.setattr("bearingsim.stability.matrix.assemble.start", lambda case, model: (None, None))
-    monkeypatch.setattr("bearingsim.stability.matrix.limits.loads_at_rest", lambda healthy: (0.0, 0.0, 0.0))
+    monkeypatch.setattr(
+        "bearingsim.stability.matrix.limits.load_and_rates_at_rest", lambda healthy: (0.0, 0.0, 0.0)
+    )
     monkeypatch.setattr(matrix, "run_cell", lambda bench, method, setting, limit: cases.append(bench.case))
     matrix.compile_cells("ring", "verlet", matrix.FULL)
     kinds = {(compiled.contact.damping.indentation_exponent, compiled.excitation) for compiled in cases}

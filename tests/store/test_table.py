@@ -12,7 +12,7 @@ import pytest
 from bearingsim import selection, store
 from bearingsim.runner.findings import findings
 from bearingsim.selection import Choice
-from bearingsim.selection.choices import key
+from bearingsim.selection.choices import choice_key
 from bearingsim.store import layouts
 from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import write_json
@@ -24,7 +24,7 @@ from tests.scenes.trials import TEXT, accuracy_study
 
 def test_plan_names_the_chosen_models(write: Write) -> None:
     study = accuracy_study(write)
-    choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
+    choices = {choice_key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
     chosen = selection.apply_choices(study, choices)
     plan = json.loads(json.dumps(store.make_plan(chosen, chosen.jobs())))
     layouts.check_plan(plan)

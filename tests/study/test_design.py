@@ -10,7 +10,7 @@ import pytest
 
 from bearingsim import designs, selection, store
 from bearingsim.designs import KINDS, Kind
-from bearingsim.selection.choices import key
+from bearingsim.selection.choices import choice_key
 from bearingsim.store.choices import Choice
 from bearingsim.study import StudyError, case_id, load_study
 from bearingsim.study.design import EXAMPLE
@@ -223,7 +223,7 @@ def test_a_plan_of_an_older_version_has_no_design(write: Write, tmp_path: Path) 
 def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -> None:
     figures = "duration: 0.2 s\naccuracy: 5 %\nfigures: [{y: velocity@BPFO, x: load}]\n"
     study = load_study(write(sweep("saltelli", 4) + figures))
-    choices = {key(study, case): Choice("ring", "ring", "told", {}) for case in study.cases()}
+    choices = {choice_key(study, case): Choice("ring", "ring", "told", {}) for case in study.cases()}
     after = selection.apply_choices(study, choices)
     named = load_study(write(sweep("saltelli", 4) + "duration: 0.2 s\nmodel: ring\nrecord: []\nuntil: 1.25 %\n"))
     assert design_of(after) == design_of(named) != design_of(study)

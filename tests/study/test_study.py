@@ -312,7 +312,7 @@ def test_a_case_that_is_refused_has_an_id(monkeypatch: pytest.MonkeyPatch) -> No
     def refuse(case: Case) -> None:
         raise Refused("nothing holds the ring", "give it a load")
 
-    monkeypatch.setattr(choice, "choice", refuse)
+    monkeypatch.setattr(choice, "choose_method", refuse)
     assert case_id(single_case()) == identity(single_case(), {"method": ["auto"]})
 
 
