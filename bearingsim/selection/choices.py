@@ -101,14 +101,12 @@ def draw_audits(study: Study, references: Sequence[Case], ids: Sequence[str]) ->
     The rank of each job is random but does not depend on the others, so that further cases hardly change the
     sample. Otherwise an extended study could lose a failed audit, and claim the accuracy again.
     """
-    audited_candidates = [
-        (name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name
-    ]
-    if not audited_candidates:
+    auditable_jobs = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
+    if not auditable_jobs:
         return []
-    sample_size = min(len(audited_candidates), max(MIN_AUDITED, round(AUDITED_SHARE * len(audited_candidates))))
+    sample_size = min(len(auditable_jobs), max(MIN_AUDITED, round(AUDITED_SHARE * len(auditable_jobs))))
     seed = references[0].seed
-    sample = sorted(audited_candidates, key=lambda job: Random(f"{seed} {job[0]}").random())[:sample_size]
+    sample = sorted(auditable_jobs, key=lambda job: Random(f"{seed} {job[0]}").random())[:sample_size]
     return [_audit(study, name, case) for name, case in sample]
 
 

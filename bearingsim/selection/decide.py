@@ -1,5 +1,4 @@
-"""Choice of the cheapest model whose error bound, relative to the reference, is small enough for all cases of a
-curve.
+"""Choice of the cheapest model with a small enough error bound for all cases of a curve.
 
 Candidates are tried in ascending order of cost. Once one is accurate enough for all cases of a curve, only those
 that cost at most 11 % more (``SIMPLER_COST_RATIO``) are still tried.
@@ -229,9 +228,8 @@ class ModelSelector:
     def _make_choice(self, n: int, name: str, evidence: Evidence, friction: FrictionEffect) -> Choice:
         """Make the choice of a candidate for a case, with its reason."""
         study_case = self.study.cases()[n]
-        if (
-            name == REFERENCE
-        ):  # the cost is the same with friction, because the response is not periodic without it either
+        if name == REFERENCE:
+            # friction adds no cost, because the response is not periodic without it either
             candidate = REFERENCE if with_friction(study_case) is None else WITH_FRICTION
             return Choice(candidate, study_case.model, self._reference_reason(n, evidence, friction), {})
         case = self.candidate_cases[name][n]

@@ -40,15 +40,14 @@ def feature_value(feature: str, trial: Trial, baseline: Trial | None) -> Feature
     if feature == LARGEST_FORCE:
         forces_by_revolution = np.array_split(trial.forces, revolution_count)
         return FeatureValue(
-            float(trial.forces.max()), np.array([turn.max() for turn in forces_by_revolution]), 1.0
+            float(trial.forces.max()), np.array([forces.max() for forces in forces_by_revolution]), 1.0
         )
     variance_ratio = 2.0 / revolution_count
     base_name = feature.removesuffix(HEALTHY_SUFFIX)
     if feature != base_name and baseline is None:  # a bearing without defects
         return FeatureValue(0.0, np.zeros(part_count(trial.revolutions) - 1), variance_ratio)
-    if (
-        read_band(base_name) is not None and feature != base_name and baseline is not None
-    ):  # magnitudes are subtracted
+    if read_band(base_name) is not None and feature != base_name and baseline is not None:
+        # of features in a band, magnitudes are subtracted, not complex amplitudes
         faulty, healthy = feature_value(base_name, trial, None), feature_value(base_name, baseline, None)
         return FeatureValue(faulty.value - healthy.value, faulty.parts - healthy.parts, variance_ratio)
     if base_name in trial.mean_squares:

@@ -99,9 +99,9 @@ class Evidence:
             for name in values
         }
         relative_errors = {
-            name: pair.factor * _relative(share, self.scales[name][n]) for name, share in errors.items()
+            name: pair.factor * _relative(bound, self.scales[name][n]) for name, bound in errors.items()
         }
-        return {name: share if share < inf else None for name, share in relative_errors.items()}
+        return {name: bound if bound < inf else None for name, bound in relative_errors.items()}
 
     def _values(self, n: int, case: Case, baseline_case: Case | None = None) -> dict[str, FeatureValue]:
         """Return the features of a case from its trial and that of its healthy counterpart.
@@ -130,7 +130,7 @@ def _relative(error: float, scale: float) -> float:
 
 def _nan_to_none(values: Mapping[str, float]) -> dict[str, float | None]:
     """Replace NaN and infinity, which JSON does not have, by None."""
-    return {name: size if np.isfinite(size) else None for name, size in values.items()}
+    return {name: value if np.isfinite(value) else None for name, value in values.items()}
 
 
 def largest_error(errors: Sequence[float | None]) -> float | None:

@@ -59,11 +59,8 @@ def trials_of(study: Study, number: int, case: Case) -> list[TrialRequest]:
     healthy_free_case = None if free_case is None else required_healthy_case(study, free_case)
     passes = _pass_count(study_case, free_case, healthy_free_case)
     cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
-    settings = (
-        required_features(study),
-        passes,
-        revolution_time,
-    )  # the same for a healthy case, which has no defects
+    # the same for a healthy case, which has no defects of its own
+    settings = required_features(study), passes, revolution_time
     is_pair = len(cases) > 1 and has_free_cage(case)  # trials of a pair do not end early
     # the accuracy is part of the id of a trial that may end early, because its end depends on the accuracy
     may_end = has_free_cage(case) and not (is_pair or may_become_record(case))

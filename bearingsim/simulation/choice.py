@@ -241,7 +241,7 @@ def automatic_step(case: Case, limits: Limits) -> float:
     model, method, undulation_step = (
         assemble.model_kind(case),
         assemble.method_kind(case),
-        limits.undulation / STEPS_PER_UNDULATION,
+        limits.wave / STEPS_PER_UNDULATION,
     )
     if assemble.is_adaptive(case):
         vibration_step = (

@@ -58,7 +58,7 @@ class Limits:
     or more stiffly supported; damping_time: c/k of a contact under the largest static load, the larger of both
     races; at_rest, at_impact: longest stable step of the method on the linearised bearing; closing_speed (m/s): of
     roller and race at the far edge of the steepest defect; impact_force: estimated peak; crossing: shortest time
-    of a defect crossing; undulation: shortest time in which a contact passes an undulation of a surface;
+    of a defect crossing; wave: shortest time in which a contact passes an undulation of a surface;
     approach_bound (m), energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not
     exceed.
     """
@@ -73,14 +73,14 @@ class Limits:
     impact_force: float
     at_impact: float
     crossing: float
-    undulation: float
+    wave: float
     approach_bound: float
     energy_bound: float
 
 
 def longest_step(limits: Limits) -> float:
     """Return the longest `step` (s) that is accepted."""
-    return min(SAFETY * limits.at_impact, min(limits.crossing, limits.undulation) / MIN_STEPS_PER_CROSSING)
+    return min(SAFETY * limits.at_impact, min(limits.crossing, limits.wave) / MIN_STEPS_PER_CROSSING)
 
 
 class BodyRates(NamedTuple):
@@ -124,7 +124,7 @@ def _common_limits(case: Case) -> tuple[Limits, BodyRates]:
         impact_force=rest_load,
         at_impact=inf,
         crossing=inf,
-        undulation=undulation_time(case),
+        wave=undulation_time(case),
         approach_bound=inf,
         energy_bound=inf,
     )

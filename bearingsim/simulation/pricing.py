@@ -32,7 +32,7 @@ DEFAULT_NAME = ""
 """Name of the table's rows for models and methods without their own, such as those of other packages."""
 STEPS_PER_PERIOD = 10.0  # internal steps of an implicit adaptive method in a period of the contacts' vibration
 RINGING_RATIO = 0.1  # damping ratio below which the contacts' vibration determines these steps
-# exponent of the damping ratio above 1 by which these steps are divided (fitted to Rodas at m3 = 0)
+# these steps are divided by the damping ratio, if above 1, to this power (fitted to Rodas at m3 = 0)
 DAMPING_POWER = 0.37
 
 
@@ -194,13 +194,11 @@ def solved_once(case: Case) -> bool:
 
 FLOAT_BYTES = 8  # bytes
 SENSOR_ROWS = 6  # rows of motion along the sensor that are filtered for statistics
-REFINEMENT_RATIO = sqrt(
-    5.0
-)  # ratio of the number of steps in the finer run of a step check to that in the coarse one
+REFINEMENT_RATIO = sqrt(5.0)  # steps of the finer run of a step check over those of the coarse run
 CHECKED_PASS_RATIO = 2.0 / (1.0 + REFINEMENT_RATIO)
-"""Ball passes recorded by a step check per pass's worth of steps (coarse and fine)."""
+"""Ball passes recorded by a step check (coarse and finer run) over its steps, in ball passes of the coarse run."""
 BLOCK = 1 << 16  # fine samples read at a time, since a copy of a long record would dominate the memory
-SLIPPING_VALUES = 180.0  # values per fine sample of a block while lines are read at varying speed
+VARYING_BLOCK_VALUES = 180.0  # values per fine sample of a block while lines are read at varying speed
 STEADY_LINE_VALUES, VARYING_LINE_VALUES = 6.0, 16.0
 """Values per fine sample of the record while lines are read, at constant and at varying speed."""
 BAND_VALUES = 14.0  # values per fine sample of the record while band features are read
@@ -209,7 +207,9 @@ COMPARED_VALUES = 6.0  # values per fine sample stored of a pilot
 SERIES_VALUES = 3.0  # values per sample of a series: filtered, in double and in single precision
 INSPECTED_LENGTH = 5.0
 """Total length of all inspected records over that of the last one, with `until`: 1 + 1/1.25 + 1/1.25^2 + ..."""
-UNCOMPARED_ROWS = 5  # rows not compared between passes: accelerations, number of loaded rollers, cage
+UNCOMPARED_ROWS = (
+    5  # rows not compared between passes: two accelerations, number of loaded rollers, cage angle and speed
+)
 SMALL_ARRAYS = 8e6  # bytes of all small arrays
 
 
@@ -316,7 +316,7 @@ def peak_memory(case: Case, size: RecordSize) -> float:
     """Return the peak memory (bytes) of a run of a given size, without the memory of the program."""
     is_varying = case.ramp is not None or MODELS[case.model].slips
     lines = (
-        VARYING_LINE_VALUES * size.read + SLIPPING_VALUES * min(size.read, BLOCK)
+        VARYING_LINE_VALUES * size.read + VARYING_BLOCK_VALUES * min(size.read, BLOCK)
         if is_varying
         else STEADY_LINE_VALUES * size.read
     )

@@ -192,7 +192,7 @@ def _trial_run(
         raw = integrate(setup, inspector=inspection, partial_run=partial_run)
         record_setup = inspections.setup_of_record(raw)
         return raw, min(passes, recording.whole_passes(record_setup.case, record_setup.grid))
-    short_passes = min(passes, trial.max_passes(setup.case))
+    short_passes = min(passes, trial.max_trial_passes(setup.case))
     early_end = (
         None
         if reference_values is None

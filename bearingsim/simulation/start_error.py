@@ -27,9 +27,9 @@ from bearingsim.simulation.trial import defect_revolution_time
 
 PARTS = 4  # quarters of a record, from whose changes the decay is extrapolated
 PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
-RESOLVED_REVOLUTIONS = (
-    2.0  # of a defect: fewer show no scatter, nor does Hann's window separate lines one turn apart
-)
+RESOLVED_REVOLUTIONS = 2.0
+"""Revolutions of a defect below which a record shows no scatter, and Hann's window does not separate lines one
+rotation frequency apart."""
 DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 

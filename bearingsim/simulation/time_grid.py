@@ -84,8 +84,8 @@ def _refusal(step: float, limits: Limits) -> str:
             f"a step of {1e6 * step:.3g} us is over {1e6 * SAFETY * limits.at_impact:.3g} us, {SAFETY:.0%} of the"
             f" method's limit at an impact ({1e6 * limits.at_rest:.3g} us at rest)"
         )
-    if limits.undulation < limits.crossing:
-        obstacle = f"an undulation of {1e6 * limits.undulation:.3g} us"
+    if limits.wave < limits.crossing:
+        obstacle = f"an undulation of {1e6 * limits.wave:.3g} us"
     else:
         obstacle = f"a defect of {1e6 * limits.crossing:.3g} us"
     return f"a step of {1e6 * step:.3g} us passes {obstacle} in too few steps"

@@ -111,10 +111,10 @@ def trial_passes(case: Case, has_free_cage: bool = False) -> int:
         ceil(DEFECT_REVOLUTIONS * defect_revolution_time(case) * rate),
         ceil(PILOT_FRACTION * case.duration * rate),
     )
-    return max(min(passes, max_passes(case)), has_free_cage * CAGE_REVOLUTIONS * case.bearing.rollers)
+    return max(min(passes, max_trial_passes(case)), has_free_cage * CAGE_REVOLUTIONS * case.bearing.rollers)
 
 
-def max_passes(case: Case) -> int:
+def max_trial_passes(case: Case) -> int:
     """Return the largest number of ball passes in a trial of a case whose motion is not periodic, at least 1."""
     return max(int(MAX_FRACTION * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
 
@@ -150,9 +150,9 @@ def last_pass(setup: Setup, passes: int) -> int:
 def read_trial(
     setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, revolution_time: float
 ) -> Trial:
-    """Return the trial of the first ``passes`` of a run after settling.
+    """Make the trial of the first ``passes`` of a run after settling.
 
-    revolution_time: period (s) of the slowest defect, or 0.
+    requested: names of features; revolution_time: period (s) of the slowest defect, 0 if none rotates.
     """
     case, grid = setup.case, setup.grid
     start, length = recording.first_sample(case, grid), passes * grid.fine_per_pass + 1
@@ -185,7 +185,7 @@ def read_trial(
 
 
 def may_become_record(case: Case) -> bool:
-    """Check if a trial that is far from its reference is continued as the record of the case: one with `until`."""
+    """Check if a trial far from its reference is continued as the record of the case, which must have `until`."""
     return case.step_check is not False and any(ending.inspection_passes(case))
 
 

@@ -22,7 +22,7 @@ CROSSING_TIMES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times at which the roller is at 
 LOAD = 150.0  # N
 
 STEEL_STIFFNESS = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
-"""Stiffness of a steel roller 12 mm long after Palmgren, N/mm^(10/9)."""
+"""Contact stiffness of a steel roller, 12 mm long, after Palmgren, N/mm^(10/9)."""
 PAPER_STIFFNESS = 1e8  # N/mm^(10/9), as printed in the paper
 STIFFNESS_NAMES = {STEEL_STIFFNESS: "steel", PAPER_STIFFNESS: "printed"}
 """Names of stiffnesses in tables and figures."""

@@ -16,7 +16,7 @@ from bearingsim.config import Case
 from bearingsim.runner import Engine
 from bearingsim.selection import Choice, TrialRequest, candidates
 from bearingsim.selection.choices import choice_key
-from bearingsim.simulation.trial import ReferenceValues, Trial, max_passes, part_count, whole_revolutions
+from bearingsim.simulation.trial import ReferenceValues, Trial, max_trial_passes, part_count, whole_revolutions
 from bearingsim.study import Study, load_study
 from tests.scenes.study_text import Write
 
@@ -104,7 +104,7 @@ def steady_trial(
 def trial_of_record(request: TrialRequest, size: float, repeats: bool) -> Trial:
     """A trial of as many turns as a run would give: half of the record unless it is periodic."""
     rate = request.case.bearing.ball_pass_frequency(request.case.speed)
-    passes = request.passes if repeats else min(request.passes, max_passes(request.case))
+    passes = request.passes if repeats else min(request.passes, max_trial_passes(request.case))
     return steady_trial(
         request, size, passes, whole_revolutions(passes, max(1.0, request.revolution_time * rate)), repeats
     )

@@ -162,9 +162,9 @@ def refused_attempt() -> tuple[choice.Attempt, TooCostly]:
     """Return an attempt by Verlet whose first two steps are refused, and the error under a low limit."""
     attempt = choice.Attempt(choice.resolve(case(**INNER | {"method": "verlet"})), 1.0, limit=1e-6)
     with (
-        mock.patch.object(choice.Attempt, "patience", 0),
+        mock.patch.object(choice.Attempt, "max_search_passes", 0),
         mock.patch.object(refinement, "_is_last", side_effect=lambda finer, check: finer.step_fraction < 0.5),
-        mock.patch.object(step_check.StepCheck, "holds", False),
+        mock.patch.object(step_check.StepCheck, "is_accepted", False),
         pytest.raises(TooCostly) as error,
     ):
         refinement.refine_step(attempt)
@@ -184,7 +184,7 @@ def test_a_continued_attempt_takes_the_step_of_an_uninterrupted_one() -> None:
     attempt, error = refused_attempt()
     with (
         mock.patch.object(refinement, "_is_last", side_effect=lambda finer, check: finer.step_fraction < 0.5),
-        mock.patch.object(step_check.StepCheck, "holds", False),
+        mock.patch.object(step_check.StepCheck, "is_accepted", False),
     ):
         whole = refinement.refine_step(attempt._replace(limit=inf))
         continued = refinement.refine_step(attempt._replace(limit=inf, step_fraction=error.step_fraction))
@@ -202,7 +202,7 @@ def test_only_a_proven_motion_is_passed_on_as_regular(chaotic: bool, doubtful: b
         return step_check.PilotCheck(result, doubtful, mock.Mock(setup=set_up(test_case, 0.4 * step_fraction)))
 
     with (
-        mock.patch.object(choice.Attempt, "patience", 0),
+        mock.patch.object(choice.Attempt, "max_search_passes", 0),
         mock.patch.object(refinement, "check_on_pilot", side_effect=check),
         pytest.raises(TooCostly) as error,
     ):
@@ -227,7 +227,7 @@ def test_only_a_first_step_limited_by_stability_is_not_used(step_fraction: float
     start = 1.8 if limited else refinement.INITIAL_FACTOR
     with (
         mock.patch.object(refinement, "_start", return_value=start * step_fraction),
-        mock.patch.object(step_check.StepCheck, "holds", True),
+        mock.patch.object(step_check.StepCheck, "is_accepted", True),
     ):
         result = refinement.refine_step(attempt)
     expected = start if step_fraction < 1.0 or not limited else start / 5.0**0.5

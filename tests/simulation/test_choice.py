@@ -173,7 +173,7 @@ def test_another_method_must_save_more_than_the_error_of_its_price(name: str, pr
         return pricing.Cost(prices.get(str(priced.method), 9.0), 0.0, 0.0, 1, 0.0)
 
     test_case = case(model="rollers", defect=SLOT | {"race": "inner"}, duration="0.1 s")
-    with mock.patch.object(choice, "_cost", cost):
+    with mock.patch.object(choice, "_method_cost", cost):
         assert choice.choose_method.__wrapped__(test_case).method == chosen
 
 

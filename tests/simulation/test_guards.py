@@ -221,7 +221,7 @@ def test_job_over_the_cpu_limit_is_refused_before_the_run() -> None:
 def test_too_slow_method_is_not_repeated_with_shorter_steps() -> None:
     too_slow = SIMULATION.TooSlow("too slow", "do this", 0.25)
     with (
-        mock.patch.object(SIMULATION, "_simulate", side_effect=too_slow) as attempts,
+        mock.patch.object(SIMULATION, "_attempt_simulation", side_effect=too_slow) as attempts,
         pytest.raises(SimulationError),
     ):
         simulate(case())
@@ -306,11 +306,16 @@ def test_failure_is_reported_rather_than_the_refusal_of_shorter_steps() -> None:
     failure = SIMULATION.MethodFailure("verlet is wrong", "do this", 0.25)
     refusal = Refused("too many steps", "do that")
     test_case = case(method="verlet")
-    attempts = mock.patch.object(SIMULATION, "_simulate", side_effect=[failure, refusal, refusal, refusal])
+    attempts = mock.patch.object(
+        SIMULATION, "_attempt_simulation", side_effect=[failure, refusal, refusal, refusal]
+    )
     with attempts, pytest.raises(SimulationError) as caught:
         simulate(test_case)
     assert (caught.value.reason, caught.value.advice, caught.value.time) == ("verlet is wrong", "do this", 0.25)
-    with mock.patch.object(SIMULATION, "_simulate", side_effect=refusal), pytest.raises(SimulationError) as caught:
+    with (
+        mock.patch.object(SIMULATION, "_attempt_simulation", side_effect=refusal),
+        pytest.raises(SimulationError) as caught,
+    ):
         simulate(test_case)
     assert (caught.value.reason, caught.value.advice, caught.value.time) == ("too many steps", "do that", None)
 

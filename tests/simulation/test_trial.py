@@ -12,7 +12,7 @@ from bearingsim.simulation.trial import (
     MIN_PASSES,
     defect_revolution_time,
     line_amplitudes,
-    max_passes,
+    max_trial_passes,
     mean_square,
     revolution_spans,
     trial_passes,
@@ -78,7 +78,7 @@ def test_healthy_case_is_divided_into_the_same_turns() -> None:
 def test_record_that_may_end_early_has_a_trial() -> None:
     """It may be accurate enough before so many passes."""
     test_case = long_case(until="40 %", record=[], periodic=False)
-    passes = max_passes(test_case)
+    passes = max_trial_passes(test_case)
     result, record = run_trial(test_case, FEATURE_NAMES, passes)
     assert result.passes == len(result.forces) == passes
     assert record is None
