@@ -84,14 +84,14 @@ def stopwatch(module: Any, name: str, spent: dict[str, float]) -> Iterator[None]
 
 def phases_of(case_: Case) -> dict[str, float]:
     """Return the CPU time (s) of a job by phase."""
-    spent = {"check_step": 0.0, "features": 0.0}
-    with stopwatch(step_check, "check_step", spent), stopwatch(record, "features", spent):
+    spent = {"check_step": 0.0, "compute_features": 0.0}
+    with stopwatch(step_check, "check_step", spent), stopwatch(record, "compute_features", spent):
         began = time.thread_time()
         result = simulate(case_)
         total = time.thread_time() - began
     steps = float(result.info["integrator_cpu_s"])
     rest = total - steps - sum(spent.values())
-    return dict(zip(PHASES, (steps, spent["check_step"], spent["features"], rest), strict=True))
+    return dict(zip(PHASES, (steps, spent["check_step"], spent["compute_features"], rest), strict=True))
 
 
 def fig16_cases(model: str) -> list[Case]:

@@ -72,7 +72,7 @@ def test_impact_estimate_stops_at_the_cpu_limit(resolved_case: Case) -> None:
 
 def test_start_of_a_run_stops_at_the_cpu_limit(resolved_case: Case) -> None:
     setup = set_up(resolved_case)
-    assert "_start" in stack_at_timeout(lambda: integrate(setup))
+    assert "_make_initial_buffer" in stack_at_timeout(lambda: integrate(setup))
 
 
 def test_integration_stops_at_the_cpu_limit(resolved_case: Case) -> None:
