@@ -64,8 +64,8 @@ OPTIONS: dict[str, Any] = {}
 """Options of ``numba.njit`` for every function of the core."""
 
 if HAS_INTERNALS:
-    # type: ignore[method-assign]
-    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)
+    defer_while_finalizing = defer_signals()(JITCodeLibrary._finalize_specific)
+    JITCodeLibrary._finalize_specific = defer_while_finalizing  # type: ignore[method-assign]
 
     class LinkedLibrary(JITCodeLibrary):
         """Optimised code for linking into callers, without machine code of its own."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from bearingsim.diagnosis.thresholds import TABLE, decibels
+from bearingsim.diagnosis.thresholds import TABLE_FILE, decibels
 from docs.scripts.markdown import table
 from docs.scripts.measurements import digits, percent, read
 
@@ -211,6 +211,6 @@ def diagnosis() -> str:
 
 def diagnosis_thresholds() -> str:
     """Return the thresholds of the diagnosis in dB, by revolutions and tolerance."""
-    thresholds = pd.read_csv(TABLE).pivot(index="turns", columns="tolerance", values="score")
+    thresholds = pd.read_csv(TABLE_FILE).pivot(index="turns", columns="tolerance", values="score")
     rows = [[f"{turns}", *(f"{decibels(score):.1f}" for score in row)] for turns, row in thresholds.iterrows()]
     return table(("revolutions", *(f"{100.0 * float(str(tolerance)):g} %" for tolerance in thresholds)), rows)

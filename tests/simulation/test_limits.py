@@ -215,5 +215,7 @@ def test_laws_with_equal_coefficients_are_distinguished() -> None:
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
     )
-    soft, hard = (limiting.free_impact_response(0.01, assemble.contacts.build_outer_law(law), 0.05) for law in laws)
+    soft, hard = (
+        limiting.free_impact_response(0.01, assemble.contacts.build_outer_law(law), 0.05) for law in laws
+    )
     assert hard[2] > 10.0 * soft[2]
