@@ -130,7 +130,7 @@ def compare_harmonics(number: int, seed: int) -> str:
     scale = max(scale, abs(base_line))
     line_change, rms_change = abs(doubled_line - base_line) / scale, abs(doubled_rms / rms - 1.0)
     scatter = f"line {abs(shifted - base_line) / scale:.4f} rms {abs(shifted_rms / rms - 1.0):.4f}"
-    stated = max(features["step_error.line"], features["step_error.rms"])
+    stated = float(np.nanmax([features["step_error.line"], features["step_error.rms"]]))  # no line if chaotic
     suffix = " chaotic" * bool(features["chaotic"] or doubled_features["chaotic"])
     assert case.rig.load is not None
     text = f"{number:3} {case.rig.load.by:8} line {line_change:.4f} rms {rms_change:.4f} said {stated:.4f}"

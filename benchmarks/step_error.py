@@ -90,7 +90,7 @@ def compare_steps(number: int, seed: int) -> dict[str, Any]:
     change = np.abs(values(record, case) - reference) / np.where(reference == 0.0, 1.0, reference)
     stated = [record.features[f"step_error.{name}"] for name in QUANTITIES]
     if record.features["chaotic"]:
-        change[[0, 2]], stated[1] = 0.0, stated[1] + record.features["rms_scatter"]
+        change[[0, 2]], stated = 0.0, [0.0, stated[1] + record.features["rms_scatter"], 0.0]
     change = np.where(np.isnan(change), 0.0, change)
     return row | {
         "failed": "",

@@ -71,7 +71,7 @@ def show(
     detection, line_remarks = _detect_line(pair)
     line = detection.comb.frequency if detection and detection.objection is None else math.nan
     rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
-    factor = _rms_ratio(rows[0], job, pair) if scale else None
+    factor = _ratio_of_levels(rows[0], job, pair, _zero_level(results, job, pair)) if scale else None
     if factor is not None:
         pair = pair._replace(simulated=pair.simulated._replace(series=factor * pair.simulated.series))
         rows = compare(pair.simulated, pair.measured, pair.race, band, pair.unit, line)
@@ -120,13 +120,27 @@ def _read_pair(results: "Results", job: str, file: Path, request: "Request", y: 
     )
 
 
-def _rms_ratio(row: "Row", job: str, pair: Pair) -> float:
-    """Return the ratio of the measured to the simulated RMS. Raises UserError if the simulated one is zero."""
-    from bearingsim.plots.recorded import unit_of
-    from bearingsim.plots.units import ROUNDING
+def _zero_level(results: "Results", job: str, pair: Pair) -> float:
+    """Return the RMS (SI) up to which the simulated channel is zero within numerical errors.
 
+    A component is zero next to the motion along the sensor, too.
+    """
+    from bearingsim.store.zero import SAME
+
+    quantity = pair.channels[0].split(".")[1]
+    row = results.frame.loc[job].to_dict()
+    values = (float(row.get(f"features/{quantity}.{name}", math.nan)) for name in ("rounding", "rms"))
+    rounding, rms = (value if math.isfinite(value) else 0.0 for value in values)
+    return rounding + SAME * rms
+
+
+def _ratio_of_levels(row: "Row", job: str, pair: Pair, zero: float) -> float:
+    """Return the factor from the simulated to the measured RMS.
+
+    Raises UserError for a simulated RMS of at most ``zero`` (SI).
+    """
     channel = pair.channels[0]
-    if row.simulated <= ROUNDING.get(unit_of(channel), 0.0):
+    if row.simulated <= zero:
         raise UserError(
             f"{channel} of job {job} is zero within numerical errors, which no factor scales: "
             "name another channel by `--y`"

@@ -253,6 +253,10 @@ def _features() -> dict[str, Feature]:
         ),
         "chaotic": Feature("", "1 if the motion is chaotic, else 0"),
         "rms_scatter": Feature("", "relative scatter of the RMS of a chaotic record"),
+        **{
+            f"{quantity}.rounding": Feature(unit, f"largest RMS {quantity} due to rounding errors alone")
+            for quantity, unit in QUANTITIES.items()
+        },
         "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),
         "standard_error.rms": Feature("", "relative standard error of the velocity's RMS, of a chaotic motion"),
         **{

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from math import inf, nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.plots import labels
-from bearingsim.store import feature_bounds, relative_error
+from bearingsim.store import feature_bounds, is_zero, relative_error
 from bearingsim.store.nearness import scales
-from bearingsim.store.spread import reference_ratio
+from bearingsim.store.spread import reference_ratio, standard_error
 from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
@@ -46,38 +46,69 @@ def with_errors(results: "Results", rows: "pd.DataFrame", features: Sequence[str
     return rows.assign(**{name: column.reindex(rows["job"]).to_numpy() for name, column in columns.items()})
 
 
-def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Series[float] | None":
-    """Return the numerical error (SI) of a feature by row: step error plus two standard errors if chaotic.
+class Errors(NamedTuple):
+    """Errors (SI) of a feature by row.
 
-    It is infinite if the standard error is unknown. None for a feature not covered by the step check, which covers
-    lines and RMS of the velocity, the largest force, and the RMS of recorded channels.
+    step: bound of the step error, NaN if it was not checked; of a chaotic motion, the largest effect of the step
+    on the RMS that its scatter hides, NaN for lines and the largest force, which no step reproduces; scatter:
+    ``STANDARD_ERRORS`` standard errors of a chaotic motion, infinite if unknown, 0 for other motions.
+    """
+
+    step: "pd.Series[float]"
+    scatter: "pd.Series[float]"
+
+
+def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> Errors | None:
+    """Return the numerical errors of a feature by row; 0 where it is zero within them.
+
+    None for a feature not covered by the step check, which covers lines and RMS of the velocity, the largest
+    force, and the RMS of recorded channels.
     """
     base, kind = _base_and_kind(name)
-    step = rows.get(f"step_error.{kind}")
+    step, is_chaotic = rows.get(f"step_error.{kind}"), rows["chaotic"] == 1.0 if "chaotic" in rows else None
     if kind == "record" and not _is_recorded(results, base.partition(".")[0]):
         return None
-    if step is None or base not in rows or not step.notna().any():
+    if step is None or is_chaotic is None or base not in rows or not (step.notna() | is_chaotic).any():
         return None
-    scatter = relative_error(rows, base).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
-    step = step * reference_ratio(rows.add_prefix("features/"), base)
-    return (step + STANDARD_ERRORS * scatter) * rows[base].abs()
+    frame, value = rows.add_prefix("features/"), rows[base].abs()
+    scatter = standard_error(frame, base) / value if kind == "force" else relative_error(rows, base)
+    scatter = STANDARD_ERRORS * scatter.where(is_chaotic, 0.0).fillna(inf) * value
+    step = (step * reference_ratio(frame, base) * value).where(~is_zero(rows, base), 0.0)
+    return Errors(step, scatter)
 
 
 def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) -> Iterator[str]:
     """Yield the errors of features that exceed 1 % of a value, for the caption of a figure of these rows.
 
-    Features with error bars, which are those in the columns of ``with_errors``, are omitted.
+    Features with error bars, in the columns of ``with_errors``, and values of zero are left out.
     """
     for name in (name for name in names if f"error {name}" not in rows):
-        numerical, start = numerical_errors(results, rows, name), _start_errors(results, rows, name)
-        for text, error in (("numerical error", numerical), ("start error", start)):
-            if error is not None and (share := _largest_shares(error, rows[name].abs())) is not None:
+        feature = labels.in_sentence(labels.feature_text(name))
+        for text, error in _errors_by_cause(results, rows, name):
+            value = rows[name].abs().where(~is_zero(rows, name), 0.0)
+            share = _largest_shares(error, value)
+            unknown = int((~(error < inf) & rows[name].notna()).sum())
+            exception = f"unknown in {unknown} of {len(rows)}" if unknown else ""
+            if share is not None:
                 of_value, of_largest = map(percent, share)
-                feature = labels.in_sentence(labels.feature_text(name))
-                unknown = int((~(error < inf) & rows[name].notna()).sum())
-                exception = f", unknown in {unknown} of {len(rows)}" if unknown else ""
                 shares = f"up to {of_value} of its value ({of_largest} of the largest)"
-                yield f"{text} of the {feature} {shares}{exception}"
+                yield f"{text} of the {feature} {', '.join(filter(None, (shares, exception)))}"
+            elif (error == inf).any():
+                yield f"{text} of the {feature} {exception}"
+
+
+def _errors_by_cause(
+    results: "Results", rows: "pd.DataFrame", name: str
+) -> "Iterator[tuple[str, pd.Series[float]]]":
+    """Yield the cause of each error of a feature, and the error (SI) by row, 0 where it does not apply."""
+    errors, start = numerical_errors(results, rows, name), _start_errors(results, rows, name)
+    if errors is not None:
+        is_chaotic = rows["chaotic"] == 1.0
+        yield "numerical error", errors.step.where(~is_chaotic, 0.0)
+        yield "statistical scatter", errors.scatter
+        yield "unresolved step error", errors.step.where(is_chaotic, 0.0).fillna(0.0)
+    if start is not None:
+        yield "start error", start
 
 
 def _largest_shares(error: "pd.Series[float]", values: "pd.Series[float]") -> tuple[float, float] | None:

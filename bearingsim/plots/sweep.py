@@ -36,6 +36,7 @@ from bearingsim.plots.axes import (
 from bearingsim.plots.style import PAGE_IN
 from bearingsim.plots.ticks import set_linear_ticks, set_log_ticks
 from bearingsim.plots.units import ROUNDING_NOTE, choose_feature_scale
+from bearingsim.store import all_zero
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def draw(data: overlay.FigureData, caption: Sequence[str], measured: Sequence["M
         overlay.mark_measured(ax, data, name, part, curves, measured, scale.factor)
         set_x_axis(ax, figure, rows, units)
         set_y_axis(ax, name, figure)
-        if scale.is_rounding:
+        if all_zero(rows, name):
             write_note(ax, ROUNDING_NOTE)
 
     return draw_panels(figure, rows, units, caption, panel, overlay.measured_entries(data, measured))
@@ -194,7 +195,7 @@ def _draw_values(
     figure, rows, units = data
     scale = choose_feature_scale(name, float(rows[name].abs().max()), figure.view)
     ax.set_xlabel(axis_label(labels.feature_text(name), scale.unit), fontsize=8.0)
-    if scale.is_rounding:
+    if all_zero(rows, name):
         write_note(ax, ROUNDING_NOTE)
     is_log = is_logarithmic(figure, name)
     curves = curves_of(figure, name, part, rows, units, scale.factor)

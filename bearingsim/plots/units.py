@@ -30,9 +30,7 @@ UNIT_FACTORS: dict[str, dict[str, float]] = {
 REFERENCES = {"m": ("pm", 1e-12), "m/s": ("nm/s", 1e-9), "m/s^2": ("µm/s²", 1e-6), "N": ("µN", 1e-6)}
 """Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015)."""
 ROUNDING_NOTE = "zero within numerical errors"
-ROUNDING = {"m": 1e-15, "m/s": 1e-11, "m/s^2": 1e-7, "N": 1e-9}
-"""Values of features, by SI unit, below which they are errors of the solution and of its spectrum."""
-FLOOR_DB = 120.0  # dB below the largest level of a curve, to which smaller levels are raised
+FLOOR_DB = 120.0  # dB below the largest level of a curve, its smallest level
 RANGE_DB = 100.0  # dB, range of an axis of levels below the largest
 SQUARE_FACTOR = 3.0
 """Factor on the root of a squared quantity, so that the larger unit is chosen from 0.1 of its square on."""
@@ -88,11 +86,10 @@ def choose_scale(unit: str, name: str, largest: float, view: "View", power: int 
 
 
 class FeatureScale(NamedTuple):
-    """Scale of a feature: unit as in an axis label, factor from SI, and whether all values are rounding errors."""
+    """Scale of a feature: unit as in an axis label, factor from SI."""
 
     unit: str
     factor: float
-    is_rounding: bool
 
 
 def choose_feature_scale(name: str, largest: float, view: "View") -> FeatureScale:
@@ -105,12 +102,7 @@ def choose_feature_scale(name: str, largest: float, view: "View") -> FeatureScal
         unit, factor = requested_unit(view.unit, _si_unit(name), name)
     parts = [unit, *(["0-peak"] if is_amplitude(name) else [])]
     text = ", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK)
-    return FeatureScale(text, factor, is_rounding(name, largest))
-
-
-def is_rounding(name: str, largest: float) -> bool:
-    """Check if the values of a feature are numerical errors, from the ``largest`` (SI)."""
-    return largest < ROUNDING.get(_si_unit(name), 0.0) and not name.endswith("-scatter")
+    return FeatureScale(text, factor)
 
 
 def _si_unit(name: str) -> str:

@@ -40,13 +40,13 @@ def feature_results(results: "Results") -> Iterator[Result]:
 
 def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     from bearingsim.plots.labels import feature_axis, feature_text, swept_text
-    from bearingsim.store import is_line
+    from bearingsim.store import all_zero, is_line
 
     values = _on_shortest_arc(name, rows[name].dropna())
     unit, factor = feature_axis(name, float(values.abs().max()))
     units = results.plan["units"]
     paths = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
-    text = _range(name, values, unit, factor)
+    text = _range(values, unit, factor, all_zero(rows, name))
     has_extremes = paths and " to " in text
     extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if has_extremes else {}
     jobs = dict(rows["job"])
@@ -131,6 +131,7 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
     import pandas as pd
 
     from bearingsim.plots.labels import format_quantity
+    from bearingsim.store import zero_bounds
     from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 
     if name.endswith((".phase", "-healthy")):
@@ -143,12 +144,13 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
         limits = pd.concat([ends["least"], ends["largest"]])
         unknown = len(jobs) - len(ends)
         reason = "variation missing, or chaotic and too short"
-        texts = [_range(name, limits, unit, factor)] if len(ends) else []
+        bounds = zero_bounds(rows.set_index("job"), name).groupby(level=0).min().reindex(limits.index)
+        texts = [_range(limits, unit, factor, bool((limits.abs() <= bounds).all()))] if len(ends) else []
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
         if len(ends) > 1 and not unknown:
             common = [float(ends["least"].max()), float(ends["largest"].min())]
             pronoun = "these" if len(jobs) < len(rows) else "all"
-            overlap = f"the ranges of {pronoun} cases overlap at {_range(name, pd.Series(common), unit, factor)}"
+            overlap = f"the ranges of {pronoun} cases overlap at {_range(pd.Series(common), unit, factor)}"
             texts.append(overlap if common[0] < common[1] else "the ranges of some cases do not overlap")
         if jobs:
             scope = f" in {len(jobs)} of {len(rows)} cases" if len(jobs) < len(rows) else ""
@@ -156,11 +158,14 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
             yield f"{varied_text}: {', '.join(texts)}"
 
 
-def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:
-    """Format the range of a feature, `0.61 to 1.13 um/s`, or note numerical errors; factor: from SI to unit."""
-    from bearingsim.plots.units import ROUNDING_NOTE, is_rounding
+def _range(values: "pd.Series[float]", unit: str, factor: float, is_zero: bool = False) -> str:
+    """Format the range of a feature, `0.61 to 1.13 um/s`, or note numerical errors.
 
-    if is_rounding(name, float(values.abs().max())):
+    factor: from SI to unit; is_zero: all values are zero within numerical errors.
+    """
+    from bearingsim.plots.units import ROUNDING_NOTE
+
+    if is_zero:
         return ROUNDING_NOTE
     return f"{span(factor * float(values.min()), factor * float(values.max()), significant)} {unit}".strip()
 
@@ -201,26 +206,43 @@ def _band(results: "Results", name: str) -> str:
 
 def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:
     """Yield the range over the healthy cases, as `healthy: 0.61 to 1.13 um/s`; factor: from SI to the unit."""
+    from bearingsim.store import all_zero
+
     baselines = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     table = results.table()
-    values = table[table["job"].isin(baselines)][name].dropna()
+    rows = table[table["job"].isin(baselines)]
+    values = rows[name].dropna()
     if len(values) and not name.endswith("-healthy"):
-        yield f"healthy: {_range(name, _on_shortest_arc(name, values), unit, factor)}"
+        yield f"healthy: {_range(_on_shortest_arc(name, values), unit, factor, all_zero(rows, name))}"
 
 
 def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
-    """Format the largest numerical error relative to the largest value: `numerical error 0.3 %`.
+    """Format the largest errors relative to the largest value: `numerical error 0.3 %, statistical scatter 2 %`.
 
-    Returns "" for a feature without one (``numerical_errors``).
+    The numerical error is that of the step; it is left out if all motions are chaotic, as is the scatter if none
+    is. Returns "" for a feature without errors (``numerical_errors``), or one that is zero within them.
     """
     from bearingsim.plots.error_bounds import numerical_errors
+    from bearingsim.store import all_zero
 
-    error, largest = numerical_errors(results, rows, name), float(rows[name].abs().max())
-    if error is None or not largest > 0.0:
+    errors, largest = numerical_errors(results, rows, name), float(rows[name].abs().max())
+    if errors is None or not largest > 0.0 or all_zero(rows, name):
         return ""
-    unknown, unchecked = int((error == inf).sum()), int((error.isna() & rows[name].notna()).sum())
+    is_chaotic, texts = rows["chaotic"] == 1.0, []
+    step, scatter = errors.step[~is_chaotic], errors.scatter[is_chaotic]
+    if step.notna().any():
+        unchecked = int((step.isna() & rows[name].notna()).sum())
+        exception = f", of {unchecked} jobs not estimated" if unchecked else ""
+        texts.append(f"numerical error {percent(float(step.max() / largest))}{exception}")
+    if len(scatter):
+        texts.append(_scatter_text(scatter, largest))
+    return ", ".join(texts)
+
+
+def _scatter_text(scatter: "pd.Series[float]", largest: float) -> str:
+    """Format the largest statistical scatter of chaotic jobs relative to the ``largest`` value, both in SI."""
+    unknown = int((scatter == inf).sum())
+    if unknown == len(scatter):
+        return "statistical scatter unknown (chaotic)"
     exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
-    exception += f", of {unchecked} jobs not estimated" if unchecked else ""
-    if unknown == error.count():
-        return "numerical error unknown (chaotic)"
-    return f"numerical error {percent(float(error[error < inf].max() / largest))}{exception}"
+    return f"statistical scatter {percent(float(scatter[scatter < inf].max() / largest))}{exception}"

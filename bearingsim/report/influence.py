@@ -36,11 +36,13 @@ def blocks_of(results: "Results", feature: str) -> "Blocks":
 
     Raises SensitivityError, also if all values are zero within numerical errors.
     """
-    from bearingsim.plots.units import ROUNDING_NOTE, is_rounding
-    from bearingsim.sensitivity import SensitivityError, collect_blocks
+    from bearingsim.plots.units import ROUNDING_NOTE
+    from bearingsim.sensitivity import SensitivityError, collect_blocks, design_of
+    from bearingsim.store import all_zero
 
     blocks = collect_blocks(results, feature)
-    if is_rounding(feature, float(abs(blocks.values).max())):
+    table = results.table().set_index("job")
+    if all_zero(table.loc[list(design_of(results)["ids"])], feature):
         raise SensitivityError(f"`{feature}` is {ROUNDING_NOTE} in all jobs, so its variance has no meaning")
     return blocks
 

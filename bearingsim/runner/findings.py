@@ -12,6 +12,7 @@ from bearingsim.runner.promises import accuracy_notes, selection_notes, withdraw
 from bearingsim.runner.summary import Findings
 from bearingsim.runner.variations import variation_effects
 from bearingsim.store import NOTABLE_ERROR, has_error_estimate, is_uncertain, relative_error
+from bearingsim.store.spread import chaotic_jobs
 from bearingsim.study import plotted_features
 from bearingsim.study.uncertainty import (
     NO_OIL,
@@ -45,6 +46,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
         accuracy=(
             *(accuracy_notes(plan, frame) if plan.get("accuracy") else _step_error_notes(cases, info)),
             *chaos_notes(cases),
+            *rest_notes(cases),
             *variation_effects(plan, frame, drawn_features),
         ),
         warnings=(
@@ -79,7 +81,8 @@ def _step_error_notes(cases: "pd.DataFrame", info: "pd.DataFrame") -> Iterator[s
 
 
 def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
-    """Yield the largest step errors of all jobs whose time step was checked."""
+    """Yield the largest step errors of all jobs whose time step was checked, except chaotic ones."""
+    cases = cases[~chaotic_jobs(cases)]
     names = {"line": "velocity line", "rms": "velocity RMS", "force": "largest force"}
     errors = {
         text: cases[f"features/step_error.{name}"].max()
@@ -94,14 +97,18 @@ def _largest_step_errors(cases: "pd.DataFrame") -> Iterator[str]:
 def chaos_notes(cases: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of chaotic jobs, and the largest step error and scatter of their RMS.
 
-    No step reproduces the line of a chaotic motion, so the step check compares only its RMS (docs/step-check.md).
+    No step reproduces the line of a chaotic motion, so the step check compares only its RMS. It resolves an effect
+    of the step only beyond the scatter (docs/step-check.md).
     """
     if "features/chaotic" not in cases:
         return
     chaotic = cases[cases["features/chaotic"] == 1.0]
     errors = [
         f"{text} {_largest_text(values)} (`{name}`)"
-        for text, name in (("step error", "step_error.rms"), ("scatter", "rms_scatter"))
+        for text, name in (
+            ("scatter", "rms_scatter"),
+            ("effect of the step, as far as resolved,", "step_error.rms"),
+        )
         if len(values := chaotic.get(f"features/{name}", chaotic["features/chaotic"].iloc[:0]).dropna())
     ]
     if len(chaotic):
@@ -113,6 +120,15 @@ def _largest_text(values: "pd.Series[float]") -> str:
     """Format the largest of relative errors, as `up to 3 %`, or the number of unknown (infinite) ones."""
     unknown = int((values == inf).sum())
     return f"unknown in {unknown}" if unknown else f"up to {percent(values.max())}"
+
+
+def rest_notes(cases: "pd.DataFrame") -> Iterator[str]:
+    """Yield the number of jobs whose velocity is zero within rounding."""
+    if not {"features/velocity.rms", "features/velocity.rounding"}.issubset(cases):
+        return
+    count = int((cases["features/velocity.rms"] <= cases["features/velocity.rounding"]).sum())
+    if count:
+        yield f"{count} of {len(cases)} responses are zero within rounding (`velocity.rounding`)"
 
 
 def _has_step_error(cases: "pd.DataFrame", name: str) -> bool:

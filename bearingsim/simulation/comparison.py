@@ -17,6 +17,7 @@ from bearingsim.simulation import channels, recording, spectral_lines
 from bearingsim.simulation.channels import MOTION
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import EXTREMES
+from bearingsim.simulation.rounding import Rounding, notable
 from bearingsim.simulation.run_setup import Setup
 
 WIDE_BAND_SHARE = 0.5
@@ -50,7 +51,8 @@ class RunSignals(NamedTuple):
     channels) in SI, empty without anti-aliasing; raw_values: (P, k) unfiltered rows at the sampling instants in
     SI: contact forces, or all rows without anti-aliasing; contributions: (L, p) contribution of each of p ball
     passes (of the whole period if p = 1) to the complex amplitude of each defect's line (m/s); force: largest
-    outer contact force (N).
+    outer contact force (N); rounding: bounds of the motion due to rounding; row_rounding: the same of the rows of
+    low_passed and of raw_values, (C,) and (P,).
     """
 
     fine_velocity: np.ndarray
@@ -59,10 +61,12 @@ class RunSignals(NamedTuple):
     raw_values: np.ndarray
     contributions: np.ndarray
     force: float
+    rounding: Rounding
+    row_rounding: tuple[np.ndarray, np.ndarray]
 
 
 def compare(run: RunSignals, reference: RunSignals) -> Changes:
-    """Return the changes of a run relative to the values of a reference run.
+    """Return the changes of a run relative to the values of a reference run, beyond those due to rounding.
 
     The change of a line is relative to at least ``QUIET_LINE`` of the standard deviation of the recorded velocity,
     or of the velocity at fine samples if few are recorded.
@@ -70,35 +74,48 @@ def compare(run: RunSignals, reference: RunSignals) -> Changes:
     has_samples = len(reference.recorded_velocity) >= MIN_SAMPLES
     velocity = reference.recorded_velocity if has_samples else reference.fine_velocity
     min_amplitude = QUIET_LINE * float(np.std(velocity)) or 1.0
+    bound = run.rounding.plus(reference.rounding).velocity
+    line_bound = notable(bound, float(np.std(velocity)))
+    low_passed_bounds, raw_bounds = map(np.add, run.row_rounding, reference.row_rounding)
     return Changes(
         line=float(
             max(
-                line_difference(a, b) / max(abs(b.sum()), min_amplitude)
+                max(line_difference(a, b) - line_bound, 0.0) / max(abs(b.sum()), min_amplitude)
                 for a, b in zip(run.contributions, reference.contributions, strict=True)
             )
         ),
         rms=max(
-            WIDE_BAND_SHARE * rms_change(run.fine_velocity, reference.fine_velocity),
-            rms_change(run.recorded_velocity, reference.recorded_velocity),
+            WIDE_BAND_SHARE * rms_change(run.fine_velocity, reference.fine_velocity, bound),
+            rms_change(run.recorded_velocity, reference.recorded_velocity, bound),
         ),
         force=abs(run.force - reference.force) / (reference.force or 1.0),
         record=max(
             (
-                *(rms_change(a, b) for a, b in zip(run.low_passed, reference.low_passed, strict=True)),
-                *(raw_value_change(a, b) for a, b in zip(run.raw_values, reference.raw_values, strict=True)),
+                *map(rms_change, run.low_passed, reference.low_passed, low_passed_bounds),
+                *map(raw_value_change, run.raw_values, reference.raw_values, raw_bounds),
             )
         ),
     )
 
 
-def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
-    """Return the change of the standard deviation (AC RMS) of a series (n,).
+def rms_change(series: np.ndarray, reference: np.ndarray, rounding: float = 0.0) -> float:
+    """Return the change of the standard deviation (AC RMS) of a series (n,), beyond that due to ``rounding``.
 
     The change is relative to the standard deviation of the reference, or to ``QUIET_LINE`` of its peak if that is
-    larger (nearly constant series).
+    larger (nearly constant series). rounding: bound of the difference, in the unit of the series.
     """
     scale = max(float(np.std(reference)), QUIET_LINE * float(np.abs(reference).max()))
-    return float(abs(np.std(series) - np.std(reference)) / (scale or 1.0))
+    change = abs(np.std(series) - np.std(reference)) - notable(rounding, scale)
+    return float(max(change, 0.0) / (scale or 1.0))
+
+
+def pass_changes(difference: np.ndarray, passes: int, rms: float, rounding: float) -> np.ndarray:
+    """Return the RMS (passes,) of a difference of velocities in each ball pass, beyond that due to ``rounding``.
+
+    It is relative to ``rms``, that of the velocity; rounding: bound of the difference; all in m/s.
+    """
+    changes = pass_rms(difference, passes) - notable(rounding, rms)
+    return np.maximum(changes, 0.0) / (rms or 1.0)
 
 
 def lead_time(setup: Setup, other: Setup) -> float:
@@ -120,13 +137,16 @@ def pass_rms(difference: np.ndarray, passes: int) -> np.ndarray:
     return np.sqrt(np.mean(rows**2, axis=1))
 
 
-def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
+def raw_value_change(values: np.ndarray, reference: np.ndarray, rounding: float = 0.0) -> float:
     """Return the relative change of the RMS of raw values (k,), sampled at the same instants.
 
     The mean of the reference is subtracted from both series, so a change of the mean is included. Whether a sample
     falls on the flank of an impact is random, because the step size shifts the impact. Changes of single values
-    may cancel in the sum by chance, so the change is at least their root sum of squares.
+    may cancel in the sum by chance, so the change is at least their root sum of squares. It is 0 if both series
+    vary by no more than ``rounding``.
     """
+    if max(np.std(values), np.std(reference)) <= rounding:
+        return 0.0
     reference_squares, squares = ((series - np.mean(reference)) ** 2 for series in (reference, values))
     min_sum = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)
     change = squares - reference_squares
@@ -188,7 +208,7 @@ def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignal
     )
     raw_values = raw.raw_values[:, first_raw_value(case, start_time) :]
     return _collect_signals(
-        case,
+        setup,
         raw,
         fine_velocity,
         filtered,
@@ -199,7 +219,7 @@ def period_signals(setup: Setup, raw: RawRecord, start_time: float) -> RunSignal
 
 
 def _collect_signals(
-    case: Case,
+    setup: Setup,
     raw: RawRecord,
     fine_velocity: np.ndarray,
     filtered: np.ndarray | None,
@@ -212,19 +232,22 @@ def _collect_signals(
     fine_velocity: (n,) unfiltered velocity; filtered: (C, m) all recorded rows low-passed, None without
     anti-aliasing; raw_values: (C, k) all recorded rows at the sampling instants; peaks: (passes, ``EXTREMES``).
     """
-    rows = raw_values if filtered is None else filtered
+    case, rows = setup.case, raw_values if filtered is None else filtered
     sensor_motion = {quantity: spectral_lines.sensor_series(case, rows, quantity) for quantity in MOTION}
     motion = np.stack([*sensor_motion.values()])
     channel_rows = channels.requested_rows(case, raw.cells)
     channel_rows = channel_rows[channel_rows >= len(channels.feature_cells(case))]
     raw_mask = channels.contact_force_mask(case, raw.cells[channel_rows])
+    bounds = setup.rounding.of_cells(raw.cells[channel_rows])
     if filtered is None:
         filtered_rows, raw_rows = motion[:0], np.concatenate([motion, raw_values[channel_rows]])
+        row_rounding = np.zeros(0), np.concatenate([setup.rounding, bounds])
     else:
         filtered_rows, raw_rows = (
             np.concatenate([motion, filtered[channel_rows[~raw_mask]]]),
             raw_values[channel_rows[raw_mask]],
         )
+        row_rounding = np.concatenate([setup.rounding, bounds[~raw_mask]]), bounds[raw_mask]
     return RunSignals(
         fine_velocity,
         sensor_motion["velocity"],
@@ -232,6 +255,8 @@ def _collect_signals(
         raw_rows,
         contributions,
         float(peaks[:, PEAK_FORCE_COLUMN].max()),
+        setup.rounding,
+        row_rounding,
     )
 
 
@@ -255,7 +280,7 @@ def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
     contributions = np.stack([pass_contributions(phase, passes, fine_velocity) for phase in phases])
     settling_passes = floor(case.settle_s * grid.rate + 1e-6)
     return _collect_signals(
-        case,
+        setup,
         raw,
         fine_velocity,
         filtered,

@@ -218,7 +218,8 @@ def _make_search(setup: Setup, criterion: PeriodCriterion) -> Search | None:
         return None
     cells, memoryless = channels.recorded_cells(setup.case), MODELS[setup.case.model].memoryless
     slowest_ratio = exp(-slowest_decay(setup.case) / setup.grid.rate)
-    return Search(cells, setup.grid.steps_per_pass, setup.model, memoryless, criterion, slowest_ratio)
+    steps = setup.grid.steps_per_pass
+    return Search(cells, steps, setup.model, memoryless, criterion, slowest_ratio, setup.rounding)
 
 
 def _make_initial_buffer(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:

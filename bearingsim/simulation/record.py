@@ -1,6 +1,6 @@
 """Record of a run: time series, features, and information on its computation."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import floor, isnan, nan, sqrt
 from typing import NamedTuple
@@ -10,12 +10,12 @@ import numpy as np
 from bearingsim import assemble, cpu_time
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, dataset_names
-from bearingsim.config.names import NO_VALUE, STEP_ACCURACY
+from bearingsim.config.names import NO_VALUE, QUIET_LINE, STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_times
 from bearingsim.simulation import accuracy, channels, recording, step_check, time_grid
 from bearingsim.simulation.accuracy import StandardErrors
-from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
+from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS, MOTION
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.features import (
     compute_band_features,
@@ -26,6 +26,7 @@ from bearingsim.simulation.features import (
 from bearingsim.simulation.integration import StepUsage, step_usage
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import may_be_periodic
+from bearingsim.simulation.rounding import notable
 from bearingsim.simulation.run_setup import Setup, SimulationError
 from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.spectral_lines import amplitudes_by_pass, reason_unresolved
@@ -113,6 +114,7 @@ def make_record(inspections: Inspections, raw: RawRecord, check: StepCheck, star
     )
     resolved = [line for line in fault_lines(case) if not isnan(values[f"velocity@{line}"])]
     values |= _start_features(estimate_start_errors(setup, raw, errors if is_random else no_errors, resolved))
+    values |= _rounding_features(setup, values)
     if case.step_check == "strict" and not (check.chaotic or has_free_cage(case) or case.ramp is not None):
         _refuse_start_error(case, [values["error.start"], values["error.start.rms"]])
     extension_values, reasons = compute_extension_features(case, instants, series)
@@ -166,15 +168,35 @@ def _check_features(check: StepCheck, pass_ratio: float, chaos_errors: StandardE
     standard errors of a chaotic record, otherwise NaN.
     """
     return {
-        "step_error.line": check.bound(check.line),
-        "step_error.rms": check.bound(check.rms),
-        "step_error.force": check.bound(check.force),
-        "step_error.record": check.bound(check.record),
+        **{f"step_error.{name}": error for name, error in check.step_errors.items()},
         "chaotic": nan if check is step_check.UNCHECKED else float(check.chaotic),
         "rms_scatter": nan if check is step_check.UNCHECKED else check.scatter / sqrt(pass_ratio),
         "standard_error.line": chaos_errors.line,
         "standard_error.rms": chaos_errors.rms,
     }
+
+
+def _rounding_features(setup: Setup, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the bounds of the motion due to rounding, and the relative errors that they change.
+
+    A velocity within rounding is zero: a relative error of the step has no meaning (NaN), and nothing is left to
+    settle (0). A larger one is uncertain by the rounding, relative to ``QUIET_LINE`` of the RMS for a quiet line.
+    Crest factor and kurtosis of a quantity within rounding are NaN, as those of a constant one.
+    """
+    rounding, rms = setup.rounding, values["velocity.rms"]
+    bounds = {f"{quantity}.rounding": bound for quantity, bound in zip(MOTION, rounding, strict=True)}
+    for quantity in (name for name in MOTION if values[f"{name}.rms"] <= bounds[f"{name}.rounding"]):
+        bounds |= {f"{quantity}.crest": nan, f"{quantity}.kurtosis": nan}
+    if rms <= rounding.velocity:
+        relative = {"step_error.line": nan, "step_error.rms": nan, "error.start": 0.0, "error.start.rms": 0.0}
+    elif notable(rounding.velocity, rms) == 0.0:
+        return bounds
+    else:
+        lines = [values[f"velocity@{line}"] for line in fault_lines(setup.case)]
+        line = max(QUIET_LINE * rms, min((line for line in lines if line == line), default=0.0))
+        shares = {"step_error.line": rounding.velocity / line, "step_error.rms": rounding.velocity / rms}
+        relative = {name: max(values[name], value) for name, value in shares.items()}  # NaN if unchecked
+    return bounds | {name: error for name, error in relative.items() if not isnan(values[name])}
 
 
 def _info(setup: Setup, raw: RawRecord, record_errors: StandardErrors) -> dict[str, float | int | str]:

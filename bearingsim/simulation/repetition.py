@@ -19,6 +19,7 @@ from bearingsim.config.rules.conflicts import PASS_CONDITIONS
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.simulation.fastest import length_factors
+from bearingsim.simulation.rounding import NO_ROUNDING, PEAK_TO_PEAK, Rounding
 
 CONSTANT_FIELDS = frozenset(
     {
@@ -139,15 +140,18 @@ class Search:
         memoryless: bool,
         criterion: PeriodCriterion,
         slowest_ratio: float = 0.0,
+        rounding: Rounding = NO_ROUNDING,
     ) -> None:
         """Prepare the comparison of passes.
 
         cells: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
         in a pass; memoryless: whether the first pass is already periodic; criterion: limits of the differences;
-        slowest_ratio: fraction of the slowest mode at equilibrium that is left after a pass.
+        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass; rounding: bounds of the
+        motion of rings due to rounding.
         """
         self.cells, self.memoryless, self.criterion, self.Z = cells, memoryless, criterion, model.bearing.Z
         self.slowest_ratio, self.steps = slowest_ratio, steps
+        self.rounding_ranges = PEAK_TO_PEAK * rounding.of_cells(cells)
         self.near_limit = NEAR_FACTOR * criterion.sum_limit if criterion.contraction == inf else MAX_CONTRACTED
         self.model = model
         # without accelerations, which jump, and without the cage, which is part of the final state
@@ -212,7 +216,10 @@ class Search:
         return difference <= MAX_CONTRACTED and error <= self.criterion.sum_limit
 
     def _ranges(self, recording: np.ndarray) -> np.ndarray:
-        """Return the range of the quantity of each recorded row (C,), 0 if it is not compared."""
+        """Return the range of the quantity of each recorded row (C,), 0 if it is not compared.
+
+        It is infinite for motion within rounding, whose differences are no differences of the motion.
+        """
         high, low = np.zeros(len(self.cells)), np.zeros(len(self.cells))
         high[self.compared_rows], low[self.compared_rows] = recording.max(axis=1), recording.min(axis=1)
         ranges = high - low
@@ -221,13 +228,16 @@ class Search:
         for row in self.lane_rows:  # one range for all rollers
             rows = (self.lane >= 0) & (self.cells - self.lane == row)
             ranges[rows] = high[rows].max() - low[rows].min()
+        ranges[(ranges <= self.rounding_ranges) & (self.rounding_ranges > 0.0)] = inf
         return ranges
 
     def _end_ranges(self, ranges: np.ndarray) -> np.ndarray:
         """Return the range (2, 6) of each row of positions and velocities over the rollers at the last end."""
         rollers = self.end_states[-1][:, :, lay.FIRST_LANE : lay.FIRST_LANE + self.Z]
         ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
-        return np.maximum(ring_ranges, rollers.max(axis=2) - rollers.min(axis=2))
+        roller_ranges = rollers.max(axis=2) - rollers.min(axis=2)
+        only_rollers = np.isinf(ring_ranges) & (roller_ranges > 0.0)  # rollers move although the ring does not
+        return np.where(only_rollers, roller_ranges, np.maximum(ring_ranges, roller_ranges))
 
     def _difference(self, period: int, ranges: np.ndarray, end_ranges: np.ndarray) -> float:
         """Return the largest difference of the last pass from that ``period`` passes before.
@@ -243,7 +253,10 @@ class Search:
         row_differences = np.array(
             [np.abs(a - previous[c]).max() for a, c in zip(current, self.rotated_rows[period], strict=True)]
         )
-        min_peaks = self.min_peaks * ranges[:2].max()
+        displacement_range = ranges[:2].max()
+        if np.isinf(displacement_range):  # within rounding
+            displacement_range = self.rounding_ranges[:2].max()
+        min_peaks = self.min_peaks * displacement_range
         peak_differences = np.abs(self.peaks[-1] - self.peaks[-1 - period])
         peak_ratio = _largest_ratio(peak_differences, np.maximum(self.peaks[-1], min_peaks))
         return max(end_difference, _largest_ratio(row_differences, ranges[self.compared_rows]), peak_ratio)

@@ -13,6 +13,8 @@ from bearingsim.core.advance import Monitor
 from bearingsim.core.models.interface import monitored_bodies
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
+from bearingsim.simulation.rounding import NO_ROUNDING, Rounding
+from bearingsim.simulation.rounding_bounds import rounding_of
 from bearingsim.simulation.settling import resolve_settling
 
 
@@ -71,7 +73,7 @@ class Setup:
     """Case ready for integration: named method, time grid, parameters of the core and step limits.
 
     step_fraction: ratio to the case's own step or the automatic step; max_cpu: CPU time (s) allowed for the steps,
-    if they are automatic.
+    if they are automatic; rounding: bounds of the motion of rings due to rounding.
     """
 
     case: Case
@@ -82,6 +84,7 @@ class Setup:
     method: Any
     monitor: Monitor
     max_cpu: float
+    rounding: Rounding = NO_ROUNDING
 
 
 def set_up(case: Case, step_fraction: float = 1.0, max_cpu: float | None = None) -> Setup:
@@ -103,6 +106,7 @@ def set_up(case: Case, step_fraction: float = 1.0, max_cpu: float | None = None)
         assemble.method(case, grid.step, step_fraction),
         make_monitor(grid, limits),
         max_cpu or time_grid.MAX_CPU,
+        rounding_of(case, model, grid.step, grid.rate),
     )
 
 

@@ -42,7 +42,7 @@ from bearingsim.simulation.comparison import (
     compare,
     first_raw_value,
     lead_time,
-    pass_rms,
+    pass_changes,
     period_signals,
     periodic_start,
     pilot_signals,
@@ -137,8 +137,23 @@ class StepCheck:
         """True if a chaotic record is long enough for an RMS within ``STEP_ACCURACY``."""
         return bool(self.scatter <= STEP_ACCURACY)
 
+    @property
+    def step_errors(self) -> dict[str, float]:
+        """Bounds of the step errors by quantity, as far as the check resolves them (docs/step-check.md).
+
+        Two chaotic motions differ in line and largest force however short the step is, so their bounds are NaN.
+        Their RMS values differ at random by ``noise``, and a smaller effect of the step does not show.
+        """
+        if not self.chaotic:
+            return {name: self.bound(getattr(self, name)) for name in ("line", "rms", "force", "record")}
+        errors = {
+            name: max(self.bounds.factor * change + self.bounds.offset, CONFIDENCE * self.noise)
+            for name, change in (("rms", self.rms), ("record", self.record))
+        }
+        return {"line": nan, "rms": errors["rms"], "force": nan, "record": errors["record"]}
+
     def bound(self, change: float) -> float:
-        """Bound the step error of a quantity from its ``change`` (docs/step-check.md).
+        """Bound the step error of a quantity of a motion that is not chaotic from its ``change``.
 
         The change of a force that is not checked is limited to the largest one that a check would accept.
         """
@@ -298,21 +313,19 @@ def check_on_pilot(
     fine_run = run_pilot(fine, passes, raw=beginning(fine))
     finer = FinerPilot(fine, fine_run, regular or (previous is not None and previous.converges))
     check = StepCheck(*compare(coarse_run, fine_run), checks_force=case.until is None)
-    scale = float(np.std(fine_run.fine_velocity)) or 1.0
-    step_changes = (
-        pass_rms(
-            coarse_run.fine_velocity
-            - shift(fine_run.fine_velocity, lead_time(coarse, fine) * fine.grid.fine_rate),
-            passes,
-        )
-        / scale
+    rms, rounding = float(np.std(fine_run.fine_velocity)), coarse.rounding.plus(fine.rounding).velocity
+    step_difference = coarse_run.fine_velocity - shift(
+        fine_run.fine_velocity, lead_time(coarse, fine) * fine.grid.fine_rate
     )
+    step_changes = pass_changes(step_difference, passes, rms, rounding)
     if finer.converges or not step_changes.max() > MIN_DIVERGENCE:
         return PilotCheck(check, False, finer)
     adaptive = assemble.is_adaptive(case)
     base, base_run = (fine, fine_run) if adaptive else (coarse, coarse_run)
     perturbed_run = run_pilot(base, passes, perturbation=PERTURBATION)
-    perturbation_changes = pass_rms(base_run.fine_velocity - perturbed_run.fine_velocity, passes) / scale
+    perturbation_changes = pass_changes(
+        base_run.fine_velocity - perturbed_run.fine_velocity, passes, rms, rounding
+    )
     if not is_chaotic_motion(perturbation_changes, step_changes, adaptive):
         converges = bool(perturbation_changes[-1] <= MAX_DECAYED_SHARE * PERTURBATION)
         return PilotCheck(check, not converges, finer._replace(converges=converges))

@@ -90,6 +90,7 @@ from bearingsim.store.units import (
     unit_path,
     write_units,
 )
+from bearingsim.store.zero import all_zero, is_zero, zero_bounds
 
 __all__ = [
     "ERROR_PARTS",
@@ -115,6 +116,7 @@ __all__ = [
     "Series",
     "Unmergeable",
     "add_choices",
+    "all_zero",
     "audit_results",
     "build_table",
     "case_of",
@@ -137,6 +139,7 @@ __all__ = [
     "is_line",
     "is_uncertain",
     "is_writable",
+    "is_zero",
     "job_frame",
     "lock",
     "log",
@@ -183,4 +186,5 @@ __all__ = [
     "write_plan",
     "write_text",
     "write_units",
+    "zero_bounds",
 ]

@@ -9,7 +9,7 @@ from math import inf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config.names import read_band
-from bearingsim.store.spread import has_unknown_scatter, reference_ratio, standard_error
+from bearingsim.store.spread import chaotic_jobs, has_unknown_scatter, reference_ratio, standard_error
 from bearingsim.study.goal import HEALTHY_SUFFIX
 from bearingsim.study.uncertainty import RIGID_RING
 
@@ -178,7 +178,21 @@ def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     factor = 2.0 if band is not None and band.line else 1.0
     from_acceleration = band is not None and (band.line or band.quantity == "acceleration")
     kind = "record" if from_acceleration or feature.partition("@")[0] in RECORD_FEATURES else _kind(feature)
-    return factor * _stored_error(frame, f"step_error.{kind}")
+    return factor * _stored_error(frame, f"step_error.{kind}").where(
+        ~chaotic_jobs(frame), _chaotic_step_errors(frame, kind)
+    )
+
+
+def _chaotic_step_errors(frame: "pd.DataFrame", kind: str) -> "pd.Series[float]":
+    """Return the relative step errors of chaotic motions, as far as the RMS resolves them.
+
+    Lines and largest forces of two chaotic motions differ whatever the step is, so that they have none of their
+    own.
+    """
+    own, rms = (frame.get(f"features/step_error.{name}") for name in (kind, "rms"))
+    if own is None or rms is None:
+        return _stored_error(frame, f"step_error.{kind}")
+    return own.where(own.notna(), rms).fillna(0.0)
 
 
 def _kind(feature: str) -> str:

@@ -148,8 +148,10 @@ def test_small_effects_of_a_small_feature_are_no_rounding():
 
 
 def test_numerical_errors_have_no_influence():
-    """Below 1e-11 m/s a line is zero within numerical errors, whatever its variance."""
-    opened = design_results("morris", n=9, of=lambda points: 1e-14 * points[:, 0])
+    """A line is zero below the rounding of the velocity, whatever its variance."""
+    tiny = {"n": 9, "of": lambda points: 1e-14 * points[:, 0]}
+    describe_influences(design_results("morris", **tiny), [LINE])
+    opened = design_results("morris", **tiny, **{"velocity.rounding": 2e-14})
     with pytest.raises(SensitivityError, match="zero within numerical errors in all jobs"):
         describe_influences(opened, [LINE])
 

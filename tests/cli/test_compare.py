@@ -2,9 +2,11 @@
 
 import json
 import re
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bearingsim import open_results
@@ -199,9 +201,12 @@ def test_an_order_of_the_shaft_that_explains_a_line_is_named():
 def test_no_factor_scales_a_channel_of_zeros(level):
     nothing = cast(Any, None)
     pair = comparing.Pair(nothing, nothing, nothing, ("ring.acceleration.y", "x"), "outer", "m/s^2")
+    row = {"features/acceleration.rms": 0.02, "features/acceleration.rounding": 1e-10}
+    zero = comparing._zero_level(cast(Any, SimpleNamespace(frame=pd.DataFrame([row], index=["1a"]))), "1a", pair)
+    assert zero == pytest.approx(1e-10 + 1e-7 * 0.02)
     with pytest.raises(UserError, match=r"ring\.acceleration\.y of job 1a is zero within numerical errors"):
-        comparing._rms_ratio(Row("RMS", "m/s^2", level, 3.0), "1a", pair)
-    assert comparing._rms_ratio(Row("RMS", "m/s^2", 2.0, 3.0), "1a", pair) == 1.5
+        comparing._ratio_of_levels(Row("RMS", "m/s^2", level, 3.0), "1a", pair, zero)
+    assert comparing._ratio_of_levels(Row("RMS", "m/s^2", 2.0, 3.0), "1a", pair, zero) == 1.5
 
 
 def test_json_states_rate_speed_and_unit_with_their_sources(results, series, tmp_path):

@@ -145,7 +145,7 @@ def test_band_is_not_named_if_records_differ(results):
 def test_error_of_chaotic_jobs_without_a_standard_error_is_unknown(results):
     opened = results(STUDY.replace("[static, ring]", "[ring]") + "figures: [{y: velocity@BPFO, x: load}]\n")
     opened._table[["step_error.line", "chaotic", "velocity@BPFO-scatter"]] = 0.004, 1.0, np.nan
-    assert [result.error for result in feature_results(opened)] == ["numerical error unknown (chaotic)"]
+    assert [result.error for result in feature_results(opened)] == ["statistical scatter unknown (chaotic)"]
 
 
 def test_error_bound_of_a_case_is_the_largest_of_its_features_in_per_cent(results):

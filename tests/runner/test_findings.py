@@ -9,6 +9,7 @@ import pytest
 from bearingsim.runner.findings import (
     assumption_notes,
     findings,
+    rest_notes,
     scatter_warnings,
     step_warnings,
     transient_warnings,
@@ -90,21 +91,26 @@ def test_longer_duration_is_advised_only_where_the_error_is_estimated(
     assert text == f"1 of 1 jobs chaotic: standard error of velocity@BPFO {statement}"
 
 
-def test_step_errors_of_chaotic_jobs_are_named_with_the_rest() -> None:
-    """Only the RMS of a chaotic motion is checked, and its step error may be the largest of the study."""
+def test_responses_within_rounding_are_counted() -> None:
+    columns = {"features/velocity.rms": [5e-18, 1e-12], "features/velocity.rounding": [5e-16, 5e-16]}
+    [text] = rest_notes(pd.DataFrame(columns))
+    assert text == "1 of 2 responses are zero within rounding (`velocity.rounding`)"
+
+
+def test_step_errors_of_chaotic_jobs_are_stated_apart() -> None:
+    """Their scatter hides effects of the step up to 29 %, which is no step error of the study."""
     columns = {"chaotic": [1.0, 0.0], "step_error.line": [0.14, 0.002], "step_error.rms": [0.29, 0.001]}
     columns |= {"rms_scatter": [0.37, 0.0]}
     frame = pd.DataFrame(columns, index=[JOB, "1" * 16]).add_prefix("features/").assign(status="done")
     jobs = [{"job": job, "healthy": "", "twin": False, "variation": False, "swept": {}} for job in frame.index]
     plan = {"jobs": jobs, "figures": [{"y": ["velocity@BPFO"], "x": "load"}], "units": {}, "accuracy": None}
-    chaos = (
-        "1 of 2 jobs are chaotic, so only their RMS is checked: step error up to 29 % (`step_error.rms`), scatter"
-    )
+    chaos = "1 of 2 jobs are chaotic, so only their RMS is checked: scatter"
+    effect = "effect of the step, as far as resolved, up to 29 % (`step_error.rms`)"
     statements = findings(plan, frame).statements
-    assert "largest step errors: velocity line 14 %, velocity RMS 29 %" in statements
-    assert f"{chaos} up to 37 % (`rms_scatter`)" in statements
+    assert "largest step errors: velocity line 0.2 %, velocity RMS 0.1 %" in statements
+    assert f"{chaos} up to 37 % (`rms_scatter`), {effect}" in statements
     frame.loc[JOB, "features/rms_scatter"] = float("inf")  # pilot too short
-    assert f"{chaos} unknown in 1 (`rms_scatter`)" in findings(plan, frame).statements
+    assert f"{chaos} unknown in 1 (`rms_scatter`), {effect}" in findings(plan, frame).statements
     frame["features/chaotic"] = 0.0
     assert not any("chaotic" in text for text in findings(plan, frame).statements)
 

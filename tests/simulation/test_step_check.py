@@ -11,6 +11,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.config.names import QUIET_LINE, STEP_ACCURACY
 from bearingsim.simulation import chaos, choice, comparison, pilot, pricing, refinement, step_check, time_grid
+from bearingsim.simulation.rounding import NO_ROUNDING
 from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
@@ -186,7 +187,8 @@ def test_rms_change_is_that_of_the_record_or_half_of_the_wide_band(signal: str, 
         size=(2, 4 * time_grid.make_grid(test_case).fine_per_pass + 1)
     )
     rows = recorded[np.newaxis]
-    signals = comparison.RunSignals(fine, recorded, rows, rows[:0], np.ones((1, 4), dtype=complex), 1.0)
+    lines, row_rounding = np.ones((1, 4), dtype=complex), (np.zeros(1), np.zeros(0))
+    signals = comparison.RunSignals(fine, recorded, rows, rows[:0], lines, 1.0, NO_ROUNDING, row_rounding)
     changed = signals._replace(**{signal: 1.02 * getattr(signals, signal)})
     with mock.patch.object(step_check, "run_pilot", side_effect=[changed, signals, signals]):
         assert step_check.check_step(set_up(test_case, 1.0)).rms == pytest.approx(share * 0.02)
@@ -213,6 +215,21 @@ def test_recorded_channels_are_compared_without_refusing_the_step() -> None:
         assert result.record == pytest.approx(0.03, rel=0.02)
         assert result.rms == 0.0
         assert result.is_accepted
+
+
+def test_step_errors_of_a_chaotic_motion_are_those_that_its_scatter_resolves() -> None:
+    """Line and force of two chaotic motions differ at any step; 2.5 times 2 % of scatter hide 1 % of the step."""
+    check = StepCheck(3.6, 0.01, 0.5, 0.03, bounds=step_check.COARSE_BOUNDS, chaotic=True, noise=0.02)
+    errors = check.step_errors
+    assert math.isnan(errors["line"])
+    assert math.isnan(errors["force"])
+    assert errors["rms"] == pytest.approx(2.5 * 0.02)
+    assert errors["record"] == pytest.approx(2.5 * 0.03 + 5e-4)
+    assert check.is_accepted  # within the scatter
+    assert not replace(check, rms=0.06).is_accepted
+    regular = replace(check, chaotic=False).step_errors
+    assert regular["line"] == pytest.approx(2.5 * 3.6 + 5e-4)
+    assert regular["rms"] == pytest.approx(2.5 * 0.5 * 3.6 + 5e-4)
 
 
 def test_raw_value_change_detects_a_shifted_impact() -> None:

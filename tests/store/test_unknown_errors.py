@@ -12,7 +12,7 @@ from bearingsim.plots.error_bounds import error_texts, numerical_errors, with_er
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.variations import variation_effects
 from bearingsim.sensitivity import Effects, Estimate, describe_effects
-from bearingsim.store import spread
+from bearingsim.store import all_zero, is_zero, spread
 from bearingsim.store.nearness import error_bounds, feature_bounds
 from bearingsim.study.uncertainty import RIGID_RING
 from tests.store.test_nearness import AUDIT, LINE, RMS, frame, plan
@@ -157,10 +157,70 @@ def test_start_error_is_not_the_part_of_a_study_with_an_accuracy() -> None:
 
 def test_caption_counts_unknown_errors() -> None:
     columns = {LINE: [1.0] * 3, f"{LINE}-scatter": [inf, 0.0, 0.0], "chaotic": [1.0, 0.0, 0.0]}
-    rows = pd.DataFrame(columns | {RMS: [1.0] * 3, "step_error.line": [0.001, 0.02, 0.001], "job": list("abc")})
+    rows = pd.DataFrame(columns | {RMS: [1.0] * 3, "step_error.line": [nan, 0.02, 0.001], "job": list("abc")})
     results = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
-    [text] = error_texts(results, rows, [LINE])  # type: ignore[arg-type]
-    assert text.endswith("up to 2 % of its value (2 % of the largest), unknown in 1 of 3")
+    numerical, scatter = error_texts(results, rows, [LINE])  # type: ignore[arg-type]
+    assert numerical.startswith("numerical error of the velocity amplitude at BPFO up to 2 % of its value")
+    assert scatter == "statistical scatter of the velocity amplitude at BPFO unknown in 1 of 3"
+
+
+def test_caption_names_the_scatter_of_chaotic_responses_and_the_effect_of_the_step_apart() -> None:
+    """Two standard errors of 0.04 m/s, and 12 % of the RMS that the scatter hides."""
+    columns = {LINE: [1.0, 1.0], f"{LINE}-scatter": [0.04, 0.0], RMS: [2.0, 2.0], "chaotic": [1.0, 0.0]}
+    columns |= {
+        "step_error.line": [nan, 0.001],
+        "step_error.rms": [0.12, 0.001],
+        "standard_error.rms": [0.002, nan],
+    }
+    results = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
+    rows = pd.DataFrame(columns | {"job": list("ab")})
+    line, rms = error_texts(results, rows, [LINE, RMS])  # type: ignore[arg-type]
+    assert line == (
+        "statistical scatter of the velocity amplitude at BPFO up to 8 % of its value (8 % of the largest)"
+    )
+    assert rms.startswith("unresolved step error of the")
+    assert rms.endswith("up to 12 % of its value (12 % of the largest)")
+
+
+def test_response_within_rounding_has_no_numerical_error() -> None:
+    """5e-18 m/s, of which rounding explains 5e-16 m/s; 1e-12 m/s is a motion."""
+    columns = {RMS: [5e-18, 1e-12], "velocity.rounding": [5e-16, 5e-16], "chaotic": [0.0, 0.0]}
+    rows = pd.DataFrame(columns | {"step_error.rms": [nan, 0.02], "job": list("ab")})
+    errors = numerical_errors(SimpleNamespace(), rows, RMS)  # type: ignore[arg-type]
+    assert errors is not None
+    assert errors.step.tolist() == pytest.approx([0.0, 2e-14])
+    assert is_zero(rows, RMS).tolist() == [True, False]
+    assert not all_zero(rows, RMS)
+    assert all_zero(rows[:1], RMS)
+
+
+BAND = "velocity.rms@10-1000Hz"
+
+
+@pytest.mark.parametrize(
+    ("feature", "value", "zero"),
+    [
+        (LINE, 0.9e-5, True),  # 1 % of a thousandth of the RMS
+        (LINE, 1.1e-5, False),
+        (f"{LINE}.phase", 0.0, False),
+        (f"{LINE}-scatter", 0.0, False),
+        (f"{BAND}-healthy", 0.9e-7, True),
+        (f"{BAND}-healthy", 1.1e-7, False),
+        ("velocity.crest", 0.0, False),
+        ("outer_force.max", 1e-9, False),
+    ],
+)
+def test_value_is_zero_within_the_errors_of_its_kind(feature: str, value: float, zero: bool) -> None:
+    rows = pd.DataFrame({RMS: [1.0], BAND: [1.0], "velocity.rounding": [1e-16]} | {feature: [value]})
+    assert bool(is_zero(rows, feature).iloc[0]) == zero
+
+
+def test_chaotic_line_has_the_step_error_that_the_rms_resolves() -> None:
+    """Its own is NaN, which is no error of zero."""
+    columns = {LINE: [1.0] * 3, f"{LINE}-scatter": [0.0] * 3, "chaotic": [1.0, 0.0, 0.0]}
+    columns |= {"step_error.line": [nan, 0.01, 0.0], "step_error.rms": [0.07, 0.03, 0.0]}
+    bounds = error_bounds(plan([LINE]), frame(columns))
+    assert bounds["error.step"].iloc[:3].tolist() == pytest.approx([0.07, 0.01, 0.0])
 
 
 def test_caption_does_not_count_cases_without_a_value() -> None:
@@ -175,7 +235,7 @@ def test_numerical_error_of_a_change_is_that_of_the_whole_value() -> None:
     columns = {LINE: [2.0], CHANGE: [0.5], "step_error.line": [0.01], "chaotic": [0.0]}
     errors = numerical_errors(SimpleNamespace(), pd.DataFrame(columns), CHANGE)  # type: ignore[arg-type]
     assert errors is not None
-    assert errors.tolist() == pytest.approx([0.02])
+    assert errors.step.tolist() == pytest.approx([0.02])
 
 
 def test_error_bars_are_relative_to_the_largest_value_of_the_curve() -> None:
@@ -240,4 +300,4 @@ def test_numerical_error_of_a_quiet_line_is_relative_to_a_thousandth_of_the_rms(
     rows[f"{LINE}-scatter"] = 0.0
     error = numerical_errors(None, rows, LINE)  # type: ignore[arg-type]
     assert error is not None
-    assert error.tolist() == pytest.approx([1e-5])
+    assert error.step.tolist() == pytest.approx([1e-5])
