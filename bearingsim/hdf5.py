@@ -113,6 +113,20 @@ class Hdf5:
         except UnicodeDecodeError:
             raise Unsafe(f"the attribute `{name}` is not text in UTF-8") from None
 
+    def attribute_texts(self, name: str, owner: str = "") -> list[str]:
+        """Return the strings of an attribute, one or several; none if it has other values or does not exist.
+
+        Those that are not UTF-8 are read as Windows code page 1252, in which measuring systems write µ and °.
+        """
+        attributes = self._item(owner).attrs
+        if name not in attributes:
+            return []
+        attribute = attributes.get_id(name)
+        if attribute.shape is None or h5py.check_string_dtype(attribute.dtype) is None:
+            return []
+        self.check_size(f"the attribute `{name}`", prod(attribute.shape) * attribute.dtype.itemsize)
+        return [_decode(text) for text in np.ravel(np.asarray(attributes[name], dtype=object))]
+
     def cost(self, *names: str) -> int:
         """Return the memory (bytes) required by the values of some datasets."""
         return sum(self._cost(self._dataset(name)) for name in names)
@@ -209,6 +223,15 @@ class Hdf5:
             _, content = item.id.read_direct_chunk(start)
             if _exceeds_size(content, chunk_bytes + CHECKSUM_BYTES):
                 raise Unsafe(f"a chunk of `{_name(item)}` inflates to more than its {chunk_bytes} bytes")
+
+
+def _decode(text: str | bytes) -> str:
+    """Decode a string of an attribute; h5py returns bytes, or replaces those that are not UTF-8 by surrogates."""
+    raw = text if isinstance(text, bytes) else text.encode("utf-8", "surrogateescape")
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", "replace")
 
 
 def _name(item: h5py.Dataset) -> str:

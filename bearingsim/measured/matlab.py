@@ -53,7 +53,8 @@ def _iterate_leaves(prefix: str, value: Any, depth: int = 0) -> Iterator[tuple[s
 def read_hdf5(path: Path, max_bytes: float) -> Content:
     """Read an HDF5 file: a unit file of stored results, a MAT file v7.3, or another file of numeric datasets.
 
-    The unit of a dataset is its attribute `units` or `unit`. max_bytes: memory limit of a dataset.
+    The unit of a dataset, or those of its columns, are its attribute `units` or `unit`. max_bytes: memory limit of
+    a dataset.
     """
     arrays: dict[str, np.ndarray] = {}
     texts: dict[str, str] = {}
@@ -67,11 +68,11 @@ def read_hdf5(path: Path, max_bytes: float) -> Content:
             if is_empty or name.startswith("#"):
                 continue
             key = name.replace("/", ".")
-            unit = next(
-                (attribute for attribute in ("units", "unit") if file.has_attribute(attribute, name)), None
-            )
-            if unit is not None:
-                texts[f"{key}.unit"] = str(file.attribute(unit, name, variable=True))
+            units = file.attribute_texts("units", name) or file.attribute_texts("unit", name)
+            if len(units) == 1:
+                texts[f"{key}.unit"] = units[0]
+            else:
+                texts |= {f"{key}.{number}.unit": unit for number, unit in enumerate(units, 1)}
             if file.attribute("MATLAB_class", name, variable=True) == "char":
                 texts[key] = "".join(map(chr, file.numbers(name).ravel()[:80]))
             elif file.has_numbers(name):

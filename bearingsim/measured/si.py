@@ -21,6 +21,7 @@ TIME_FACTORS |= dict.fromkeys(("us", "µs", "μs", "usec", "microseconds"), 1e-6
 FREQUENCY_FACTORS = {
     "": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "1/s": 1.0, "khz": 1e3, "ks/s": 1e3, "mhz": 1e6
 }  # fmt: skip
+FREQUENCY_FACTORS |= dict.fromkeys(("hertz", "s^-1", "sps", "samples/s", "samples/sec", "samples/second"), 1.0)
 """Factors to Hz of a sampling rate, by unit in lower case: `S/s` and `Sa/s` are samples per second."""
 SPEED_FACTORS = dict.fromkeys(("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min"), pi / 30.0)
 SPEED_FACTORS |= dict.fromkeys(("hz", "1/s", "rps", "rev/s"), 2.0 * pi) | {"rad/s": 1.0}
