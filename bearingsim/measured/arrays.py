@@ -1,12 +1,12 @@
 """Identification of signals, time, sampling rate and speed among the named arrays of a file."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from bearingsim.measured.content import MAX_DIFFERENCE, Content, MeasuredError, Stated, differ, find_contradiction
+from bearingsim.measured.content import MAX_DIFFERENCE, Content, MeasuredError, Stated, differ
 from bearingsim.measured.si import FREQUENCY_FACTORS, SPEED_FACTORS, TIME_FACTORS
 
 RATE_NAMES = (
@@ -52,18 +52,22 @@ def identify_content(path: Path, arrays: Mapping[str, np.ndarray], texts: Mappin
             continue
         key, unit, source = (
             normalize(name),
-            (_own_unit(name, texts) or "").strip().lower(),
+            (_own_unit(name, texts) or "").lower().partition(" since ")[0].strip(),  # `seconds since 2020-01-01`
             f"the variable `{name}`",
         )
-        samples, is_scalar = values.astype(float, copy=False).ravel(), values.size == 1
+        group, samples, is_scalar = (
+            name.rpartition(".")[0],
+            values.astype(float, copy=False).ravel(),
+            values.size == 1,
+        )
         is_speed = key in RPM_NAMES or (is_scalar and key.endswith("rpm"))
         if is_scalar and key in RATE_NAMES and unit in FREQUENCY_FACTORS:
-            rates.append(Stated(FREQUENCY_FACTORS[unit] * float(samples[0]), source))
+            rates.append(Stated(FREQUENCY_FACTORS[unit] * float(samples[0]), source, group))
         elif is_scalar and key in STEP_NAMES and unit in TIME_FACTORS and samples[0] > 0.0:
-            rates.append(Stated(1.0 / (TIME_FACTORS[unit] * float(samples[0])), source))
+            rates.append(Stated(1.0 / (TIME_FACTORS[unit] * float(samples[0])), source, group))
         elif is_speed and (unit or "rpm") in SPEED_FACTORS and 0 < values.size == max(values.shape, default=1):
             speed, highest = mean_speed(samples * SPEED_FACTORS[unit or "rpm"], source)
-            group_speed = speeds.setdefault(name.rpartition(".")[0], speed)
+            group_speed = speeds.setdefault(group, speed)
             is_other = differ(speed.value, group_speed.value, MAX_DIFFERENCE if is_scalar else MAX_CHANGE)
             other_speed = other_speed or highest or (speed if is_other else None)
         elif is_scalar and (match := EXPORTED_SPEED.fullmatch(name)):
@@ -71,12 +75,12 @@ def identify_content(path: Path, arrays: Mapping[str, np.ndarray], texts: Mappin
                 speeds.setdefault(match["job"], Stated(float(samples[0]), source))
         elif (
             key in TIME_NAMES
-            and len(samples) >= MIN_SAMPLES
+            and MIN_SAMPLES <= values.size == max(values.shape)
             and (not times or (unit in TIME_FACTORS and is_rising(samples)))
         ):
             if unit not in TIME_FACTORS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
-            times.append(Stated(TIME_FACTORS[unit] * samples, source))
+            times.append(Stated(TIME_FACTORS[unit] * samples, source, group))
         else:
             channels |= _split_channels(name, values)
     if times:
@@ -84,9 +88,7 @@ def identify_content(path: Path, arrays: Mapping[str, np.ndarray], texts: Mappin
         channels = {name: values for name, values in channels.items() if len(values) in lengths}
     if not channels:
         raise MeasuredError(path, f"has no signal: {_describe_arrays(arrays)}")
-    time, rate = times[0] if times else None, rates[0] if rates else None
-    other_rate = find_contradiction(rates) or contradicting_rate(times)
-    return Content(channels, time, rate, speeds, _units(channels, texts), other_rate, other_speed)
+    return Content(channels, times, rates, speeds, _units(channels, texts), other_speed)
 
 
 def mean_speed(samples: np.ndarray, source: str) -> tuple[Stated[float], Stated[float] | None]:
@@ -106,18 +108,6 @@ def mean_speed(samples: np.ndarray, source: str) -> tuple[Stated[float], Stated[
 def is_rising(values: np.ndarray) -> bool:
     """Check if values (n,) do not decrease, and are not constant."""
     return bool(np.all(np.diff(values) >= 0.0)) and bool(values[-1] > values[0])
-
-
-def contradicting_rate(times: Sequence[Stated[np.ndarray]]) -> Stated[float] | None:
-    """Return the first mean sampling rate (Hz) that differs from that of the first array of times (s).
-
-    None if there is none. Times that decrease are left out.
-    """
-    rising = [time for time in times if is_rising(time.value)]
-    counts = [len(time.value) - 1 for time in rising]
-    spans = [float(time.value[-1] - time.value[0]) for time in rising]
-    rates = [Stated(n / span, time.source) for n, span, time in zip(counts, spans, rising, strict=True)]
-    return find_contradiction(rates)
 
 
 def normalize(name: str) -> str:

@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
@@ -90,10 +90,14 @@ class MissingError(MeasuredError):
 
 @dataclass(frozen=True)
 class Stated(Generic[Value]):
-    """Value with its source for messages, such as "the variable `fs`"."""
+    """Value with its source for messages, such as "the variable `fs`".
+
+    group: name of the channel or of the group of channels for which the file states it, "" for the whole file.
+    """
 
     value: Value
     source: str
+    group: str = ""
 
 
 MAX_DIFFERENCE = 1e-3
@@ -112,38 +116,54 @@ def find_contradiction(statements: "Sequence[Stated[float]]") -> "Stated[float] 
 
 @dataclass(frozen=True)
 class Content:
-    """Channels (n,) of a file by name, with time, sampling rate, speeds and units if the file states them.
+    """Channels (n,) of a file by name, with times, sampling rates, speeds and units if the file states them.
 
-    time: instants (s) of the samples; rate: sampling rate (Hz); speeds: rad/s, by the name of the channel or of
-    the group whose channels have this speed, "" for the whole file; units: by channel; other_rate, other_speed:
-    further statements, which contradict ``rate`` or a speed.
+    times: instants (s) of the samples; rates: sampling rates (Hz); several of either should agree. speeds: rad/s,
+    by the name of the channel or of the group whose channels have this speed, "" for the whole file; units: by
+    channel; other_speed: a further statement, which contradicts a speed.
     """
 
     channels: Mapping[str, np.ndarray]
-    time: Stated[np.ndarray] | None = None
-    rate: Stated[float] | None = None
+    times: Sequence[Stated[np.ndarray]] = ()
+    rates: Sequence[Stated[float]] = ()
     speeds: Mapping[str, Stated[float]] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
-    other_rate: Stated[float] | None = None
     other_speed: Stated[float] | None = None
     integer_range: float | None = None
     """Integer sample at full scale; None for samples that are not integers."""
+
+    def of_channel(self, name: str) -> "Content":
+        """Return the content with one channel, and with the times and the rates of its innermost groups.
+
+        Those of all groups are kept if its own groups have neither.
+        """
+        times, rates = _innermost(self.times, name), _innermost(self.rates, name)
+        if not times and not rates:
+            times, rates = self.times, self.rates
+        return replace(self, channels={name: self.channels[name]}, times=times, rates=rates)
 
     def speed_of(self, channel: str) -> Stated[float] | None:
         """Return the speed of a channel: its own, or that of its innermost group or of the file.
 
         Otherwise the speed that all other groups share; None if theirs differ, or if there is none.
         """
-        groups = [
-            group
-            for group in self.speeds
-            if group in ("", channel) or channel.startswith((f"{group}.", f"{group}/"))
-        ]
+        groups = [group for group in self.speeds if _contains(group, channel)]
         if groups:
             return self.speeds[max(groups, key=len)]
         speeds = list(self.speeds.values())
         are_equal = bool(speeds) and not any(differ(speeds[0].value, other.value) for other in speeds)
         return speeds[0] if are_equal else None
+
+
+def _contains(group: str, channel: str) -> bool:
+    """Check if a group is that of a channel: the whole file (""), the channel itself, or a group that holds it."""
+    return group in ("", channel) or channel.startswith((f"{group}.", f"{group}/"))
+
+
+def _innermost(statements: Sequence[Stated[Value]], channel: str) -> Sequence[Stated[Value]]:
+    """Return the statements of the innermost group of a channel that has any; none if no group has."""
+    groups = [stated.group for stated in statements if _contains(stated.group, channel)]
+    return [stated for stated in statements if groups and stated.group == max(groups, key=len)]
 
 
 class Recording(NamedTuple):

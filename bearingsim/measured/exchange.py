@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.measured.content import Content, MeasuredError, Stated, find_contradiction
+from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.text.numbers import is_number
 
 INSTALLATION = "`pip install 'bearingsim[formats]'`"
@@ -19,7 +19,7 @@ UNEVEN_SPACING = 0
 def read_uff(path: Path) -> Content:
     """Read the time series (dataset 58) of a universal file; those of uneven spacing with their instants.
 
-    Raises MeasuredError without pyuff or time series, for two of the same name, and for several sampling rates.
+    Raises MeasuredError without pyuff or time series, and for two of the same name.
     """
     try:
         import pyuff
@@ -27,7 +27,7 @@ def read_uff(path: Path) -> Content:
         raise MeasuredError(path, f"UFF needs pyuff: {INSTALLATION}") from None
     data = pyuff.UFF(str(path)).read_sets()
     sets: list[dict[str, Any]] = data if isinstance(data, list) else [data]
-    channels, units, steps, times = {}, {}, list[Stated[float]](), list[Stated[np.ndarray]]()
+    channels, units, rates, times = {}, {}, list[Stated[float]](), list[Stated[np.ndarray]]()
     for number, entry in enumerate(sets):
         is_spectrum = entry.get("abscissa_spec_data_type") == FREQUENCY_TYPE
         if entry.get("type") == 58 and not is_spectrum and not np.iscomplexobj(entry["data"]):
@@ -37,25 +37,21 @@ def read_uff(path: Path) -> Content:
                 raise MeasuredError(path, f"has two time series `{name}`: rename or remove one of them")
             channels[name] = np.asarray(entry["data"], float)
             if entry.get("abscissa_spacing") == UNEVEN_SPACING:
-                times.append(Stated(np.asarray(entry["x"], float), f"the abscissa of `{name}`"))
-            else:
-                steps.append(Stated(float(entry["abscissa_inc"]), "`abscissa_inc`"))
+                times.append(Stated(np.asarray(entry["x"], float), f"the abscissa of `{name}`", name))
+            elif float(entry["abscissa_inc"]) > 0.0:
+                rates.append(Stated(1.0 / float(entry["abscissa_inc"]), f"`abscissa_inc` of `{name}`", name))
             unit = str(entry.get("ordinate_axis_units_lab", "")).strip()
             if unit and unit.upper() != "NONE":
                 units[name] = unit
     if not channels:
         raise MeasuredError(path, "has no time series (dataset 58)")
-    has_other_times = any(not np.array_equal(time.value, times[0].value) for time in times) or (times and steps)
-    if has_other_times or find_contradiction(steps):
-        raise MeasuredError(path, "has time series of several sampling rates: export one of them")
-    rate = Stated(1.0 / steps[0].value, steps[0].source) if steps and steps[0].value > 0.0 else None
-    return Content(channels, times[0] if times else None, rate, units=units)
+    return Content(channels, times, rates, units=units)
 
 
 def read_tdms(path: Path) -> Content:
     """Read the channels of a TDMS file that have a sampling interval, `wf_increment`; all if none has one.
 
-    Raises MeasuredError without nptdms or numbers, and for several sampling rates.
+    Raises MeasuredError without nptdms or numbers.
     """
     try:
         from nptdms import TdmsFile
@@ -72,7 +68,8 @@ def read_tdms(path: Path) -> Content:
             name = f"{group.name}/{channel.name}"
             channels[name] = values.astype(float)
             if float(channel.properties.get("wf_increment", 0.0)) > 0.0:
-                rates[name] = Stated(1.0 / float(channel.properties["wf_increment"]), "`wf_increment`")
+                source = f"`wf_increment` of `{name}`"
+                rates[name] = Stated(1.0 / float(channel.properties["wf_increment"]), source, name)
             if channel.properties.get("unit_string"):
                 units[name] = str(channel.properties["unit_string"])
             if is_number(str(properties.get("rpm", ""))):
@@ -80,7 +77,5 @@ def read_tdms(path: Path) -> Content:
     if not channels:
         raise MeasuredError(path, "has no channel with numbers")
     channels = {name: values for name, values in channels.items() if name in rates or not rates}
-    if find_contradiction(list(rates.values())):
-        raise MeasuredError(path, "has channels of several sampling rates: export one of them")
     speeds = {name: speed for name, speed in speeds.items() if name in channels}
-    return Content(channels, None, next(iter(rates.values()), None), speeds, units)
+    return Content(channels, (), list(rates.values()), speeds, units)

@@ -18,6 +18,7 @@ from bearingsim.measured.content import (
     Request,
     Stated,
     differ,
+    find_contradiction,
 )
 from bearingsim.measured.exchange import read_tdms, read_uff
 from bearingsim.measured.matlab import read_hdf5, read_mat
@@ -115,7 +116,7 @@ def read(
 
 def _list_missing(content: Content, request: Request, needs_speed: bool) -> Iterator[str]:
     """Yield the names of quantities that neither the file nor the request states, except units."""
-    if content.rate is None and content.time is None and request.rate is None:
+    if not content.rates and not content.times and request.rate is None:
         yield "sampling rate"
     if needs_speed and not content.speeds and request.speed is None:
         yield "speed"
@@ -134,7 +135,8 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
     if request.channel is not None:
         if request.channel not in channels:
             raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_list_channels(channels)}")
-        channels = {request.channel: channels[request.channel]}
+        content = content.of_channel(request.channel)
+        channels = dict(content.channels)
     scale, unit_of_integers = _choose_scale(path, content, request)
     return Recording(
         path,
@@ -148,14 +150,14 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
 
 def _list_replaced(path: Path, content: Content, request: Request) -> Iterator[str]:
     """Yield remarks on rates and speeds of a file that differ from those of the request, which replace them."""
-    times = None if content.time is None or _is_coarse(content.time.value) else content.time
-    rates = content.rate, None if times is None else _compute_rate(path, times, request)
-    statements: list[tuple[str, float | None, Stated[float] | None, float, str]] = [
-        *(("rate", request.rate, rate, 1.0, "Hz") for rate in rates),
+    rates = [*content.rates, *(_mean_rate(time) for time in content.times if not _is_coarse(time.value))]
+    distinct_rates = {rate.value: rate for rate in reversed(rates)}.values()
+    statements: list[tuple[str, float | None, Stated[float], float, str]] = [
+        *(("rate", request.rate, rate, 1.0, "Hz") for rate in distinct_rates),
         *(("speed", request.speed, speed, 30.0 / pi, "rpm") for speed in content.speeds.values()),
     ]
     for field, requested, stated, factor, unit in statements:
-        if requested is not None and stated is not None and differ(requested, stated.value):
+        if requested is not None and differ(requested, stated.value):
             yield (
                 f"{path.name} states {factor * stated.value:.6g} {unit} ({stated.source}): "
                 f"`{request.name(field)}`, {factor * requested:.6g} {unit}, is used instead"
@@ -172,13 +174,18 @@ def _choose_rate(path: Path, content: Content, request: Request) -> Stated[float
 
     Raises MeasuredError for uneven times, contradicting rates, and a rate that is not positive and finite.
     """
-    is_stated = request.rate is not None or content.rate is not None
-    if content.time is not None and not (is_stated and _is_coarse(content.time.value)):
-        rate_of_times = _compute_rate(path, content.time, request)
+    times, rates = content.times, content.rates
+    is_stated = request.rate is not None or len(rates) > 0
+    if times and not (is_stated and _is_coarse(times[0].value)):
+        rate_of_times = _compute_rate(path, times[0], request)
+        others = [
+            _mean_rate(time) if _is_coarse(time.value) else _compute_rate(path, time, request)
+            for time in times[1:]
+        ]
         if request.rate is not None:
             return Stated(request.rate, request.name("rate"))
-        rounding = 1.0 + 1.0 / len(content.time.value)  # of the ends of the time, by half a sampling interval each
-        for stated in filter(None, (content.rate, content.other_rate)):
+        rounding = 1.0 + 1.0 / len(times[0].value)  # of the ends of the time, by half a sampling interval each
+        for stated in (*rates, *others):
             if differ(stated.value, rate_of_times.value) and not (
                 rate_of_times.value / rounding <= stated.value <= rate_of_times.value * rounding
             ):
@@ -186,22 +193,24 @@ def _choose_rate(path: Path, content: Content, request: Request) -> Stated[float
         return rate_of_times
     if request.rate is not None:
         return Stated(request.rate, request.name("rate"))
-    if content.rate is None:
+    if not rates:
         raise MissingError(path, {"sampling rate": EXAMPLES["sampling rate"]}, request)
-    if content.other_rate is not None:
-        raise _two_rates_error(path, content.rate, content.other_rate, request)
-    if not (np.isfinite(content.rate.value) and content.rate.value > 0.0):
+    other_rate = find_contradiction(rates)
+    if other_rate is not None:
+        raise _two_rates_error(path, rates[0], other_rate, request)
+    if not (np.isfinite(rates[0].value) and rates[0].value > 0.0):
         advice = f"give it by `{request.name('rate')}`"
-        raise MeasuredError(path, f"states a sampling rate of {content.rate.value:g} Hz: {advice}")
-    return content.rate
+        raise MeasuredError(path, f"states a sampling rate of {rates[0].value:g} Hz: {advice}")
+    return rates[0]
 
 
 def _two_rates_error(path: Path, rate: Stated[float], other: Stated[float], request: Request) -> MeasuredError:
     """Return the error for two sampling rates (Hz) that contradict each other."""
     values = " and ".join(f"{stated.value:g} Hz ({stated.source})" for stated in (rate, other))
-    return MeasuredError(
-        path, f"states two sampling rates, {values}: give the right one by `{request.name('rate')}`"
-    )
+    advice = f"give the right one by `{request.name('rate')}`"
+    if rate.group != other.group:
+        advice = f"name a `{request.name('channel')}`, or {advice}"
+    return MeasuredError(path, f"states two sampling rates, {values}: {advice}")
 
 
 def _choose_speed(path: Path, content: Content, request: Request, names: list[str]) -> Stated[float] | None:
@@ -232,6 +241,12 @@ def _is_coarse(time: np.ndarray) -> bool:
     """Check if instants (s) are rounded so coarsely that most neighbours are equal."""
     steps = np.diff(time)
     return len(steps) > 0 and bool(np.all(steps >= 0.0)) and float(np.median(steps)) == 0.0
+
+
+def _mean_rate(time: Stated[np.ndarray]) -> Stated[float]:
+    """Return the mean sampling rate (Hz) of instants (s); NaN if it is not defined."""
+    span = float(time.value[-1] - time.value[0])
+    return Stated((len(time.value) - 1) / span if span else float("nan"), time.source, time.group)
 
 
 def _compute_rate(path: Path, time: Stated[np.ndarray], request: Request) -> Stated[float]:
@@ -265,7 +280,7 @@ def _compute_rate(path: Path, time: Stated[np.ndarray], request: Request) -> Sta
             path,
             f"has unevenly spaced times in {time.source} (deviation up to {1e3 * deviation:.4g} ms): resample it",
         )
-    return Stated(float(1.0 / mean), time.source)
+    return Stated(float(1.0 / mean), time.source, time.group)
 
 
 def _choose_scale(path: Path, content: Content, request: Request) -> tuple[float, str | None]:

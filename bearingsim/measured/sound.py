@@ -58,6 +58,6 @@ def read_wav(path: Path) -> Content:
     names = ["signal"] if values.shape[1] == 1 else [f"channel {number + 1}" for number in range(values.shape[1])]
     return Content(
         dict(zip(names, values.T, strict=True)),
-        rate=Stated(float(rate), "the WAV header"),
+        rates=[Stated(float(rate), "the WAV header")],
         integer_range=float(2 ** (8 * columns.dtype.itemsize - 1)) if is_integer else None,
     )

@@ -3,17 +3,19 @@
 import codecs
 import csv
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.measured.arrays import MAX_CHANGE, TIME_NAMES, contradicting_rate, is_rising, mean_speed, normalize
+from bearingsim.measured.arrays import MAX_CHANGE, MIN_SAMPLES, TIME_NAMES, is_rising, mean_speed, normalize
 from bearingsim.measured.content import Content, MeasuredError, Stated, differ
 from bearingsim.measured.si import FACTORS, TIME_FACTORS
 from bearingsim.measured.statements import (
     COMMENT_MARKS,
     HEADER,
+    INNER_COMMA,
     Statements,
     is_speed,
     parse_statements,
@@ -41,14 +43,23 @@ GROUPED = re.compile(r"[+-]?\d{1,3}(?:(?P<thousands>[.,])\d{3})(?:(?P=thousands)
 """Number with a thousands separator and a different decimal sign."""
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 """Number whose comma may be a thousands separator or a decimal sign."""
-HEADER_BLANKS = re.compile(r"\s+(?![\[(])")
-"""Blanks that separate the headers of columns; those before a unit in brackets do not."""
+HEADER_BLANKS = [re.compile(pattern) for pattern in (r"\s+(?![\[(])", r"\s{2,}", r"(?<=[\])])\s+")]
+"""Blanks that may separate headers: all but those before a unit in brackets, at least two, those after a unit."""
 CLOCK_TIME = re.compile(r"\d:\d\d")
 UNITS = {unit for unit in TIME_FACTORS if unit} | {unit for units in FACTORS.values() for unit in units}
 """Units by which a second header line is recognised."""
-TIME_UNIT = re.compile(r"^(?P<name>t|time)[ _](?P<unit>s|ms|us)$", re.IGNORECASE)
+TIME_UNIT = re.compile(r"^(?P<name>t|time|zeit)[ _](?P<unit>s|ms|us)$", re.IGNORECASE)
 """Header of a column of time with its unit, such as `time_ms`."""
-REMARK_HEADERS = ("", "comment")
+NAME_AND_UNIT = re.compile(r"^(?P<name>[^\[\]()]+?)(?:\s*/\s*|\s+in\s+)[\[(]?(?P<unit>[^\[\]()]+)[\])]?$")
+"""Header with its unit behind a stroke, as in DIN 461, or `in`, such as `t/ms`; the unit must be known."""
+UNIT_LABELS = ("unit", "units", "einheit", "einheiten")
+LABELS = (*UNIT_LABELS, "name", "names", "channel", "channels", "kanal", "signal", "signals")
+"""Labels, as ``normalize`` returns them, of lines of headers, in front of the first of them."""
+LINE_MARKS = "#%/ \t"
+"""Marks of comments and blanks at the beginning of a line."""
+PADDED = re.compile(r"[+-]?0\d+")
+"""Integer with leading zeros."""
+REMARK_HEADERS = ("", "comment", "comments", "remark", "remarks", "bemerkung", "kommentar")
 """Headers, in lower case, of columns without numbers at the end of a line."""
 
 
@@ -57,7 +68,7 @@ class Layout(NamedTuple):
 
     separator: None for blanks; decimal: decimal sign; thousands: thousands separator, None without; begin: number
     of lines above the numbers; headers: of all columns, "" for those without a name; above: lines above the
-    numbers.
+    numbers; are_seconds: False if these name another unit of time.
     """
 
     separator: str | None
@@ -66,6 +77,7 @@ class Layout(NamedTuple):
     begin: int
     headers: list[str]
     above: list[str]
+    are_seconds: bool
 
 
 def read_csv(path: Path) -> Content:
@@ -83,7 +95,8 @@ def read_csv(path: Path) -> Content:
     encoding, text = decode(path, beginning)
     lines = LINE_END.split(text.removesuffix("\n").removesuffix("\r"))
     is_whole = len(beginning) < FIRST_BYTES or len(lines) == 1
-    separator, decimal, thousands, begin, headers, above = _detect_layout(path, lines if is_whole else lines[:-1])
+    layout = _detect_layout(path, lines if is_whole else lines[:-1])
+    separator, decimal, thousands, begin, headers, above, are_seconds = layout
     try:
         table = pd.read_csv(
             path, sep=separator or r"\s+", skiprows=begin, header=None, names=list(range(len(headers))),
@@ -96,7 +109,9 @@ def read_csv(path: Path) -> Content:
             path, f"is not a table of numbers ({reason}); remove text below the headers, and use a decimal point"
         ) from None
     columns = [table[number].to_numpy() for number in range(len(headers))]
-    return _make_content(path, headers, columns, parse_statements(above, decimal, separator))
+    if len(columns) == 1 and MIN_SAMPLES <= len(columns[0]) - 1 == columns[0][0]:
+        columns = [columns[0][1:]]  # without the number of samples
+    return _make_content(path, headers, columns, parse_statements(above, decimal, separator), are_seconds)
 
 
 def decode(path: Path, beginning: bytes) -> tuple[str, str]:
@@ -137,19 +152,21 @@ def _detect_layout(path: Path, lines: list[str]) -> Layout:
     has_column_numbers = len(rows) > 1 and _are_column_numbers(
         *(_split_cells(lines[row], separator) for row in rows[:2])
     )
-    if has_column_numbers:
+    if has_column_numbers or (len(rows) > 1 and _is_count(lines[rows[0]], lines[rows[1]], separator)):
         rows = rows[1:]
     table = [_split_cells(lines[row], separator) for row in rows]
     width = len(table[0])
     filled_width = max(number + 1 for row in table for number, cell in enumerate(row) if cell)
     titles = [line for line in lines[: rows[0]] if any(map(str.isalnum, line))]  # the others are blank, or rules
-    above = [[line] if width == 1 else _split_header_line(line, separator) for line in titles]
+    above = [[line] if width == 1 else _split_header_line(line, separator, width) for line in titles]
     headers = None if has_column_numbers else _parse_headers(above, width) or _parse_headers(above, filled_width)
-    if separator == "," and headers is None and not has_column_numbers:
-        _refuse_ambiguous(path, lines[rows[0] :], above)
+    if separator == "," and not has_column_numbers:
+        is_named = headers is not None and not INNER_COMMA.search(titles[-1])
+        _refuse_ambiguous(path, lines[rows[0] :], above, is_named)
     names = headers or [f"column {number + 1}" for number in range(width)]
     names += [""] * (width - len(names))  # rows end with more separators than the headers
-    return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]])
+    are_seconds = not any(map(_names_other_time_unit, above))
+    return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]], are_seconds)
 
 
 def _detect_signs(path: Path, lines: list[str], separator: str | None) -> tuple[str, str | None]:
@@ -161,14 +178,31 @@ def _detect_signs(path: Path, lines: list[str], separator: str | None) -> tuple[
     for match in (GROUPED.fullmatch(cell) for row in rows for cell in row):
         if match and match["decimal"] != match["thousands"]:
             return match["decimal"], match["thousands"]
-    with_comma = [cell for row in rows for cell in row if "," in cell and separator != ","]
-    if with_comma and all(map(THOUSANDS.fullmatch, with_comma)):
+    if separator == "," or not any("," in cell for row in rows for cell in row):
+        return ".", None
+    ambiguous = find_ambiguous(rows, separator)
+    if ambiguous is not None:
         raise MeasuredError(
             path,
-            f"has commas that may separate thousands or decimals, as in `{with_comma[0]}`: "
-            "export with decimal points",
+            f"has commas that may separate thousands or decimals, as in `{ambiguous}`: export with decimal points",
         )
-    return ("," if with_comma else "."), None
+    return ",", None
+
+
+def find_ambiguous(rows: Sequence[Sequence[str]], separator: str | None) -> str | None:
+    """Return a cell of rows of numbers whose comma may separate thousands or decimals, if that holds for all.
+
+    None between semicolons, which replace commas as separators where these are decimal signs, if all cells of
+    columns with commas have three decimals.
+    """
+    cells = [cell for row in rows for cell in row]
+    with_comma = [cell for cell in cells if "," in cell]
+    if not with_comma or not all(map(THOUSANDS.fullmatch, with_comma)):
+        return None
+    numbers = {number for row in rows for number, cell in enumerate(row) if "," in cell}
+    in_columns = [cell for row in rows for number, cell in enumerate(row) if cell and number in numbers]
+    is_decimal = separator == ";" and len(in_columns) == len(with_comma) and not any("." in cell for cell in cells)
+    return None if is_decimal else with_comma[0]
 
 
 def _may_be_number(cell: str) -> bool:
@@ -179,38 +213,68 @@ def _may_be_number(cell: str) -> bool:
 def _parse_headers(above: list[list[str]], width: int) -> list[str] | None:
     """Return the headers, `name [unit]`, of ``width`` columns from the cells of the lines above the numbers.
 
-    The line of headers may be a comment, and followed by one of units; columns of remarks at its end are ignored.
-    None if the last line has another number of cells, or states a value.
+    The line of headers may be a comment, and followed by one of units; columns of remarks at its end are ignored,
+    as are labels, such as `Unit`, before the first column. None if the last line has another number of cells, or
+    states a value.
     """
     rows = [[row[0].strip(COMMENT_MARKS), *row[1:]] for row in above]
+    labelled_units: list[str] = []
     for row in rows:
         while len(row) > width and row[-1].lower() in REMARK_HEADERS:
             row.pop()
+        label = normalize(row[0])
+        if len(row) == width + 1 and label in LABELS and len(set(row[1:])) > 1:  # one unit is that of all channels
+            row.pop(0)
+            if label in UNIT_LABELS:
+                labelled_units = row
     if not rows or len(rows[-1]) != width or any(is_number(cell) and not cell.isdecimal() for cell in rows[-1]):
         return None
     if width == 1 and any(parse_statements(rows[-1])):
         return None
-    units = [cell.strip("[]()") for cell in rows[-1]]
-    if len(rows) > 1 and len(rows[-2]) == width and any(unit in UNITS for unit in units):
-        return [f"{name} [{unit}]" if unit else name for name, unit in zip(rows[-2], units, strict=True)]
-    return rows[-1]
+    names, units = rows[-1], labelled_units
+    if any(cell.strip("[]()") in UNITS for cell in names) or names is units:
+        has_names = len(rows) > 1 and len(rows[-2]) == width
+        if not has_names and names is not units:
+            return names
+        units = names
+        names = rows[-2] if has_names else [f"column {number + 1}" for number in range(width)]
+    if not units:
+        return names
+    cells = [cell.strip("[]()") for cell in units]
+    return [f"{name} [{unit}]" if unit else name for name, unit in zip(names, cells, strict=True)]
 
 
-def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]]) -> None:
+def _names_other_time_unit(cells: list[str]) -> bool:
+    """Check if cells without numbers, such as headers, contain a unit of time other than the second."""
+    units = [(_split_header(cell)[1] or cell.strip("[]()")).lower() for cell in cells]
+    return not any(map(is_number, cells)) and any(TIME_FACTORS.get(unit, 1.0) != 1.0 for unit in units)
+
+
+def _is_count(line: str, below: str, separator: str | None) -> bool:
+    """Check if a line is a single integer, such as the number of samples, above rows of several numbers."""
+    return bool(INTEGER.fullmatch(line.strip())) and len(_split_cells(below, separator)) > 1
+
+
+def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]], is_named: bool) -> None:
     """Raise MeasuredError if every second comma of rows of numbers may be a decimal sign, between digits only.
 
-    above: cells of the lines above the numbers.
+    above: cells of the lines above the numbers; is_named: these name all columns, which is no proof if leading
+    zeros indicate decimals, because a title may contain a comma.
     """
     rows = [_split_cells(line, ",") for line in lines if line.strip()]
     if all(len(row) % 2 == 0 and all(map(INTEGER.fullmatch, row[::2])) for row in rows) and all(
         FRACTION.fullmatch(cell) for row in rows for cell in row[1::2]
     ):
+        padded = [any(PADDED.fullmatch(cell) for row in rows for cell in row[begin::2]) for begin in (0, 1)]
+        if is_named and padded != [False, True]:
+            return
         columns = len(rows[0])
         names = f", and {len(above[-1])} in the line above" if above else ""
+        advice = "" if is_named else f", or with a line of {columns} names"
         raise MeasuredError(
             path,
             f"has commas that may separate {columns} columns or be the decimal sign of {columns // 2}{names}: "
-            f"export with decimal points, with `;` between columns, or with a line of {columns} names",
+            f"export with decimal points, or with `;` between columns{advice}",
         )
 
 
@@ -228,7 +292,7 @@ def read_parquet(path: Path) -> Content:
     if table.index.name is not None:
         table = table.reset_index()
     names = [str(name) for name in table if table[name].dtype.kind in "fiu"]
-    return _make_content(path, names, [table[name].to_numpy() for name in names], Statements())
+    return _make_content(path, names, [table[name].to_numpy() for name in names], Statements(), True)
 
 
 def _split_cells(line: str, separator: str | None) -> list[str]:
@@ -238,11 +302,18 @@ def _split_cells(line: str, separator: str | None) -> list[str]:
     return [cell.strip() for cell in (line.split(separator) if separator else line.split())]
 
 
-def _split_header_line(line: str, separator: str | None) -> list[str]:
-    """Split a line of headers into cells, without quotes; a blank before a unit in brackets does not separate."""
+def _split_header_line(line: str, separator: str | None, width: int) -> list[str]:
+    """Split a line of headers of ``width`` columns into cells, without quotes and marks of comments.
+
+    Of separating blanks, those are chosen that yield ``width`` cells.
+    """
     if separator:
         return _split_cells(line, separator)
-    return [cell.strip('"') for cell in HEADER_BLANKS.split(line.strip())]
+    text = line.strip().lstrip(LINE_MARKS)
+    if '"' in text:
+        return [cell for cell in next(csv.reader([text], delimiter=" ", skipinitialspace=True), []) if cell]
+    splits = [blanks.split(text) for blanks in HEADER_BLANKS]
+    return next((cells for cells in splits if len(cells) == width), splits[0])
 
 
 def _remove_quoted(line: str) -> str:
@@ -264,12 +335,15 @@ def _are_column_numbers(cells: list[str], below: list[str]) -> bool:
     return cells in sequences and not all(map(INTEGER.fullmatch, below))
 
 
-def _make_content(path: Path, headers: list[str], columns: list[np.ndarray], stated: Statements) -> Content:
+def _make_content(
+    path: Path, headers: list[str], columns: list[np.ndarray], stated: Statements, are_seconds: bool
+) -> Content:
     """Make the content of a table from its columns.
 
-    The time is a column of a known name or, in a table without headers, the first column if it is evenly spaced.
-    Columns without numbers and those of row numbers are omitted. Raises MeasuredError for times in an unknown
-    unit, for two channels of one name, and without channels.
+    The time is a column of a known name, the first column if its unit is one of time or, in a table without
+    headers, the first column if it is evenly spaced and nothing names another unit than s. Columns without
+    numbers and those of row numbers are omitted. Raises MeasuredError for times in an unknown unit, for two
+    channels of one name, and without channels.
     """
     channels, units, other_speed = {}, {}, stated.other_speed
     times: list[Stated[np.ndarray]] = []
@@ -282,12 +356,16 @@ def _make_content(path: Path, headers: list[str], columns: list[np.ndarray], sta
         name, unit = _split_header(header)
         group, _, own_name = name.rpartition("/")
         key = normalize(own_name)
-        is_unnamed_first = header == f"column {number + 1}" and number == used[0] and len(used) > 1
-        is_time = key in TIME_NAMES or (is_unnamed_first and _is_evenly_spaced(column))
+        is_first = number == used[0] and len(used) > 1
+        has_time_unit = unit != "" and unit.lower() in TIME_FACTORS
+        is_unnamed = header == f"column {number + 1}" and are_seconds
+        is_time = key in TIME_NAMES or (
+            is_first and ((has_time_unit and is_rising(column)) or (is_unnamed and _is_evenly_spaced(column)))
+        )
         if is_time and (not times or (unit.lower() in TIME_FACTORS and is_rising(column))):
             if unit.lower() not in TIME_FACTORS:
                 raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
-            times.append(Stated(TIME_FACTORS[unit.lower()] * column, f"the column `{header}`"))
+            times.append(Stated(TIME_FACTORS[unit.lower()] * column, f"the column `{header}`", group))
         elif is_speed(key, unit.lower()):
             speed, highest = mean_speed(speed_factor(unit.lower()) * column, f"the column `{header}`")
             stated_speed = speeds.get(group, speed)
@@ -302,13 +380,15 @@ def _make_content(path: Path, headers: list[str], columns: list[np.ndarray], sta
     if not channels:
         raise MeasuredError(path, "has no column of a signal")
     units = {name: unit for name, unit in units.items() if unit}
-    time, other_rate = times[0] if times else None, stated.other_rate or contradicting_rate(times)
-    return Content(channels, time, stated.rate, speeds, units, other_rate, other_speed)
+    rates = [rate for rate in (stated.rate, stated.other_rate) if rate is not None]
+    return Content(channels, times, rates, speeds, units, other_speed)
 
 
 def _split_header(header: str) -> tuple[str, str]:
     """Split the header of a column into its name and its unit, "" without."""
-    match = TIME_UNIT.match(header) or HEADER.match(header)
+    match = NAME_AND_UNIT.match(header)
+    if match is None or match["unit"] not in UNITS or header in UNITS:
+        match = TIME_UNIT.match(header) or HEADER.match(header)
     return (match["name"], match["unit"] or "") if match else (header, "")
 
 
@@ -318,9 +398,10 @@ def _is_empty(column: np.ndarray) -> bool:
 
 
 def _are_row_numbers(header: str, column: np.ndarray) -> bool:
-    """Check if the values of a column increase by 1, and its header is not that of a time."""
-    is_time = normalize(_split_header(header)[0].rpartition("/")[2]) in TIME_NAMES
-    return not is_time and len(column) > 1 and bool(np.all(np.diff(column.astype(float)) == 1.0))
+    """Check if the values of a column increase by 1, and its header has no unit and is not that of a time."""
+    name, unit = _split_header(header)
+    is_time = normalize(name.rpartition("/")[2]) in TIME_NAMES
+    return not is_time and not unit and len(column) > 1 and bool(np.all(np.diff(column.astype(float)) == 1.0))
 
 
 def _is_evenly_spaced(column: np.ndarray) -> bool:

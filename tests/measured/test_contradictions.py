@@ -350,15 +350,46 @@ def test_two_times_of_several_rates_are_refused(tmp_path, count):
     slow, fast = {"time": TIME, "x": NOISE}, {"time": np.arange(count) / (2.0 * RATE), "x": np.ones(count)}
     savemat(tmp_path / "a.mat", {"slow": slow, "fast": fast})
     with pytest.raises(
-        MeasuredError, match=r"two sampling rates, 12800 Hz .*slow.time.* and 25600 Hz .*fast.time"
+        MeasuredError,
+        match=r"two sampling rates, 12800 Hz .*slow.time.* and 25600 Hz .*fast.time.*a `--channel`, or",
     ):
-        read(tmp_path / "a.mat", Request(channel="fast.x"))
+        read(tmp_path / "a.mat")
 
 
 def test_two_columns_of_time_with_several_rates_are_refused(tmp_path):
     path = table(tmp_path, "a/time,a/x,b/time,b/x", TIME, NOISE, TIME / 2.0, NOISE)
     with pytest.raises(MeasuredError, match=r"two sampling rates, 12800 Hz .*a/time.* and 25600 Hz .*b/time"):
-        read(path, Request(channel="b/x"))
+        read(path)
+
+
+def test_a_channel_has_the_times_and_the_rate_of_its_group(tmp_path):
+    """Neither a gap in the time of another group, nor its rate, concerns the named channel."""
+    gap = np.where(np.arange(N) > N // 2, TIME + 1.0, TIME)
+    path = table(tmp_path, "a/time,a/x,b/time,b/x,c/time,c/x", TIME, NOISE, TIME / 2.0, NOISE, gap, NOISE)
+    savemat(tmp_path / "a.mat", {"a": {"fs": 12800.0, "x": NOISE}, "b": {"fs": 25600.0, "x": NOISE}})
+    for name, rate in (("a", 12800.0), ("b", 25600.0)):
+        assert read(path, Request(channel=f"{name}/x")).rate.value == pytest.approx(rate)
+        assert read(tmp_path / "a.mat", Request(channel=f"{name}.x")).rate.value == rate
+    with pytest.raises(MeasuredError, match="1 gap in the column `c/time`"):
+        read(path, Request(channel="c/x"))
+    with pytest.raises(
+        MeasuredError, match=r"12800 Hz .*a.fs.* and 25600 Hz .*b.fs.*: name a `--channel`, or give"
+    ):
+        read(tmp_path / "a.mat")
+
+
+def test_gaps_are_found_in_every_time(tmp_path):
+    """Times of one mean rate, of which the second stands still and then skips."""
+    second = TIME.copy()
+    second[100:200] += 0.9 / RATE
+    path = table(tmp_path, "X_Value,a,X_Value,b", TIME, NOISE, second, NOISE)
+    with pytest.raises(MeasuredError, match="2 gaps in the column `X_Value`"):
+        read(path)
+
+
+def test_a_matrix_is_no_time(tmp_path):
+    savemat(tmp_path / "a.mat", {"fs": RATE, "x": NOISE, "T": np.ones((20, 2))})
+    assert list(read(tmp_path / "a.mat", Request(channel="x")).channels["x"]) == list(NOISE)
 
 
 def test_two_times_of_one_rate_serve_channels_of_both_lengths(tmp_path):

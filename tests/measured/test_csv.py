@@ -81,6 +81,25 @@ READ = {
     "a point above decimal commas": (
         "Drehzahl: 1.796 rpm\nZeit [s];a [g]\n" + rows(T, X, separator=";").replace(".", ","), "a", "g", None,
     ),
+    "label before the units": ("Unit;ms;g\n" + rows(1e3 * T, X, separator=";"), "column 2", "g", None),
+    "labels before names and units": (
+        "Name;Zeit;acc\nEinheit;ms;g\n" + rows(1e3 * T, X, separator=";"), "acc", "g", None,
+    ),
+    "label before units above the names": ("Units,ms,g\nTime,acc\n" + rows(1e3 * T, X), "acc", "g", None),
+    "column of remarks": ("Zeit [ms];acc [g];Bemerkung\n" + rows(1e3 * T, X, separator=";"), "acc", "g", None),
+    "units behind strokes": ("t/ms;a / (m/s^2)\n" + rows(1e3 * T, X, separator=";"), "a", "m/s^2", None),
+    "units behind in": ("Zeit in ms;a in g\n" + rows(1e3 * T, X, separator=";"), "a", "g", None),
+    "stroke in a unit in brackets": ("Time,v\n[s],[mm/s]\n" + rows(T, X), "v", "mm/s", None),
+    "names with blanks between blanks": (
+        "Time [ms]  Ch 1 [g]\n" + rows(1e3 * T, X, separator="   "), "Ch 1", "g", None,
+    ),
+    "comment of NumPy": ("# time_ms acc\n" + rows(1e3 * T, X, separator=" "), "acc", "", None),
+    "time of another name": ("Linear\tReal\ns\tg\n" + rows(T, X, separator="\t"), "Real", "g", None),
+    "number of samples": (f"fs: 12800 Hz\n{COUNT}\n" + rows(X), "column 1", "", None),
+    "number of samples above two columns": (f"{COUNT}\n" + rows(T, X), "column 2", "", None),
+    "interval in ms above a time in s": (
+        "Sample interval [ms];0.078125\nDuration;320;ms\n" + rows(T, X, separator=";"), "column 2", "", None,
+    ),
     "numbered rows": (",time,acc\n" + rows(np.arange(COUNT), T, X), "acc", "", None),
     "bars": ("time|acc\n" + rows(T, X, separator="|"), "acc", "", None),
     "channels with numbers as names": ("time;1\n" + rows(T, X, separator=";"), "1", "", None),
@@ -99,6 +118,22 @@ REFUSED = {
     "thousands without decimals": (
         "t [s]\tacc\n" + "".join(f"{t}\t{int(1e5 * x):,d}\n" for t, x in zip(T, X, strict=True)),
         "commas that may separate thousands or decimals, as in `34,558`",
+    ),
+    "thousands between semicolons": (
+        "t [s];acc\n" + "".join(f"{t};{int(1e3 * x):,d}\n" for t, x in zip(T, X, strict=True)),
+        "commas that may separate thousands or decimals, as in `-1,303`",
+    ),
+    "title with a comma above decimal commas": (
+        "Lager 6205, Drehzahl 1800 rpm\n" + rows(X, form="%.6f").replace(".", ","),
+        "be the decimal sign of 1, and 2 in the line above: export with decimal points, or with `;`",
+    ),
+    "speed with a decimal comma above such": (
+        "Drehzahl: 1796,5 rpm\n" + rows(X, form="%.6f").replace(".", ","),
+        "be the decimal sign of 1, and 2",
+    ),
+    "other unit of time above unknown headers": (
+        "X-Axis unit:;ms\n" + rows(1e3 * T, X, separator=";"),
+        "states no sampling rate",
     ),
     "no rate": (rows(X), "states no sampling rate: give it, such as `--rate"),
     "two speeds": (
@@ -177,6 +212,20 @@ def test_a_decimal_comma_far_above_whole_numbers_is_read(tmp_path):
     (tmp_path / "a.csv").write_text("a;b\n0,5;0,25\n1,5;0,75\n" + whole)
     channels = read(tmp_path / "a.csv", Request(rate=RATE)).channels
     assert [list(channels[name][:3]) for name in "ab"] == [[0.5, 1.5, 0.0], [0.25, 0.75, 0.0]]
+
+
+def test_three_decimals_between_semicolons_are_read(tmp_path):
+    """A German spreadsheet writes `;` because the comma is its decimal sign."""
+    (tmp_path / "a.csv").write_text("Kraft [N];Weg [mm]\n" + rows(12.0 + X, 25.0 + X, form="%.3f", separator=";")
+                                    .replace(".", ","))  # fmt: skip
+    channels = read(tmp_path / "a.csv", Request(rate=RATE)).channels
+    for name, mean in (("Kraft", 12.0), ("Weg", 25.0)):
+        np.testing.assert_allclose(channels[name], mean + X, atol=6e-4)
+
+
+def test_a_column_with_a_unit_is_no_row_number(tmp_path):
+    (tmp_path / "a.csv").write_text("t [s],acc,angle [deg]\n" + rows(T, X, np.arange(COUNT)))
+    assert list(read(tmp_path / "a.csv").channels) == ["acc", "angle"]
 
 
 def test_statements_need_known_units(tmp_path):

@@ -153,9 +153,12 @@ def test_an_uneven_abscissa_of_a_universal_file_is_its_time(tmp_path):
     pyuff.UFF(str(tmp_path / "b.uff")).write_sets([uneven | {"x": T**1.01}], mode="overwrite")
     with pytest.raises(MeasuredError, match="in the abscissa of `acc`"):
         read(tmp_path / "b.uff", Request(rate=RATE))
-    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([even], mode="add")
-    with pytest.raises(MeasuredError, match="several sampling rates"):
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets(
+        [even | {"id1": "fast", "abscissa_inc": 0.5 / RATE, "x": 0.5 * T}], mode="add"
+    )
+    with pytest.raises(MeasuredError, match=r"two sampling rates, .*abscissa of `acc`.* and .*`fast`.*: name a"):
         read(tmp_path / "a.uff")
+    assert read(tmp_path / "a.uff", Request(channel="fast")).rate.value == pytest.approx(2.0 * RATE)
 
 
 def test_no_series_of_a_universal_file_replaces_another(tmp_path):
@@ -166,6 +169,25 @@ def test_no_series_of_a_universal_file_replaces_another(tmp_path):
     pyuff.UFF(str(tmp_path / "a.uff")).write_sets(sets, mode="overwrite")
     with pytest.raises(MeasuredError, match="two time series `set 2`"):
         read(tmp_path / "a.uff")
+
+
+def test_unit_attributes_of_any_kind_are_read_or_ignored(tmp_path):
+    """Units as arrays, of columns, in Windows bytes; those of CF conventions; numbers are none."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values, units in (
+            ("fs", RATE, "samples/s"),
+            ("time", T, "seconds since 2024-05-01"),
+            ("one", X[:, 0], np.array([b"g"])),
+            ("both", X[:, :2], ["g", "mm/s"]),
+            ("gap", X[:, 0], np.bytes_("µm".encode("cp1252"))),
+            ("scale", X[:, 0], 1.0),
+            ("empty", X[:, 0], h5py.Empty("S1")),
+        ):
+            file.create_dataset(name, data=values).attrs["units"] = units
+    recording = read(tmp_path / "a.h5")
+    units = {"both.1": "g", "both.2": "mm/s", "empty": "", "gap": "µm", "one": "g", "scale": ""}
+    assert {name: unit.value for name, unit in recording.units.items()} == units
+    assert recording.rate.value == pytest.approx(RATE, rel=1e-6)
 
 
 def test_units_of_hdf5_are_attributes(tmp_path):
