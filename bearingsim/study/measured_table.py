@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 
 from bearingsim.measured.content import MeasuredError
 from bearingsim.measured.statements import HEADER
-from bearingsim.measured.tables import SEPARATORS, decode
+from bearingsim.measured.tables import SEPARATORS, decode, find_ambiguous
 from bearingsim.text.numbers import is_number
 from bearingsim.text.yamlfile import MAX_CHARACTERS, Mark, Node, Problem, problem
 
@@ -57,6 +57,11 @@ def table_rows(
             "use one decimal sign, and no thousands separator",
         )
         fail(Mark(str(path), header_line, 1, header), f"has numbers with a point and with a comma, {listed}", hint)
+        return
+    numbers = [[text if is_number(text.replace(",", ".")) else "" for text, _ in cells] for cells in table]
+    if separator != "," and (ambiguous := find_ambiguous(numbers, separator)):
+        message = f"has commas that may separate thousands or decimals, as in `{ambiguous}`"
+        fail(Mark(str(path), header_line, 1, header), message, "use decimal points, and no thousands separator")
         return
     for (number, line), cells in zip(rows, table, strict=True):
         mark = Mark(str(path), number, 1, line)

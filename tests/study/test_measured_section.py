@@ -62,6 +62,18 @@ def test_a_table_with_points_and_commas_is_refused(tmp_path):
     assert "numbers with a point and with a comma, `9.4` and `1,234`" in message
 
 
+def test_a_table_with_commas_of_thousands_or_decimals_is_refused(tmp_path):
+    """Between semicolons, commas with three decimals throughout are decimal signs, as in German spreadsheets."""
+    for rows in ("150\t1,234\n300\t2,345\n", "150;1,234\n300;234\n"):
+        separator = "\t" if "\t" in rows else ";"
+        (tmp_path / "line.csv").write_text(f"load [N]{separator}velocity@BPFO [um/s]\n{rows}")
+        message = problem_of(tmp_path, "measured: [{points: line.csv}]\n")
+        assert "commas that may separate thousands or decimals, as in `1,234`" in message
+    (tmp_path / "line.csv").write_text("load [N];velocity@BPFO [um/s]\n150;1,234\n300;2,345\n")
+    (entry,) = load(tmp_path, "measured: [{points: line.csv}]\n").measured
+    assert entry.points[0].features == pytest.approx({"velocity@BPFO": 1.234e-6})
+
+
 def test_rows_in_the_study_are_read_as_those_of_a_table(tmp_path):
     row = "{load: 150 N, velocity@BPFO: 12 µm/s, outer_force.max: 0.2 kN, envelope@BPFO: 2 g^2}"
     (entry,) = load(tmp_path, f"measured: [{{points: [{row}], label: by hand, scale: true}}]\n").measured
