@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingsim.measured.arrays import MAX_CHANGE, MIN_SAMPLES, TIME_NAMES, is_rising, mean_speed, normalize
 from bearingsim.measured.content import Content, MeasuredError, Stated, differ
-from bearingsim.measured.si import FACTORS, TIME_FACTORS
+from bearingsim.measured.si import FACTORS, SPEED_FACTORS, TIME_FACTORS
 from bearingsim.measured.statements import (
     COMMENT_MARKS,
     HEADER,
@@ -48,6 +48,8 @@ HEADER_BLANKS = [re.compile(pattern) for pattern in (r"\s+(?![\[(])", r"\s{2,}",
 CLOCK_TIME = re.compile(r"\d:\d\d")
 UNITS = {unit for unit in TIME_FACTORS if unit} | {unit for units in FACTORS.values() for unit in units}
 """Units by which a second header line is recognised."""
+HEADER_UNITS = UNITS | set(SPEED_FACTORS) - {"rpm"}
+"""Units behind a stroke or `in`; `a/rpm` is the speed of a group."""
 TIME_UNIT = re.compile(r"^(?P<name>t|time|zeit)[ _](?P<unit>s|ms|us)$", re.IGNORECASE)
 """Header of a column of time with its unit, such as `time_ms`."""
 NAME_AND_UNIT = re.compile(r"^(?P<name>[^\[\]()]+?)(?:\s*/\s*|\s+in\s+)[\[(]?(?P<unit>[^\[\]()]+)[\])]?$")
@@ -387,7 +389,7 @@ def _make_content(
 def _split_header(header: str) -> tuple[str, str]:
     """Split the header of a column into its name and its unit, "" without."""
     match = NAME_AND_UNIT.match(header)
-    if match is None or match["unit"] not in UNITS or header in UNITS:
+    if match is None or match["unit"] not in HEADER_UNITS or header in UNITS:
         match = TIME_UNIT.match(header) or HEADER.match(header)
     return (match["name"], match["unit"] or "") if match else (header, "")
 

@@ -88,6 +88,9 @@ READ = {
     "label before units above the names": ("Units,ms,g\nTime,acc\n" + rows(1e3 * T, X), "acc", "g", None),
     "column of remarks": ("Zeit [ms];acc [g];Bemerkung\n" + rows(1e3 * T, X, separator=";"), "acc", "g", None),
     "units behind strokes": ("t/ms;a / (m/s^2)\n" + rows(1e3 * T, X, separator=";"), "a", "m/s^2", None),
+    "speed behind a stroke": (
+        "t/s;a/g;Drehzahl/(1/min)\n" + rows(T, X, 0.0 * T + RPM, separator=";"), "a", "g", RPM,
+    ),
     "units behind in": ("Zeit in ms;a in g\n" + rows(1e3 * T, X, separator=";"), "a", "g", None),
     "stroke in a unit in brackets": ("Time,v\n[s],[mm/s]\n" + rows(T, X), "v", "mm/s", None),
     "names with blanks between blanks": (
