@@ -46,7 +46,7 @@ MAX_JUMP_STEPS = 3.0  # largest jump between the ends, relative to the largest s
 MIN_ECCENTRICITY = 1e-9  # m; smaller ones are not reported
 ANGLE_TOLERANCE = 1e-6  # rad; angles that differ by less count as equal
 SPACING_TOLERANCE = 1e-3  # tolerance of even spacing, relative to the spacing
-ROUNDING = 0.01  # largest excess of a revolution by printed angles, relative to the spacing
+ROUNDING = 0.05  # largest deviation of printed angles from a revolution, relative to the spacing
 EXAMPLE = "the first line is `angle [deg],deviation [um]`"
 CACHED_PROFILES = 64
 
@@ -163,14 +163,15 @@ def _arrange_revolution(profile: Profile) -> Profile:
         raise ScanError(
             f"all values are the same ({_format_um(values[0])})", "omit `roundness` for a round surface"
         )
-    notes += _closing_notes(angles, values)
-    if span > 2.0 * pi - ANGLE_TOLERANCE:
+    has_both_ends = span > 2.0 * pi - rounding
+    notes += _closing_notes(angles, values, has_both_ends)
+    if has_both_ends:
         values = np.append(0.5 * (values[0] + values[-1]), values[1:-1])
         angles = angles[:-1]
     return profile._replace(angles=angles, values=values, notes=tuple(notes))
 
 
-def _closing_notes(angles: np.ndarray, values: np.ndarray) -> list[str]:
+def _closing_notes(angles: np.ndarray, values: np.ndarray, has_both_ends: bool) -> list[str]:
     """Return a note if both ends of the revolution are given and differ.
 
     Raises ScanError if the values at the ends differ much more than those of neighbours.
@@ -184,7 +185,7 @@ def _closing_notes(angles: np.ndarray, values: np.ndarray) -> list[str]:
             f"the profile does not close: it differs by {_format_um(jump)} between {ends}",
             "remove the drift first",
         )
-    if gap < ANGLE_TOLERANCE and jump > 1e-3 * value_range:
+    if has_both_ends and jump > 1e-3 * value_range:
         return [f"the values at both ends of the revolution differ by {_format_um(jump)}; their mean is used"]
     return []
 
