@@ -135,7 +135,7 @@ REFUSED = {
         "be the decimal sign of 1, and 2",
     ),
     "other unit of time above unknown headers": (
-        "X-Axis unit:;ms\n" + rows(1e3 * T, X, separator=";"),
+        "Titel;ms;g\n" + rows(1e3 * T, X, separator=";"),
         "states no sampling rate",
     ),
     "no rate": (rows(X), "states no sampling rate: give it, such as `--rate"),
