@@ -62,8 +62,8 @@ def defer_signals() -> Iterator[None]:
 
 
 MAX_OPTIMISED = 1000
-"""Instructions of a callee's module, with its own callees, up to which it is optimised before it is linked. With 500
-a step of `planar` takes 14 % longer, with none `ring` with `rk4` 17 % (docs/evidence/speed.md)."""
+"""Number of instructions of a callee with its own callees, from which it is not optimised before it is linked.
+With 500 a step of `planar` takes 14 % longer, with 0 one of `ring` with `rk4` 17 % (docs/evidence/speed.md)."""
 
 
 def is_shorter_than(count: int, module: Any) -> bool:
