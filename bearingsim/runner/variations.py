@@ -41,7 +41,7 @@ def variation_effects(
                 else f" {PARAMETER_KINDS[quantity].range_text(varied_values)}"
             )
             # Only the first known change has the words, which then apply to the whole list.
-            effects_text = re.sub("by(?! an unknown)", by_words, ", ".join(map(str, effects)), count=1)
+            effects_text = re.sub(" by (?!an unknown)", f" {by_words} ", ", ".join(map(str, effects)), count=1)
             yield f"{quantity}{values_text} changes {effects_text} {CHANGE_MEANING}"
             yield from _chaotic_variations(plan, frame, quantity)
 

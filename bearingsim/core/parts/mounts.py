@@ -98,28 +98,6 @@ def _accelerate_mounted_ring_elastic(mount, ring, f_z, m_x, m_y, m_z, y, z, tilt
     return mount.I_a * axis_precession_rate(b, l_x, l_y)
 
 
-@generic(absent=(0.0, 0.0, 0.0))
-def mount_mobility(mount: Any) -> tuple[float, float, float]:
-    """Return the inverse of the ring's mass (1/kg) and of its transverse moment of inertia (1/(kg m^2)), and its
-    moment of inertia I_a about its axis (kg m^2); zero if the mount is rigid."""
-
-
-@generic(absent=(0.0, 0.0, 0.0, 0.0))
-def mount_springs(mount: Any) -> tuple[float, float, float, float]:
-    """Return stiffness (1/s^2) and damping (1/s) over inertia, axial and then tilting; zero if the mount is
-    rigid."""
-
-
-@mount_mobility.register(ElasticMount)
-def _mount_mobility_elastic(mount):
-    return 1.0 / mount.m, 1.0 / mount.I_t, mount.I_a
-
-
-@mount_springs.register(ElasticMount)
-def _mount_springs_elastic(mount):
-    return mount.k_z / mount.m, mount.c_z / mount.m, mount.k_tilt / mount.I_t, mount.c_tilt / mount.I_t
-
-
 @generic(absent=(0.0, 0.0))
 def mount_spring_rates(mount: Any) -> tuple[float, float]:
     """Return the axial (N/m) and the tilting stiffness (N m/rad) of the mount; zero if it is rigid."""
