@@ -1,15 +1,13 @@
-"""Closed forms of the roller path over a box, a V groove or a parabolic bowl, for each
-group of a defect.
+"""Closed forms of the roller path over a box, a V groove or a parabolic bowl, for each group of a defect.
 
 A roller is round and cannot follow a narrow defect: its centre moves along the roller path, the envelope of the
 roller over the profile p(t) of the defect,
 
     h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 
-where s is the distance along rolling from the defect's centre and R the reduced radius
-of roller and race: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w)
-on the inner. For these three shapes the minimum has one closed form. With the half
-width b and the depth d of the section, and the distance x = max(b - |s|, 0) behind the
+where s is the distance along rolling from the defect's centre and R the reduced radius of roller and race: R = R_w
+R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes the minimum has one
+closed form. With the half width b and the depth d of the section, and the distance x = max(b - |s|, 0) behind the
 rim, split at x_e into x_1 = min(x, x_e) and x_2 = x - x_1,
 
     h = min(d, x_1^2 / (2 R) + x_1 x_2 / R - kappa x_2^2 / 2)
@@ -17,9 +15,9 @@ rim, split at x_e into x_1 = min(x, x_e) and x_2 = x - x_1,
 The roller first rests on the rim, beyond x_e it touches the wall (kappa follows from the wall's curvature relative
 to the roller's), and at depth d it touches the floor.
 
-Along the roller the defect is divided into groups of weight w (the weights sum to 1),
-each with its own b, x_e, kappa and d: one group for the undamaged length, one for a box
-or a V groove (exact), one per Gauss node for a bowl.
+Along the roller the defect is divided into groups of weight w (the weights sum to 1), each with its own b, x_e,
+kappa and d: one group for the undamaged length, one for a box or a V groove (exact), one per Gauss node for a
+bowl.
 """
 
 from collections.abc import Sequence
@@ -35,8 +33,7 @@ from bearingsim.core.jit import generic, jit
 
 @jit
 def roller_drop(group, s, R):
-    """Return the roller path h (m) of one group at ``s`` (m) from the defect's centre,
-    and its slope dh/ds.
+    """Return the roller path h (m) of one group at ``s`` (m) from the defect's centre, and its slope dh/ds.
 
     Equation (M5) of docs/defects.md: the closed form of (M4) for a box, a V groove and a bowl.
     """
@@ -69,15 +66,13 @@ def box_parameters(width: float, depth: float) -> tuple[float, float, float, flo
 def groove_parameters(width: float, depth: float, R: float) -> tuple[float, float, float, float]:
     """Return b, x_e, kappa, depth of a V groove.
 
-    The roller leaves the rim where its path, of slope x/R, is as steep as the wall,
-    2 d/w.
+    The roller leaves the rim where its path, of slope x/R, is as steep as the wall, 2 d/w.
     """
     return width / 2.0, R * 2.0 * depth / width, 0.0, depth
 
 
 def bowl_parameters(width: float, depth: float, R: float, zeta: float) -> tuple[float, float, float, float]:
-    """Return b, x_e, kappa, depth of a parabolic bowl's section at zeta = 2 z/L from
-    its centre.
+    """Return b, x_e, kappa, depth of a parabolic bowl's section at zeta = 2 z/L from its centre.
 
     The section is a smaller bowl of the same curvature. If it is flatter than the roller (radius w^2/(8 d) above
     R), the roller touches its wall, otherwise only its rims.
@@ -121,9 +116,8 @@ def _section_circular(defect, R, zeta):
 def make_groups(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -> list:
     """Return the groups (w, b, x_e, kappa, depth) of a defect with a closed form.
 
-    L_w: contact length (m), beyond which the defect is ignored; R: reduced radius (m);
-    nodes: Gauss nodes on half the length of a bowl; offset: position of the defect's
-    centre along the roller (m).
+    L_w: contact length (m), beyond which the defect is ignored; R: reduced radius (m); nodes: Gauss nodes on half
+    the length of a bowl; offset: position of the defect's centre along the roller (m).
     """
     low, high = max(-defect.length / 2.0, -L_w / 2.0 - offset), min(defect.length / 2.0, L_w / 2.0 - offset)
     share = min(1.0, max(high - low, 0.0) / L_w)
@@ -140,8 +134,7 @@ def make_groups(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0
 
 
 def _split_at_centre(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:
-    """Return the range (m, m) of |z| over which each half of a defect acts, and its
-    share (1) of the contact.
+    """Return the range (m, m) of |z| over which each half of a defect acts, and its share (1) of the contact.
 
     low, high: range of z (m) from the defect's centre over which the defect acts.
     """
@@ -152,8 +145,8 @@ def _split_at_centre(low: float, high: float, L_w: float) -> list[tuple[float, f
 
 
 def _make_bowl_groups(near: float, far: float, share: float, defect: Any, R: float, nodes: int) -> list:
-    """Return groups at Gauss nodes of a bowl, from ``near`` to ``far`` (m) from its
-    centre, with ``share`` as the sum of their weights."""
+    """Return groups at Gauss nodes of a bowl, from ``near`` to ``far`` (m) from its centre, with ``share`` as the
+    sum of their weights."""
     low, high = 2.0 * near / defect.length, 2.0 * far / defect.length
     zeta, weight = np.polynomial.legendre.leggauss(nodes)
     return [
@@ -168,8 +161,7 @@ def _make_bowl_groups(near: float, far: float, share: float, defect: Any, R: flo
 def make_slice_groups(defect: Any, R: float, centres: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
     """Return a group of weight 1 for each slice of a roller.
 
-    centres: positions (m) of the slices' centres along the roller; offset: that of the
-    defect's centre.
+    centres: positions (m) of the slices' centres along the roller; offset: that of the defect's centre.
     """
     zetas = [2.0 * (z - offset) / defect.length for z in centres]
     return [(1.0, *(section_parameters(defect, R, zeta) if abs(zeta) < 1.0 else NO_DEFECT)) for zeta in zetas]

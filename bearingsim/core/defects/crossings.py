@@ -1,4 +1,5 @@
 """Defect crossings, counted during a run and computed from the angles.
+
 A run in which fewer crossings were counted than computed has stepped over a defect.
 """
 
@@ -15,8 +16,8 @@ from bearingsim.core.jit import generic
 
 
 def count_defect_crossings(model, t, y):
-    """Implement ``count_crossings`` for models with defects; pairs beyond the
-    ``lay.ROW`` first are not counted."""
+    """Implement ``count_crossings`` for models with defects; pairs beyond the ``lay.ROW`` first are not
+    counted."""
     for d in range(min(len(model.defects.head), lay.ROW)):
         j, s = roller_at_defect(model, d, t, y)
         roller_number = j + 1.0 if abs(s) < model.defects.head[d, HALF_WIDTH] else 0.0  # 0: no roller
@@ -32,8 +33,7 @@ def count_crossings(model: Any, t: float, y: np.ndarray) -> None:
 
 
 def relative_passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
-    """Return the relative rotation of rollers and defect of pair ``d`` at time
-    ``t`` (s), in roller passages (1).
+    """Return the relative rotation of rollers and defect of pair ``d`` at time ``t`` (s), in roller passages (1).
 
     It is computed from the angles in ``y``.
     """
@@ -54,8 +54,8 @@ def relative_passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
 def count_missed_crossings(model: Any, t: float, initial_passages: list[float], y: np.ndarray) -> int:
     """Return the number of crossings that a run did not count.
 
-    initial_passages: ``relative_passages`` of every pair at the start of the run. One
-    crossing per pair may be missing, because the ends of the run may cut a crossing.
+    initial_passages: ``relative_passages`` of every pair at the start of the run. One crossing per pair may be
+    missing, because the ends of the run may cut a crossing.
     """
     missed = 0
     for d in range(min(len(model.defects.head), lay.ROW)):

@@ -1,9 +1,9 @@
-"""Depth maps of defects: depth p(s, z) (m, positive into the material), s along rolling
-and z along the axis from the defect's centre.
+"""Depth maps of defects: depth p(s, z) (m, positive into the material), s along rolling and z along the axis from
+the defect's centre.
 
-Each kind of map is a type: ``section`` returns its profile at one z, exact or
-approximated by parabolas; ``extent`` its ends; ``section_intervals`` the intervals
-along z and how the section varies within each. Plain Python, run once per defect.
+Each kind of map is a type: ``section`` returns its profile at one z, exact or approximated by parabolas;
+``extent`` its ends; ``section_intervals`` the intervals along z and how the section varies within each. Plain
+Python, run once per defect.
 """
 
 from dataclasses import dataclass, field
@@ -38,20 +38,18 @@ EDGE_POINTS = 401  # trial positions of the intersection of edge and wall
 
 @generic
 def section(depth_map: Any, z: float) -> Profile:
-    """Return the profile at ``z`` (m) from the defect's centre; ``RACE`` beyond the
-    defect."""
+    """Return the profile at ``z`` (m) from the defect's centre; ``RACE`` beyond the defect."""
 
 
 @generic
 def extent(depth_map: Any) -> tuple[float, float, float, float]:
-    """Return the ends (m) of the defect along rolling, s_0 and s_1, and along the axis,
-    z_0 and z_1, burrs included."""
+    """Return the ends (m) of the defect along rolling, s_0 and s_1, and along the axis, z_0 and z_1, burrs
+    included."""
 
 
 @generic
 def section_intervals(depth_map: Any) -> list[tuple[float, float, int]]:
-    """Return intervals (m, m) along z, each with the variation of the section within
-    it.
+    """Return intervals (m, m) along z, each with the variation of the section within it.
 
     The variation is CONSTANT_SECTION, SMOOTH_SECTION or ROUGH_SECTION.
     """
@@ -93,9 +91,9 @@ class EasedDefect(NamedTuple):
     """A defect whose edges along rolling are rounded with ``radius`` (m), or whose walls are no steeper than
     ``depth`` over ``ramp`` (m, m).
 
-    One of radius and ramp is zero; depth: the defect's largest depth, so that the slope
-    is the same in all sections. The material above the rounded or sloping edge is
-    removed from the race, so the opening is wider than the original defect.
+    One of radius and ramp is zero; depth: the defect's largest depth, so that the slope is the same in all
+    sections. The material above the rounded or sloping edge is removed from the race, so the opening is wider than
+    the original defect.
     """
 
     defect: Any
@@ -126,8 +124,7 @@ class MergedDefects(NamedTuple):
 
 @dataclass(frozen=True)
 class ScannedDefect:
-    """A measured defect: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m,
-    linear in between.
+    """A measured defect: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m, linear in between.
 
     digest: hash of the file, which identifies the scan.
     """
@@ -227,12 +224,11 @@ def _section_eased(eased, z):
 
 
 def _edge_profile(profile: Profile, radius: float, ramp: float, depth: float) -> Profile:
-    """Return the profile of the material removed at the first rim of a profile without
-    race between its pieces.
+    """Return the profile of the material removed at the first rim of a profile without race between its pieces.
 
-    An edge that meets the wall at depth p starts setback(p) (m) before that point. The
-    edge that starts first is tangent to the wall, and its profile is returned; a
-    rounded one is an arc of a disc below the race that touches the wall.
+    An edge that meets the wall at depth p starts setback(p) (m) before that point. The edge that starts first is
+    tangent to the wall, and its profile is returned; a rounded one is an arc of a disc below the race that touches
+    the wall.
     """
     start = profile.pieces[0, START]
     x = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # dense at the rim, where an edge meets a steep wall
@@ -253,8 +249,7 @@ def _edge_profile(profile: Profile, radius: float, ramp: float, depth: float) ->
 
 
 def _setback_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
-    """Return the distance (m) from the start of a rounded edge at which its depth is
-    ``p`` (m)."""
+    """Return the distance (m) from the start of a rounded edge at which its depth is ``p`` (m)."""
     depth = np.clip(p, 0.0, radius)
     return np.sqrt(depth * (2.0 * radius - depth))
 
@@ -327,8 +322,7 @@ def _extent_scanned(scan):
 
 
 def _damaged_extent(positions: np.ndarray, is_damaged: np.ndarray) -> tuple[float, float]:
-    """Return the position just before the first damaged one and the position just after
-    the last."""
+    """Return the position just before the first damaged one and the position just after the last."""
     k = np.flatnonzero(is_damaged)
     return float(positions[max(k[0] - 1, 0)]), float(positions[min(k[-1] + 1, len(positions) - 1)])
 

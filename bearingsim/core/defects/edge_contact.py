@@ -1,22 +1,20 @@
-"""Contact of a roller with the elastic edges of a defect: softer than on the race, and
-smooth where both edges support the roller.
+"""Contact of a roller with the elastic edges of a defect: softer than on the race, and smooth where both edges
+support the roller.
 
-The roller path assumes one contact point on a smooth half-plane. On an edge the contact
-is narrower, and the race's material behind it is missing. Both increase the approach,
-under the load Q' (N/m) on a contact of half width b, to
+The roller path assumes one contact point on a smooth half-plane. On an edge the contact is narrower, and the
+race's material behind it is missing. Both increase the approach, under the load Q' (N/m) on a contact of half
+width b, to
 
     delta - h = Q'/(pi E*) (Lambda + f)       Lambda = 2 ln(2 D/b) + 1
 
-Lambda: approach on the race in units of Q'/(pi E*), D: see ``EdgeContact``; f: its
-increase on an edge, a function of the distance x behind the rim (``one_edge``). Where
-the other edge or the floor may support the roller instead, the smallest approach
-applies. An elastic force k (delta - h)^m is then reduced to
+Lambda: approach on the race in units of Q'/(pi E*), D: see ``EdgeContact``; f: its increase on an edge, a function
+of the distance x behind the rim (``one_edge``). Where the other edge or the floor may support the roller instead,
+the smallest approach applies. An elastic force k (delta - h)^m is then reduced to
 
     share = (1 + f/Lambda)^-m
 
-times its value. f depends on the load through b; it is evaluated at one reference load,
-as is the exponent m of a law that is not a power law. docs/edges.md derives f and
-compares it with finite elements.
+times its value. f depends on the load through b; it is evaluated at one reference load, as is the exponent m of a
+law that is not a power law. docs/edges.md derives f and compares it with finite elements.
 """
 
 from math import e, exp, inf, log, pi, sqrt
@@ -37,15 +35,13 @@ VERTICAL_WALL = -1.0  # in column KAPPA: vertical walls, which the roller never 
 class EdgeContact(NamedTuple):
     """Roller path with elastic edges of the defect.
 
-    scaled_load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two
-    bodies; D: depth (m) at which displacements are taken as zero, 2 sqrt(R_w R_o)/e for
-    a roller in its race; rho: radius (m) of the defect's edges, > 0 (the pressure at a
-    sharp edge is unbounded); exponent: d ln Q/d ln delta of the contact on the race at
-    the reference load.
+    scaled_load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: depth (m) at which
+    displacements are taken as zero, 2 sqrt(R_w R_o)/e for a roller in its race; rho: radius (m) of the defect's
+    edges, > 0 (the pressure at a sharp edge is unbounded); exponent: d ln Q/d ln delta of the contact on the race
+    at the reference load.
 
-    Neglected: yielding, friction, the tilt of the contact normal, the defect's ends
-    along the roller, and the dependence of f on load. The share exceeds 1 where two
-    rounded edges far apart support the roller.
+    Neglected: yielding, friction, the tilt of the contact normal, the defect's ends along the roller, and the
+    dependence of f on load. The share exceeds 1 where two rounded edges far apart support the roller.
     """
 
     scaled_load: float
@@ -59,10 +55,9 @@ def make_edge_contact(
 ) -> EdgeContact:
     """Return the excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
-    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho:
-    radius (m) of the edges; exponent: d ln Q/d ln delta on the race. D is that of the
-    outer race for both races; on the inner race it would be a sixth smaller, which
-    would change Lambda by 2 %. Raises ValueError if the load or rho is not positive.
+    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges;
+    exponent: d ln Q/d ln delta on the race. D is that of the outer race for both races; on the inner race it would
+    be a sixth smaller, which would change Lambda by 2 %. Raises ValueError if the load or rho is not positive.
     """
     if force <= 0.0 or rho <= 0.0:
         raise ValueError(f"reference load {force} N and edge radius {rho} m: both must be above 0")
@@ -77,12 +72,11 @@ def contact_half_width(excitation, R):
 
 @jit
 def sharp_edge(xi):
-    """Return f of a sharp edge of a half-plane, and the distance of the centre of
-    pressure before the rim.
+    """Return f of a sharp edge of a half-plane, and the distance of the centre of pressure before the rim.
 
-    xi: position of the roller's centre behind the rim; all lengths in half widths b.
-    The contact is c wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and
-    f = 2 ln(2/c) + c xi + 2 min(xi, 0)^2; for xi <= -1 the contact is Hertz's and f = 0.
+    xi: position of the roller's centre behind the rim; all lengths in half widths b. The contact is c wide, c =
+    2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + c xi + 2 min(xi, 0)^2; for xi <= -1 the contact is Hertz's and f
+    = 0.
     """
     x = max(xi, -1.0)
     c = 2.0 / 3.0 * (sqrt(x * x + 3.0) - x)
@@ -92,11 +86,9 @@ def sharp_edge(xi):
 
 @jit
 def wall_softening(from_rim, wall, rho):
-    """Return the part of f due to the material missing behind a wall of height
-    ``wall`` (m).
+    """Return the part of f due to the material missing behind a wall of height ``wall`` (m).
 
-    from_rim: distance (m) of the centre of pressure before the rim; rho: radius (m) of
-    the edge.
+    from_rim: distance (m) of the centre of pressure before the rim; rho: radius (m) of the edge.
     """
     ratio = HEIGHT_WEIGHT * wall / (from_rim + RADIUS_WEIGHT * rho)
     return log(1.0 + ratio * ratio)
@@ -106,9 +98,8 @@ def wall_softening(from_rim, wall, rho):
 def one_edge(x, b, wall, rho, R):
     """Return f of one edge of radius ``rho`` (m) on a wall of height ``wall`` (m).
 
-    x: position (m) of the roller's centre behind the rim; b: half width (m); R: reduced
-    radius (m). Far behind the rim the contact is Hertz's on the rounded edge, with
-    f = ln(R/rho).
+    x: position (m) of the roller's centre behind the rim; b: half width (m); R: reduced radius (m). Far behind the
+    rim the contact is Hertz's on the rounded edge, with f = ln(R/rho).
     """
     f_sharp, centre = sharp_edge(x / b)
     bluntness = min(rho / R, 1.0)
@@ -122,9 +113,9 @@ def one_edge(x, b, wall, rho, R):
 def ridge(x, x_end, b, rho, R):
     """Return f of the ridge between the race and a sloping wall.
 
-    x: position (m) of the roller behind the rim; x_end: its position (m) behind the far
-    end of the ridge. The roller rests on the ridge if x > 0 and x_end < 0. Seen from
-    either side, the ridge acts as an edge without a vertical wall (``one_edge``).
+    x: position (m) of the roller behind the rim; x_end: its position (m) behind the far end of the ridge. The
+    roller rests on the ridge if x > 0 and x_end < 0. Seen from either side, the ridge acts as an edge without a
+    vertical wall (``one_edge``).
     """
     before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-x_end, b, 0.0, rho, R))
     return -log(1.0 - (1.0 - before) * (1.0 - after))
@@ -132,11 +123,10 @@ def ridge(x, x_end, b, rho, R):
 
 @jit
 def two_edges(width, b, wall, rho, R, D):
-    """Return f at the centre of a slot of ``width`` (m), with half of the load on each
-    edge.
+    """Return f at the centre of a slot of ``width`` (m), with half of the load on each edge.
 
-    b: half width (m) of the contact under the whole load; wall: height (m) of vertical
-    walls, else 0; rho: radius (m) of the edges; D: see ``EdgeContact``.
+    b: half width (m) of the contact under the whole load; wall: height (m) of vertical walls, else 0; rho: radius
+    (m) of the edges; D: see ``EdgeContact``.
     """
     b_half = sqrt(0.5) * b
     _, centre = sharp_edge(0.5 * width / b_half)
@@ -146,8 +136,7 @@ def two_edges(width, b, wall, rho, R, D):
 
 @jit
 def remaining_share(f, b, D, exponent):
-    """Return the share (1) that remains of a force k delta^exponent on an edge with the
-    dimensionless ``f``."""
+    """Return the share (1) that remains of a force k delta^exponent on an edge with the dimensionless ``f``."""
     return max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1) ** -exponent
 
 
@@ -175,8 +164,7 @@ def _defect_response_edge_contact(excitation, group, s, R):
 
 @jit
 def sharp_edge_derivatives(xi):
-    """Return the derivatives of ``sharp_edge`` with respect to ``xi``: of f and of the
-    centre of pressure."""
+    """Return the derivatives of ``sharp_edge`` with respect to ``xi``: of f and of the centre of pressure."""
     if xi <= -1.0:
         return 0.0, -1.0
     root = sqrt(xi * xi + 3.0)
@@ -209,8 +197,8 @@ def one_edge_derivative(x, b, wall, rho, R):
 
 @jit
 def ridge_derivative(x, x_end, b, rho, R):
-    """Return the derivative of ``ridge`` (1/m) with respect to the roller's position,
-    by which ``x`` and ``x_end`` increase equally."""
+    """Return the derivative of ``ridge`` (1/m) with respect to the roller's position, by which ``x`` and ``x_end``
+    increase equally."""
     before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-x_end, b, 0.0, rho, R))
     before_derivative = -before * one_edge_derivative(x, b, 0.0, rho, R)
     after_derivative = after * one_edge_derivative(-x_end, b, 0.0, rho, R)
@@ -229,16 +217,15 @@ def remaining_share_derivative(f, b, D, exponent):
 
 @jit
 def wall_and_reach(group, b):
-    """Return the height (m) of a vertical wall, 0 for a sloping one, and the
-    distance (m) before the rim from which the edge deflects."""
+    """Return the height (m) of a vertical wall, 0 for a sloping one, and the distance (m) before the rim from
+    which the edge deflects."""
     wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
     return wall, max(b, INFLUENCE_HEIGHTS * wall)
 
 
 @jit
 def one_edge_contact(group, distance, b, rho, R):
-    """Return f on the nearer edge at ``distance`` (m) from the defect's centre, and its
-    derivative (1/m)."""
+    """Return f on the nearer edge at ``distance`` (m) from the defect's centre, and its derivative (1/m)."""
     wall, reach = wall_and_reach(group, b)
     x = group[GROUP_HALF_WIDTH] - reach - distance
     if wall > 0.0:
@@ -248,8 +235,8 @@ def one_edge_contact(group, distance, b, rho, R):
 
 @jit
 def two_edge_contact(group, distance, b, rho, R, D, scaled_load):
-    """Return f on both edges and its derivative (1/m); inf, 0 if the roller touches
-    floor or wall at the centre."""
+    """Return f on both edges and its derivative (1/m); inf, 0 if the roller touches floor or wall at the
+    centre."""
     wall, reach = wall_and_reach(group, b)
     _, centre_slope = roller_drop(group, reach, R + rho)
     if centre_slope >= 0.0:
@@ -260,8 +247,8 @@ def two_edge_contact(group, distance, b, rho, R, D, scaled_load):
 
 @jit
 def edge_softening(excitation, group, distance, R):
-    """Return f at ``distance`` (m) from the defect's centre and its derivative (1/m):
-    on one edge, on the floor or on both edges."""
+    """Return f at ``distance`` (m) from the defect's centre and its derivative (1/m): on one edge, on the floor or
+    on both edges."""
     b, D, rho, scaled_load = (
         contact_half_width(excitation, R),
         excitation.D,

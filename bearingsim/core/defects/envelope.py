@@ -1,14 +1,12 @@
 """Exact path of a rigid round roller over any profile, and lookup tables of paths.
-The roller's centre follows h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R
-p(t) + t^2/2 this is (s^2/2 - f*(s))/R, where f* is the convex conjugate of f: the
-roller touches the lower convex hull of f, and the touched position t never decreases as
-s increases. Of any two pieces of a profile the roller therefore touches the left one up
-to some s and the right one beyond, and one pass over the pieces with a stack finds all
-that are touched (as in the distance transform of Felzenszwalb and Huttenlocher, Theory
-of Computing 8, 2012, for single points). A piece quadratic in t gives a parabola in s:
-h'' = 1/R at a corner, c/(1 + R c) on a piece of curvature c.
-Where the contact moves between two pieces that do not adjoin, h has a cusp, at which
-its slope drops.
+
+The roller's centre follows h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R p(t) + t^2/2 this is (s^2/2
+- f*(s))/R, where f* is the convex conjugate of f: the roller touches the lower convex hull of f, and the touched
+position t never decreases as s increases. Of any two pieces of a profile the roller therefore touches the left one
+up to some s and the right one beyond, and one pass over the pieces with a stack finds all that are touched (as in
+the distance transform of Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012, for single points). A piece
+quadratic in t gives a parabola in s: h'' = 1/R at a corner, c/(1 + R c) on a piece of curvature c. Where the
+contact moves between two pieces that do not adjoin, h has a cusp, at which its slope drops.
 """
 
 from collections.abc import Sequence
@@ -26,8 +24,7 @@ BINS_PER_PIECE, MAX_BINS = 2, 4096
 
 
 class Path(NamedTuple):
-    """Piecewise quadratic path: h = H + SLOPE x + HALF_CURVATURE x^2 with x = s - S, up
-    to ``end`` (m); 0 outside.
+    """Piecewise quadratic path: h = H + SLOPE x + HALF_CURVATURE x^2 with x = s - S, up to ``end`` (m); 0 outside.
 
     pieces: (n, 4), with the columns S (m), H (m), SLOPE (1), HALF_CURVATURE (1/m).
     """
@@ -68,8 +65,7 @@ def touchable_parts(profile: Profile, R: float) -> np.ndarray:
 
 
 def _make_part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
-    """Return the part from ``t_0`` to ``t_1`` (m) with depth (m), slope (1) and
-    curvature (1/m) at its start."""
+    """Return the part from ``t_0`` to ``t_1`` (m) with depth (m), slope (1) and curvature (1/m) at its start."""
     x = t_1 - t_0
     return t_0, p, m, c, t_1, _without_rounding(p + x * (m + x * c / 2.0)), t_0 + R * m, t_1 + R * (m + c * x)
 
@@ -105,8 +101,7 @@ def part_curvature(part, s, R):
 
 @jit
 def excess(left, right, s, R):
-    """Return by how much h (m) over the left of two parts exceeds h over the right, and
-    its slope (1).
+    """Return by how much h (m) over the left of two parts exceeds h over the right, and its slope (1).
 
     The excess never decreases with s.
     """
@@ -120,8 +115,7 @@ def crossover(left, right, R):
     """Return the s (m) beyond which the roller touches the right one of two parts;
     -inf: always, inf: never.
 
-    It is the zero of the excess, which never decreases and is quadratic between the
-    limits of contact.
+    It is the zero of the excess, which never decreases and is quadratic between the limits of contact.
     """
     previous = -inf
     min_high, max_low = min(left[HIGH], right[HIGH]), max(left[LOW], right[LOW])
@@ -137,8 +131,7 @@ def crossover(left, right, R):
 
 @jit
 def crossover_within(left, right, low, high, R):
-    """Return the zero (m) of the excess between ``low``, where it is negative, and
-    ``high``, where it is not.
+    """Return the zero (m) of the excess between ``low``, where it is negative, and ``high``, where it is not.
 
     Uses the parabola of the excess at ``high``.
     """
@@ -155,8 +148,7 @@ def crossover_within(left, right, low, high, R):
 def find_touched_parts(parts, R, touched):
     """Find the parts (n, 8) that the roller touches; return their number.
 
-    Fills ``touched`` (2, n), a stack, with the index of each touched part and the s (m)
-    where its contact begins.
+    Fills ``touched`` (2, n), a stack, with the index of each touched part and the s (m) where its contact begins.
     """
     touched[0, 0], touched[1, 0] = 0.0, -inf
     top = 0
@@ -172,8 +164,7 @@ def find_touched_parts(parts, R, touched):
 
 
 def trace_path(profile: Profile, R: float) -> Path:
-    """Return the exact path h(s) of a roller of reduced radius ``R`` (m) over a
-    profile.
+    """Return the exact path h(s) of a roller of reduced radius ``R`` (m) over a profile.
 
     Equation (M4) of docs/defects.md.
     """
@@ -193,8 +184,7 @@ def trace_path(profile: Profile, R: float) -> Path:
 
 
 def _make_path_row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
-    """Return the piece of a path that begins at ``s`` (m) with the contact on a
-    part."""
+    """Return the piece of a path that begins at ``s`` (m) with the contact on a part."""
     h, slope = drop_over_part(part, s, R) if s > -inf else (0.0, 0.0)
     return s, h, slope, 0.5 * part_curvature(part, s, R)
 
@@ -224,8 +214,7 @@ def max_slope(path: Path) -> float:
 
 
 def find_cusp(path: Path) -> tuple[float, float]:
-    """Return the position (m) of the sharpest cusp of a path, and the drop (1) of the
-    slope there."""
+    """Return the position (m) of the sharpest cusp of a path, and the drop (1) of the slope there."""
     next_slopes = np.append(path.pieces[1:, SLOPE], 0.0)
     slope_drops = piece_ends(path)[:, 1] - next_slopes
     k = int(np.argmax(slope_drops))
@@ -240,16 +229,14 @@ HEAD_LENGTH, ROW_LENGTH = 4, 4  # entries
 
 
 def pack_paths(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
-    """Return the tables of all paths in one array (n,), and the offset at which each
-    begins."""
+    """Return the tables of all paths in one array (n,), and the offset at which each begins."""
     tables = [_make_table(path) for path in paths]
     offsets = np.cumsum([0, *(len(table) for table in tables)])
     return np.concatenate([np.zeros(0), *tables]), [int(offset) for offset in offsets[:-1]]
 
 
 def _make_table(path: Path) -> np.ndarray:
-    """Return head, bins and rows of a path. A bin contains the index of the piece at
-    its start."""
+    """Return head, bins and rows of a path. A bin contains the index of the piece at its start."""
     starts = path.pieces[:, S]
     begin, span = starts[0], path.end - starts[0]
     bins = int(min(max(BINS_PER_PIECE * len(starts), 8), MAX_BINS))

@@ -1,21 +1,18 @@
 """Models of the excitation by a defect, from the literature.
 
-A defect is divided along the roller into groups (``defects/closed_forms.py``). At a
-distance s (m) along rolling from the defect's centre the elastic force of a group of
-weight w is
+A defect is divided along the roller into groups (``defects/closed_forms.py``). At a distance s (m) along rolling
+from the defect's centre the elastic force of a group of weight w is
 
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
-and the rate of its approach is reduced by h'(s) ds/dt. An excitation is a type that
-defines share and h (``defect_response``) and the meaning of the columns of its groups
-(``response_groups``), except GROUP_WEIGHT and GROUP_HALF_WIDTH, the half width (m)
-beyond which the defect does not act. The slope never exceeds min(GROUP_HALF_WIDTH, X_E,
-sqrt(2 R DEPTH))/R; estimates of impact speed use this bound.
+and the rate of its approach is reduced by h'(s) ds/dt. An excitation is a type that defines share and h
+(``defect_response``) and the meaning of the columns of its groups (``response_groups``), except GROUP_WEIGHT and
+GROUP_HALF_WIDTH, the half width (m) beyond which the defect does not act. The slope never exceeds
+min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R; estimates of impact speed use this bound.
 
-Several published forms assume a flat race, into which a ball sinks by
-R_w - sqrt(R_w^2 - w^2/4). Here all use the reduced radius R of roller and race, as the
-roller path does, so that they differ only in shape. On the outer race of an NF308 the
-drop is then 15 % less. docs/evidence/excitations.md compares the excitations.
+Several published forms assume a flat race, into which a ball sinks by R_w - sqrt(R_w^2 - w^2/4). Here all use the
+reduced radius R of roller and race, as the roller path does, so that they differ only in shape. On the outer race
+of an NF308 the drop is then 15 % less. docs/evidence/excitations.md compares the excitations.
 """
 
 from math import asin, cos, pi, sin, sqrt
@@ -32,8 +29,8 @@ from bearingsim.core.jit import generic, jit
 
 @generic
 def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
-    """Return the response of one group at ``s`` (m) from the defect's centre:
-    share (1), drop h (m) and slope dh/ds (1).
+    """Return the response of one group at ``s`` (m) from the defect's centre: share (1), drop h (m) and slope
+    dh/ds (1).
 
     group: (5,) row of ``response_groups``; R: radius (m) of the roller relative to the race.
     """
@@ -41,17 +38,14 @@ def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> t
 
 @generic
 def defect_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
-    """Return the derivatives of share (1/m) and slope dh/ds (1/m) with respect to
-    ``s``. Jumps are ignored."""
+    """Return the derivatives of share (1/m) and slope dh/ds (1/m) with respect to ``s``. Jumps are ignored."""
 
 
 @generic
 def response_groups(excitation: Any, defect: Any, rows: list, R: float) -> list:
-    """Return the groups (w, half width, x_e, kappa, depth) of a ``defect`` (a depth
-    map) for ``defect_response``.
+    """Return the groups (w, half width, x_e, kappa, depth) of a ``defect`` (a depth map) for ``defect_response``.
 
-    rows: groups of its roller path (``closed_forms.make_groups``); R: reduced
-    radius (m). Plain Python.
+    rows: groups of its roller path (``closed_forms.make_groups``); R: reduced radius (m). Plain Python.
     """
 
 
@@ -103,8 +97,8 @@ def _defect_response_gradient_traced(excitation, group, s, R):
 
 
 def make_pulse_groups(rows: list, R: float) -> list:
-    """Return the groups of a pulse from the ``rows`` of a roller path: no wall, and as
-    depth the drop (m) at the defect's centre."""
+    """Return the groups of a pulse from the ``rows`` of a roller path: no wall, and as depth the drop (m) at the
+    defect's centre."""
     return [
         (row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, float(roller_drop(np.array(row), 0.0, R)[0]))
         for row in rows
@@ -114,10 +108,9 @@ def make_pulse_groups(rows: list, R: float) -> list:
 class RectangularPulse(NamedTuple):
     """Step to the full drop: h = H inside the defect, 0 outside, H = min(depth, w^2/(8 R)) for a box.
 
-    After the pulses of the ball models of the 2000s (among them Patel, Tandon and
-    Pandey 2010, Sawalhi and Randall 2008). Neglected: gradual entry and exit. The
-    infinite slope of a step is ignored (h' = 0), so at the far rim the approach jumps
-    by up to H, which adds energy to the roller, unlike a real edge.
+    After the pulses of the ball models of the 2000s (among them Patel, Tandon and Pandey 2010, Sawalhi and Randall
+    2008). Neglected: gradual entry and exit. The infinite slope of a step is ignored (h' = 0), so at the far rim
+    the approach jumps by up to H, which adds energy to the roller, unlike a real edge.
     """
 
 
@@ -139,10 +132,9 @@ def _response_groups_rectangular(excitation, defect, rows, R):
 class HalfSinePulse(NamedTuple):
     """Half sine h = H sin(pi (s/w + 1/2)) inside the defect, with the drop H of ``RectangularPulse``.
 
-    After the half-sine displacement excitation of the ball models (among them Liu, Shao
-    and Lim 2012, for a ball larger than the defect). Unlike the roller path over a
-    narrow defect, it has no cusp at the centre, and its area is 6/pi times as large.
-    Its slope jumps at the rims. Neglected: the parabolic path of a roller on a rim.
+    After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
+    larger than the defect). Unlike the roller path over a narrow defect, it has no cusp at the centre, and its
+    area is 6/pi times as large. Its slope jumps at the rims. Neglected: the parabolic path of a roller on a rim.
     """
 
 
@@ -168,16 +160,14 @@ def _response_groups_half_sine(excitation, defect, rows, R):
 
 
 class PiecewisePulse(NamedTuple):
-    """Quarter sine at each rim with a plateau between: h = H sin(pi x/(2 x_r)) for
-    x < x_r, else H.
+    """Quarter sine at each rim with a plateau between: h = H sin(pi x/(2 x_r)) for x < x_r, else H.
 
-    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), the distance at which
-    a roller on the rim of a box of depth d reaches the floor. The shape thus depends on
-    the ratio of roller to defect, as in Liu, Shao and Lim 2012: a defect too narrow for
-    the roller to reach its floor gives one half sine, a wide one a plateau at full
-    depth. Their ball can also rest on the defect's sides (their ratio of length to
-    width); a roller cannot, and the rest of its length stays on the race if the defect
-    is shorter. A V or a bowl has no floor and gives a half sine.
+    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), the distance at which a roller on the rim of a
+    box of depth d reaches the floor. The shape thus depends on the ratio of roller to defect, as in Liu, Shao and
+    Lim 2012: a defect too narrow for the roller to reach its floor gives one half sine, a wide one a plateau at
+    full depth. Their ball can also rest on the defect's sides (their ratio of length to width); a roller cannot,
+    and the rest of its length stays on the race if the defect is shorter. A V or a bowl has no floor and gives a
+    half sine.
     """
 
 
@@ -214,11 +204,10 @@ def _response_groups_piecewise(excitation, defect, rows, R):
 class ClearanceIncrease(NamedTuple):
     """Clearance increased by the defect's depth: h = depth inside the defect, 0 outside, whatever the width.
 
-    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who subtract the
-    defect's depth from the contact deformation. Neglected: the size of the roller,
-    which cannot reach the floor of a narrow defect. The slope is ignored, as for
-    ``RectangularPulse``. A V groove acts with its full depth over its whole width, a
-    bowl with the depth of each group.
+    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who subtract the defect's depth from the
+    contact deformation. Neglected: the size of the roller, which cannot reach the floor of a narrow defect. The
+    slope is ignored, as for ``RectangularPulse``. A V groove acts with its full depth over its whole width, a bowl
+    with the depth of each group.
     """
 
 
@@ -240,20 +229,18 @@ def _response_groups_clearance(excitation, defect, rows, R):
 class PressureShare(NamedTuple):
     """Loss of the contact pressure that would act over the defect, until the approach exceeds the defect's depth.
 
-    After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent depends on the part
-    of the contact that the dent covers. With the semi-elliptic pressure of half width
-    b (m) centred at s, the part of the load over the defect is
+    After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent depends on the part of the contact that the
+    dent covers. With the semi-elliptic pressure of half width b (m) centred at s, the part of the load over the
+    defect is
 
         rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
 
-    and the contact consists of two groups: the share 1 - rho at h = 0, the share rho at
-    h = depth. b is constant: the half width (``hertz.half_width``) on the race under
-    the largest load of the healthy bearing. Column KAPPA of a group contains b if the
-    group is the part over the defect, and -b if it is the other part. Neglected: the
-    pressure shifted to the dent's rims, and the increase of b with load. Valid for
-    dents narrower than the contact, 2 b. Most defects are wider (b is about 18 um at
-    47 N): over them the whole contact drops to the floor, as if the roller were a
-    point.
+    and the contact consists of two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant:
+    the half width (``hertz.half_width``) on the race under the largest load of the healthy bearing. Column KAPPA
+    of a group contains b if the group is the part over the defect, and -b if it is the other part. Neglected: the
+    pressure shifted to the dent's rims, and the increase of b with load. Valid for dents narrower than the
+    contact, 2 b. Most defects are wider (b is about 18 um at 47 N): over them the whole contact drops to the
+    floor, as if the roller were a point.
     """
 
     b: float
@@ -261,8 +248,7 @@ class PressureShare(NamedTuple):
 
 @jit
 def cumulative_pressure(x):
-    """Return the part (0 to 1) of the load of a semi-elliptic pressure over (-1, 1)
-    that acts before ``x``."""
+    """Return the part (0 to 1) of the load of a semi-elliptic pressure over (-1, 1) that acts before ``x``."""
     x = min(max(x, -1.0), 1.0)
     return 0.5 + (asin(x) + x * sqrt(1.0 - x * x)) / pi
 
@@ -310,13 +296,11 @@ def _response_groups_pressure_share(excitation, defect, rows, R):
 class SoftEdge(NamedTuple):
     """Roller path with the contact stiffness reduced to ``stiffness_share`` (1) while the roller rests on a rim.
 
-    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size has a lower
-    contact stiffness in the defect, with slip and traction (here included by the model
-    ``planar``). 0.65 is the mean of 0.6 and 0.7, between which the share of one sharp
-    edge lies in a half-space solution. Floor and walls have full stiffness. Neglected:
-    the transition from race to edge within half a contact width, so the force jumps at
-    the rim; and the second edge, which also supports the roller at the centre of a
-    narrow defect.
+    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size has a lower contact stiffness in the defect,
+    with slip and traction (here included by the model ``planar``). 0.65 is the mean of 0.6 and 0.7, between which
+    the share of one sharp edge lies in a half-space solution. Floor and walls have full stiffness. Neglected: the
+    transition from race to edge within half a contact width, so the force jumps at the rim; and the second edge,
+    which also supports the roller at the centre of a narrow defect.
     """
 
     stiffness_share: float = 0.65
@@ -341,5 +325,5 @@ def _response_groups_soft_edge(excitation, defect, rows, R):
 
 
 STEP_EXCITATIONS = (RectangularPulse, ClearanceIncrease, PressureShare)
-"""Excitations with a step, or nearly a step, at a defect's end, where the approach of a
-roller that has dropped into the defect jumps."""
+"""Excitations with a step, or nearly a step, at a defect's end, where the approach of a roller that has dropped
+into the defect jumps."""

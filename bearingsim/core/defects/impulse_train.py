@@ -1,23 +1,20 @@
 """Instants and strengths of the impulses on the ring in the model ``impulse``. Plain numpy.
 
-McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) assume an impulse at each passage of
-a roller over a point defect, proportional to the load there, q(phi), and superpose the
-trains of several defects (98, 1985, 263-273). They leave the scale of the impulses
-free. Here it follows from the load that a roller loses. Over the defect the roller's
-force on the race is missing, which is equivalent to a force P q(phi) on the ring
-against e_r. At the distance s from the defect's centre
+McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) assume an impulse at each passage of a roller over a point
+defect, proportional to the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273).
+They leave the scale of the impulses free. Here it follows from the load that a roller loses. Over the defect the
+roller's force on the race is missing, which is equivalent to a force P q(phi) on the ring against e_r. At the
+distance s from the defect's centre
 
     (1 - kappa) P = 1 - sum_g w_g max(1 - h_g(s)/delta + kappa P/n, 0)^n,      J = q(phi)/v integral of P ds
 
-h_g: roller path over the defect's group g; delta(phi): approach of both contacts of the
-roller together; v: speed at which the contact moves over the defect; kappa = k
-(cos^2 phi/K_x + sin^2 phi/K_y): the share of the roller's stiffness k = n q/delta in
-that of the ring. The terms in kappa subtract this share while the roller is unloaded
-(with K_x = K_y = inf they vanish). For a fully unloaded roller P = 1/(1 - kappa),
-1.45 for an NF308 without clearance. A defect as long as the roller, much wider than
-sqrt(2 R delta) and deeper than delta, gives J = P q w/v, the force P q over the time of
-crossing; a shorter, narrower or shallower defect gives less. The impulse acts at the
-middle of the crossing, which is accurate for frequencies far below v/w.
+h_g: roller path over the defect's group g; delta(phi): approach of both contacts of the roller together; v: speed
+at which the contact moves over the defect; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the share of the roller's
+stiffness k = n q/delta in that of the ring. The terms in kappa subtract this share while the roller is unloaded
+(with K_x = K_y = inf they vanish). For a fully unloaded roller P = 1/(1 - kappa), 1.45 for an NF308 without
+clearance. A defect as long as the roller, much wider than sqrt(2 R delta) and deeper than delta, gives J = P q
+w/v, the force P q over the time of crossing; a shorter, narrower or shallower defect gives less. The impulse acts
+at the middle of the crossing, which is accurate for frequencies far below v/w.
 
 Neglected: inertia during the crossing, the impact of the returning roller (its impulse is almost only that of the
 load, because the roller is light), and slip.
@@ -59,8 +56,7 @@ class LoadZone(NamedTuple):
 
 
 class ImpulseTrain(NamedTuple):
-    """Impulses on the ring: times (n,) s, ascending; J_x, J_y (n,) N s, along the load
-    line and across it."""
+    """Impulses on the ring: times (n,) s, ascending; J_x, J_y (n,) N s, along the load line and across it."""
 
     times: np.ndarray
     J_x: np.ndarray
@@ -80,8 +76,7 @@ def load(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
 def defect_passages(
     bearing: Bearing, pair: RollerDefectPair, start: float, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the instants (n,) in (start, end], s, of rollers over the defect's centre,
-    and its angles (n,) rad.
+    """Return the instants (n,) in (start, end], s, of rollers over the defect's centre, and its angles (n,) rad.
 
     A defect of the outer race is passed Z times per revolution of the cage, always at its own angle; a defect of
     the inner race Z times per revolution of the ring relative to the cage, at the current angle of the ring; a
@@ -101,8 +96,8 @@ def defect_passages(
 
 
 def instants(offset: float, period: float, speed: float, start: float, end: float) -> np.ndarray:
-    """Return the instants t (n,) in (start, end], s, at which ``speed`` t is ``offset``
-    plus a multiple of ``period``."""
+    """Return the instants t (n,) in (start, end], s, at which ``speed`` t is ``offset`` plus a multiple of
+    ``period``."""
     low, high = (np.floor((speed * t - offset) / period) for t in (start, end))
     return (offset + period * np.arange(low + 1, high + 1)) / speed
 
@@ -117,15 +112,15 @@ def crossing_speed(bearing: Bearing, pair: RollerDefectPair) -> float:
 
 
 def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """Return kappa (n,), the share of a roller at ``phi`` (n,) rad in the ring's
-    stiffness, at most ``MAX_STIFFNESS_SHARE``."""
+    """Return kappa (n,), the share of a roller at ``phi`` (n,) rad in the ring's stiffness, at most
+    ``MAX_STIFFNESS_SHARE``."""
     stiffness = zone.n * load(zone, phi) / approach(zone, phi)
     return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MAX_STIFFNESS_SHARE)
 
 
 def unloaded_width(pair: RollerDefectPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
-    """Return the integral of P over the defect (n,), m: the unloaded distance of rollers with approach
-    ``delta`` > 0 (n,) m."""
+    """Return the integral of P over the defect (n,), m: the unloaded distance of rollers with approach ``delta`` >
+    0 (n,) m."""
     s = ((np.arange(2 * WIDTH_SAMPLES) + 0.5) / WIDTH_SAMPLES - 1.0) * pair.half_width
     h = roller_drops(pair, s)
     delta, kappa = delta[:, None], kappa[:, None]
@@ -161,8 +156,7 @@ def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, 
 def make_train(
     bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerDefectPair], start: float, end: float
 ) -> ImpulseTrain:
-    """Return the impulses at all passages of rollers over the defects in (start, end],
-    s."""
+    """Return the impulses at all passages of rollers over the defects in (start, end], s."""
     parts = [defect_impulses(bearing, zone, pair, start, end) for pair in pairs]
     return merge_trains(parts)
 
@@ -184,8 +178,7 @@ def make_random_train(
     generator: np.random.Generator,
     spacing: float = 50e-6,
 ) -> ImpulseTrain:
-    """Return the train of ``make_train`` with each impulse divided among the asperities
-    of a rough defect.
+    """Return the train of ``make_train`` with each impulse divided among the asperities of a rough defect.
 
     After Behzad, Bastami and Mba (J. Vib. Acoust. 133, 2011, 031011), who attribute the vibration of a damaged
     bearing to random impacts of asperities. Over a defect of width w the impulse J becomes N = w/``spacing``
@@ -208,8 +201,8 @@ def make_random_train(
 
 
 def merge_trains(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> ImpulseTrain:
-    """Merge all (times, angles, strengths) into one train; each impulse acts on the
-    ring against e_r at its angle."""
+    """Merge all (times, angles, strengths) into one train; each impulse acts on the ring against e_r at its
+    angle."""
     times, phi, J = (np.concatenate([np.zeros(0), *(part[n] for part in parts)]) for n in range(3))
     order = np.argsort(times, kind="stable")
     return ImpulseTrain(times[order], (-J * np.cos(phi))[order], (-J * np.sin(phi))[order])

@@ -1,9 +1,8 @@
-"""Time of the next jump of the force on a roller: at a cusp of its path, or at the
-start or end of a pulse.
-At a cusp the slope of the path drops, so the closing rate and with it the damping force
-jump; under a pulse the approach itself jumps. In a step across a jump a method loses
-its order, so adaptive methods end a step there. The positions are computed when a
-roller-defect pair is built (``jump_positions``) and stored in its head
+"""Time of the next jump of the force on a roller: at a cusp of its path, or at the start or end of a pulse.
+
+At a cusp the slope of the path drops, so the closing rate and with it the damping force jump; under a pulse the
+approach itself jumps. In a step across a jump a method loses its order, so adaptive methods end a step there. The
+positions are computed when a roller-defect pair is built (``jump_positions``) and stored in its head
 (``defects/pairs.py``).
 """
 
@@ -91,8 +90,8 @@ def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[floa
 
 
 def full_depth_reach(excitation: Any, group: np.ndarray, R: float) -> float:
-    """Return the largest distance (m) from the centre at which a group acts with its
-    full depth; -1 if there is none."""
+    """Return the largest distance (m) from the centre at which a group acts with its full depth; -1 if there is
+    none."""
     if defect_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
         return -1.0
     low, high = 0.0, float(group[GROUP_HALF_WIDTH])
@@ -125,10 +124,9 @@ def path_cusps(path: Path) -> list[tuple[float, np.ndarray]]:
 def next_jump(model: Any, t: float, y: np.ndarray) -> float:
     """Return the time (s) of the next jump of a force after ``t`` (s); inf if there is none.
 
-    For freely moving rollers the time is predicted from the state in ``y``; it is too
-    early until the jump is near. For rollers without slip the result is ``NEXT_STOP``
-    in ``y`` if that is later than ``t``, so ``NEXT_STOP`` must be the result for an
-    earlier time.
+    For freely moving rollers the time is predicted from the state in ``y``; it is too early until the jump is
+    near. For rollers without slip the result is ``NEXT_STOP`` in ``y`` if that is later than ``t``, so
+    ``NEXT_STOP`` must be the result for an earlier time.
     """
 
 
@@ -174,12 +172,11 @@ def next_jump_without_slip(model, t, y):
 
 
 def next_jump_with_slip(model, t, y):
-    """Implement ``next_jump`` for rollers at any position, from the velocity of the
-    roller nearest to each defect.
+    """Implement ``next_jump`` for rollers at any position, from the velocity of the roller nearest to each defect.
 
-    The transverse motion of the rings, a thousandth of the speed, is neglected. The
-    predicted distance is therefore reduced by a hundredth until it is below
-    ``NEAR_JUMP``. For a skewed roller the position of its centre is used.
+    The transverse motion of the rings, a thousandth of the speed, is neglected. The predicted distance is
+    therefore reduced by a hundredth until it is below ``NEAR_JUMP``. For a skewed roller the position of its
+    centre is used.
     """
     defects, b = model.defects, model.bearing
     _, rate, _ = kinematic_time(model.motion, t)

@@ -1,4 +1,5 @@
 """Contact of one roller over a defect, summed over the defect's groups.
+
 The functions are scalar, because few rollers are in a defect at the same time.
 """
 
@@ -25,8 +26,7 @@ from bearingsim.core.parameters import kinematic_angles
 
 @inlined
 def contact_stiffness(stiffness, delta):
-    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m);
-    zero out of contact."""
+    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m); zero out of contact."""
     return tangent(stiffness, delta) if delta > 0.0 else 0.0
 
 
@@ -35,8 +35,7 @@ def elastic_over_defect(stiffness, defects, d, s, delta):
     """Return the elastic force (N), its derivative (N/m) and the mean approach (m) of a contact in roller-defect
     pair ``d``.
 
-    delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's
-    centre. ``d`` = -1: no defect.
+    delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's centre. ``d`` = -1: no defect.
 
     Equation (M10) of docs/model.md, either side.
     """
@@ -55,13 +54,12 @@ def elastic_over_defect(stiffness, defects, d, s, delta):
 
 @jit
 def force_over_defect(contact, defects, d, s, speed, delta, v):
-    """Return normal force (N), tangential force (N), mean approach (m) and mean closing
-    rate (m/s) of a contact in roller-defect pair ``d``.
+    """Return normal force (N), tangential force (N), mean approach (m) and mean closing rate (m/s) of a contact in
+    roller-defect pair ``d``.
 
-    delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s).
-    The tangential force, sum Q_k dh_k/ds, acts against increasing s. The means are over
-    the groups in contact, for the step monitor; without contact approach and rate are
-    those of the group closest to contact.
+    delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The tangential force, sum
+    Q_k dh_k/ds, acts against increasing s. The means are over the groups in contact, for the step monitor; without
+    contact approach and rate are those of the group closest to contact.
 
     Equation (M6) of docs/defects.md.
     """
@@ -84,11 +82,11 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
 
 @jit
 def correct_contact(side, contact, defects, d, j, s, speed, y):
-    """Correct force, approach and rate of roller ``j`` for roller-defect pair ``d``;
-    return the tangential force (N).
+    """Correct force, approach and rate of roller ``j`` for roller-defect pair ``d``; return the tangential force
+    (N).
 
-    The corrected approach and rate are means over the groups in contact, for the step
-    monitor (``force_over_defect``).
+    The corrected approach and rate are means over the groups in contact, for the step monitor
+    (``force_over_defect``).
     """
     force, approach, rate, _, _ = contact_rows(side)
     y[force + j], tangential, y[approach + j], y[rate + j] = force_over_defect(
@@ -99,8 +97,8 @@ def correct_contact(side, contact, defects, d, j, s, speed, y):
 
 @jit
 def mean_drop_rate(stiffness, defects, d, s, speed, delta):
-    """Return the mean rate dh/dt (m/s) over the groups of roller-defect pair ``d``,
-    weighted by their elastic forces; 0 without a defect.
+    """Return the mean rate dh/dt (m/s) over the groups of roller-defect pair ``d``, weighted by their elastic
+    forces; 0 without a defect.
 
     Equation (M11) of docs/model.md, for a defect at the inner contact.
     """
@@ -144,8 +142,7 @@ def stiffness_over_defect(stiffness, defects, d, s, delta):
 
 @jit
 def mean_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
-    """Return the derivative of ``mean_drop_rate`` with respect to the
-    approach (1/s)."""
+    """Return the derivative of ``mean_drop_rate`` with respect to the approach (1/s)."""
     force, weighted_rate, K, K_weighted_rate = 0.0, 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
@@ -162,8 +159,7 @@ def mean_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
 
 @jit
 def mean_response(defects, d, s):
-    """Return the mean drop (m) over the roller's length, and the share (1) of the
-    stiffness that remains."""
+    """Return the mean drop (m) over the roller's length, and the share (1) of the stiffness that remains."""
     drop, total_share = 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
@@ -175,15 +171,15 @@ def mean_response(defects, d, s):
 
 @inlined
 def prevails(drop, share, other_drop, other_share):
-    """Check if a response acts at a contact rather than another: the deeper one, of
-    equally deep ones the softer."""
+    """Check if a response acts at a contact rather than another: the deeper one, of equally deep ones the
+    softer."""
     return drop > other_drop or (drop == other_drop and share < other_share)
 
 
 @generic
 def roller_at_defect(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
-    """Return the roller nearest to the defect of pair ``d`` at time ``t`` (s), and its
-    distance (m) from the defect's centre."""
+    """Return the roller nearest to the defect of pair ``d`` at time ``t`` (s), and its distance (m) from the
+    defect's centre."""
 
 
 def roller_at_defect_without_slip(model, d, t, y):
@@ -196,8 +192,7 @@ def roller_at_defect_without_slip(model, d, t, y):
 def is_masked(model, d, j, s, t, y):
     """Check if another pair than ``d`` acts at this contact of roller ``j``.
 
-    The other pair acts if its response prevails, or if the responses are equal and it
-    comes first.
+    The other pair acts if its response prevails, or if the responses are equal and it comes first.
     """
     defects = model.defects
     for e in range(len(defects.head)):

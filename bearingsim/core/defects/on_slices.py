@@ -1,10 +1,9 @@
-"""Defects under the slices of a roller: each slice has its own position along the race
-and its own section.
-In ``spatial`` group k of a roller-defect pair belongs to slice k. The position of a
-slice relative to a defect of a race follows from the angle of its contact normal n
-about the ring's own axis; relative to a defect of a roller, from this angle and the
-roller's own. (A roller's angle should be measured about the roller's axis; the error is
-of the order of products of tilts, 1e-6 of the angle at 1 mrad.)
+"""Defects under the slices of a roller: each slice has its own position along the race and its own section.
+
+In ``spatial`` group k of a roller-defect pair belongs to slice k. The position of a slice relative to a defect of
+a race follows from the angle of its contact normal n about the ring's own axis; relative to a defect of a roller,
+from this angle and the roller's own. (A roller's angle should be measured about the roller's axis; the error is of
+the order of products of tilts, 1e-6 of the angle at 1 mrad.)
 """
 
 from math import atan2, sqrt
@@ -32,11 +31,10 @@ ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 @jit
 def slice_polar_position(base, pitch_radius, b_z, zeta, y, j):
-    """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its
-    distance (m) from that axis.
+    """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its distance (m) from that axis.
 
-    base: of the rows of the roller's side; b_z: third component of the ring's axis;
-    zeta: position (m) of the slice along the roller.
+    base: of the rows of the roller's side; b_z: third component of the ring's axis; zeta: position (m) of the
+    slice along the roller.
     """
     r = pitch_radius + y[lay.RADIAL + j] + y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
     t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
@@ -49,11 +47,10 @@ def slice_polar_position(base, pitch_radius, b_z, zeta, y, j):
 
 @jit
 def roller_near_defect(model, d, t, y):
-    """Return the roller nearest to the defect of pair ``d``, and the distance (m) along
-    rolling of its direction e_r from the defect's centre.
+    """Return the roller nearest to the defect of pair ``d``, and the distance (m) along rolling of its direction
+    e_r from the defect's centre.
 
-    The distance of a slice is this plus the defect's radius times the slice's angle
-    (``slice_polar_position``).
+    The distance of a slice is this plus the defect's radius times the slice's angle (``slice_polar_position``).
     """
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
@@ -66,8 +63,7 @@ def roller_near_defect(model, d, t, y):
 
 @jit
 def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
-    """Mark the sides of rollers of which any slice may be over a defect; return their
-    number."""
+    """Mark the sides of rollers of which any slice may be over a defect; return their number."""
     defects, b = model.defects, model.bearing
     pitch_radius = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
@@ -107,10 +103,9 @@ def clear_defect_response(model, y):
 def fill_slice_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
-    tilt_factor: 1, or 0 to neglect the tilt; b_z_outer, b_z_inner: third components of
-    the rings' axes. Of the defects at a slice the deepest acts, as in
-    ``on_roller.is_masked``, of equally deep ones the softest, of equal ones the first,
-    and a burr only where there is no other defect.
+    tilt_factor: 1, or 0 to neglect the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the
+    defects at a slice the deepest acts, as in ``on_roller.is_masked``, of equally deep ones the softest, of equal
+    ones the first, and a burr only where there is no other defect.
     """
     defects, zeta, pitch_radius = (
         model.defects,

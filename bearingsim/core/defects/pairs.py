@@ -1,5 +1,5 @@
-"""Roller-defect pairs: which contacts each defect acts on, and the arrays that store a
-case's defects for compiled code.
+"""Roller-defect pairs: which contacts each defect acts on, and the arrays that store a case's defects for compiled
+code.
 
 A defect of a race forms one pair, with the rollers' contacts on that race. A defect of a roller forms two, one
 with each race. ``head`` stores the properties of a pair, ``groups`` the path over it (``defects/closed_forms.py``,
@@ -24,15 +24,15 @@ ON_OUTER, ON_INNER = -1, -2  # carrier of a defect of a race; that of a roller i
 
 
 class RollerDefectPair(NamedTuple):
-    """A defect and the side of the rollers on which it acts: that of its race, or one
-    of the two for a defect of a roller.
+    """A defect and the side of the rollers on which it acts: that of its race, or one of the two for a defect of a
+    roller.
 
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
-    paths: of a traced defect, one for each group (``defects/traced.py``); cusp: position (m) of the sharpest
-    cusp; span: shortest extent (m) along rolling of the defect or of one of its parts, or 0 if the whole width
-    counts; jumps: positions (m) where the force or its damping part jumps (``defects/jumps.py``).
+    paths: of a traced defect, one for each group (``defects/traced.py``); cusp: position (m) of the sharpest cusp;
+    span: shortest extent (m) along rolling of the defect or of one of its parts, or 0 if the whole width counts;
+    jumps: positions (m) where the force or its damping part jumps (``defects/jumps.py``).
     """
 
     side: int
@@ -58,8 +58,7 @@ FIRST_JUMP = 10
 
 
 class Defects(NamedTuple):
-    """All roller-defect pairs, in two arrays, because every array argument of a
-    function costs reference counting.
+    """All roller-defect pairs, in two arrays, because every array argument of a function costs reference counting.
 
     head: (D, 10 + largest number of jumps), first five as in ``RollerDefectPair``, then half_width (m), number of
     groups used, cusp (m), span (m), number of jumps and their positions (m); groups: (D, K, 5), padded with rows
@@ -72,8 +71,7 @@ class Defects(NamedTuple):
 
 
 def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, min_groups: int = 1) -> Defects:
-    """Pack the roller-defect pairs into ``Defects``, with space for at least
-    ``min_groups`` groups per pair."""
+    """Pack the roller-defect pairs into ``Defects``, with space for at least ``min_groups`` groups per pair."""
     group_count = max([min_groups, *(len(pair.groups) for pair in pairs)])
     groups = np.zeros((len(pairs), group_count, GROUP_COLUMNS))
     for row, pair in zip(groups, pairs, strict=True):
@@ -110,8 +108,8 @@ def inner_reduced_radius(R_w: float, R_i: float) -> float:
 
 @jit
 def nearest_roller(defects, d, theta_c, theta_i, roll, Z):
-    """Return the roller nearest to the defect of pair ``d``, and its distance s (m)
-    along rolling from the defect's centre.
+    """Return the roller nearest to the defect of pair ``d``, and its distance s (m) along rolling from the
+    defect's centre.
 
     theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll:
     angle by which a roller has rotated backwards relative to the line through its centre and the bearing's.
@@ -133,8 +131,7 @@ def nearest_roller(defects, d, theta_c, theta_i, roll, Z):
 
 @jit
 def passing_speed(defects, d, bearing):
-    """Return the speed ds/dt (m/s) of rollers past the defect of pair ``d``, without
-    slip."""
+    """Return the speed ds/dt (m/s) of rollers past the defect of pair ``d``, without slip."""
     carrier = defects.head[d, CARRIER]
     if carrier >= 0.0:
         return defects.head[d, RADIUS] * bearing.omega_b

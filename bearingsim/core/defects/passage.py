@@ -2,9 +2,9 @@
 
     m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + Q_0
 
-x: outward displacement (m) of the roller; delta_o, delta_i: approaches at rest; Q_0:
-force that balances the roller at rest. Other rollers and the motion of the rings are
-neglected, so this is only an estimate of the peak force, made before a run.
+x: outward displacement (m) of the roller; delta_o, delta_i: approaches at rest; Q_0: force that balances the
+roller at rest. Other rollers and the motion of the rings are neglected, so this is only an estimate of the peak
+force, made before a run.
 """
 
 from math import pi, sqrt
@@ -25,8 +25,8 @@ DECAY_TIMES = 10.0  # time simulated after a passage and one more crossing time,
 def passage_peak(model, d, delta_o, delta_i, cpu_end):
     """Return the largest contact force (N) during a roller's passage of roller-defect pair ``d``.
 
-    delta_o, delta_i: approaches (m) of its contacts at rest; cpu_end: CPU time (s) of
-    the thread at which the computation stops (``cpu_time.bounded``).
+    delta_o, delta_i: approaches (m) of its contacts at rest; cpu_end: CPU time (s) of the thread at which the
+    computation stops (``cpu_time.bounded``).
     """
     outer, inner, defects, m = model.outer, model.inner, model.defects, model.bearing.m_r
     speed, half_width = passing_speed(defects, d, model.bearing), defects.head[d, HALF_WIDTH]
@@ -73,9 +73,8 @@ IMPACT_STEP = 0.2  # largest step of an impact, in units of m/C, the decay time 
 def free_impact(m, law, speed, cpu_end):
     """Compute the impact of a free roller of mass ``m`` (kg) on one race with ``speed`` (m/s).
 
-    cpu_end: CPU time (s) of the thread at which the computation stops
-    (``cpu_time.bounded``). Returns the peak force (N) and the largest stiffness (N/m)
-    and damping (N s/m) until the roller is at rest.
+    cpu_end: CPU time (s) of the thread at which the computation stops (``cpu_time.bounded``). Returns the peak
+    force (N) and the largest stiffness (N/m) and damping (N s/m) until the roller is at rest.
     """
     h_max = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = INITIAL_APPROACH, speed, 0.0, 0.0, 0.0

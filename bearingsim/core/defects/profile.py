@@ -1,9 +1,8 @@
-"""Profile of a defect along rolling at one axial position: a piecewise quadratic depth
-p(t) (m).
+"""Profile of a defect along rolling at one axial position: a piecewise quadratic depth p(t) (m).
 
-Depth is positive into the material. Outside and between its pieces the profile is the
-race, p = 0. Pieces may meet with a step (a vertical wall) or a corner. Straight lines
-and parabolas are exact; ``fit_parabolas`` approximates other curves.
+Depth is positive into the material. Outside and between its pieces the profile is the race, p = 0. Pieces may meet
+with a step (a vertical wall) or a corner. Straight lines and parabolas are exact; ``fit_parabolas`` approximates
+other curves.
 """
 
 from typing import NamedTuple
@@ -30,18 +29,17 @@ def make_piece(start: float, end: float, depth: float, slope: float = 0.0, curva
 
 
 def make_polyline(t: np.ndarray, p: np.ndarray) -> Profile:
-    """Return the profile of straight lines between the points (``t``, ``p``) (n,) in m,
-    without lines on the race."""
+    """Return the profile of straight lines between the points (``t``, ``p``) (n,) in m, without lines on the
+    race."""
     pieces = np.stack([t[:-1], t[1:], p[:-1], np.diff(p) / np.diff(t), np.zeros(len(t) - 1)], axis=1)
     return Profile(pieces[(p[:-1] != 0.0) | (p[1:] != 0.0)])
 
 
 def fit_parabolas(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
-    """Return a smooth profile through the points (``t``, ``p``) (n,) in m, with two
-    parabolas per interval.
+    """Return a smooth profile through the points (``t``, ``p``) (n,) in m, with two parabolas per interval.
 
-    slope: (n,), the slopes (1) at the points; an interval with a non-finite slope at
-    either end is a straight line.
+    slope: (n,), the slopes (1) at the points; an interval with a non-finite slope at either end is a straight
+    line.
     """
     width, rise = np.diff(t), np.diff(p)
     curved = np.isfinite(slope[:-1]) & np.isfinite(slope[1:])
@@ -80,8 +78,7 @@ def end_depths(profile: Profile) -> np.ndarray:
 
 
 def relief(profile: Profile) -> float:
-    """Return the height (m) from the lowest to the highest point of a profile, the
-    surrounding race included."""
+    """Return the height (m) from the lowest to the highest point of a profile, the surrounding race included."""
     start, end, _, m, c = profile.pieces.T
     vertex = start + np.clip(-m / np.where(c == 0.0, 1.0, c), 0.0, end - start)
     x = np.where(c == 0.0, 0.0, vertex - start)
@@ -90,8 +87,7 @@ def relief(profile: Profile) -> float:
 
 
 def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
-    """Return the depth (n,), m, at ``t`` (n,), m; on a step the depth of the piece that
-    begins there."""
+    """Return the depth (n,), m, at ``t`` (n,), m; on a step the depth of the piece that begins there."""
     pieces = profile.pieces
     if len(pieces) == 0:
         return np.zeros(len(t))
@@ -102,8 +98,7 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 
 
 def merge_profiles(left: Profile, right: Profile) -> Profile:
-    """Return the deeper of two profiles where both have a piece, elsewhere the one that
-    has a piece."""
+    """Return the deeper of two profiles where both have a piece, elsewhere the one that has a piece."""
     if len(left.pieces) == 0 or len(right.pieces) == 0:
         return right if len(left.pieces) == 0 else left
     ends = _distinct_ends(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
@@ -120,8 +115,7 @@ def merge_profiles(left: Profile, right: Profile) -> Profile:
 
 
 def _distinct_ends(ends: np.ndarray) -> np.ndarray:
-    """Return the ends (m) in ascending order, only one of several that are closer than
-    ``MIN_SPACING``."""
+    """Return the ends (m) in ascending order, only one of several that are closer than ``MIN_SPACING``."""
     ordered = np.sort(ends)
     return ordered[np.append(True, np.diff(ordered) > MIN_SPACING)]
 
@@ -135,8 +129,7 @@ def _piece_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 def _values_at(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Return depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; a depth of -inf for the race.
 
-    With -inf, a raised rim is not replaced by the race where the other profile has no
-    piece.
+    With -inf, a raised rim is not replaced by the race where the other profile has no piece.
     """
     start, _, p, m, c = profile.pieces[k].T
     x = t - start
@@ -144,8 +137,7 @@ def _values_at(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def _crossings(left: Profile, right: Profile, ends: np.ndarray) -> np.ndarray:
-    """Return the positions (m) between ``ends`` at which two profiles have the same
-    depth."""
+    """Return the positions (m) between ``ends`` at which two profiles have the same depth."""
     low, midpoints = ends[:-1], (ends[1:] + ends[:-1]) / 2.0
     a, b = _piece_at(left, midpoints), _piece_at(right, midpoints)
     overlap = (a >= 0) & (b >= 0)

@@ -1,12 +1,11 @@
 """A random spall that grows bowl by bowl, along rolling and axially.
-Material breaks out where rolling elements land, at the trailing rim, so each new bowl
-has its centre on this rim. Its axial position is one of ``DRAWS`` positions drawn
-uniformly from the extent of the spall, the one at which the rim lies least far along
-rolling, because a straight roller lands there first. Its half sizes and depth are drawn
-uniformly from ``SIZES`` and ``DEPTHS``; the half sizes of the first bowl are 1. The
-spall thus grows along rolling and becomes longer axially. A full-grown spall has
-``BOWLS`` bowls and is scaled to its length, width and depth; a less grown one lacks the
-later bowls, and its last bowl is smaller. These numbers are assumptions, not
+
+Material breaks out where rolling elements land, at the trailing rim, so each new bowl has its centre on this rim.
+Its axial position is one of ``DRAWS`` positions drawn uniformly from the extent of the spall, the one at which the
+rim lies least far along rolling, because a straight roller lands there first. Its half sizes and depth are drawn
+uniformly from ``SIZES`` and ``DEPTHS``; the half sizes of the first bowl are 1. The spall thus grows along rolling
+and becomes longer axially. A full-grown spall has ``BOWLS`` bowls and is scaled to its length, width and depth; a
+less grown one lacks the later bowls, and its last bowl is smaller. These numbers are assumptions, not
 measurements: docs/evidence/defects.md.
 """
 
@@ -31,8 +30,8 @@ Bowl = tuple[float, float, float, float, float]
 class Spall(NamedTuple):
     """A spall.
 
-    length, width, depth: axially, along rolling and into the material (m), full-grown;
-    grown: stage of growth (0 to 1); seed: of its random numbers.
+    length, width, depth: axially, along rolling and into the material (m), full-grown; grown: stage of growth (0
+    to 1); seed: of its random numbers.
     """
 
     length: float
@@ -44,8 +43,7 @@ class Spall(NamedTuple):
 
 @lru_cache(maxsize=64)
 def draw_bowls(seed: int) -> tuple[Bowl, ...]:
-    """Return the bowls of a full-grown spall in order of formation, scaled to a box of
-    unit sides.
+    """Return the bowls of a full-grown spall in order of formation, scaled to a box of unit sides.
 
     The box extends from -1/2 to 1/2 along rolling and axially, and has the depth 1.
     """
@@ -60,8 +58,7 @@ def draw_bowls(seed: int) -> tuple[Bowl, ...]:
 
 
 def trailing_rim(bowls: list[Bowl], z: float) -> float:
-    """Return the position along rolling of a spall's trailing rim at the axial position
-    ``z``."""
+    """Return the position along rolling of a spall's trailing rim at the axial position ``z``."""
     return max(u + a * sqrt(1.0 - ((z - v) / b) ** 2) for u, v, a, b, _ in bowls if abs(z - v) <= b)
 
 

@@ -1,5 +1,4 @@
-"""Conversion of depth maps for the core: slices of a roller over a defect, their paths,
-and the table of paths."""
+"""Conversion of depth maps for the core: slices of a roller over a defect, their paths, and the table of paths."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -27,17 +26,15 @@ from bearingsim.core.defects.profile import Profile, relief
 PIECE_RESOLUTION = np.array([1e-12, 1e-18, 1e-12, 1e-6])
 """Differences (m, m, 1, 1/m) below which pieces of paths are equal."""
 RollerSlice = tuple[float, float]
-"""Weight (1) of a slice of a roller and the position z (m) of its centre from the
-roller's."""
+"""Weight (1) of a slice of a roller and the position z (m) of its centre from the roller's."""
 
 
 def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     """Return the slices of a roller of length ``L_w`` (m) over a defect.
 
-    Their weights sum to the part of the roller over the defect. An interval of constant
-    section has one slice. On one of smoothly varying section the slices are Gauss
-    nodes: ``nodes`` on the longest interval, in proportion on others. One of rough
-    section has the same number of slices, of equal length.
+    Their weights sum to the part of the roller over the defect. An interval of constant section has one slice. On
+    one of smoothly varying section the slices are Gauss nodes: ``nodes`` on the longest interval, in proportion on
+    others. One of rough section has the same number of slices, of equal length.
     """
     intervals = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in section_intervals(defect)]
     intervals = [(a, b, kind) for a, b, kind in intervals if b > a]
@@ -50,8 +47,7 @@ def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
 
 
 def _quadrature(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the nodes in (-1, 1) and the weights (sum 2) of the quadrature for a
-    ``kind`` of interval."""
+    """Return the nodes in (-1, 1) and the weights (sum 2) of the quadrature for a ``kind`` of interval."""
     if kind == CONSTANT_SECTION:
         return np.zeros(1), np.full(1, 2.0)
     if kind == SMOOTH_SECTION:
@@ -64,16 +60,14 @@ TracedGroup = tuple[tuple[float, ...], Path]
 
 
 def trace_paths(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
-    """Return group and path of a roller over a defect at each z (m) of ``positions``,
-    cached."""
+    """Return group and path of a roller over a defect at each z (m) of ``positions``, cached."""
     return _trace_paths(defect, repr(defect), R, tuple(float(z) for z in positions))
 
 
 @lru_cache(maxsize=256)
 def _trace_paths(defect: Any, shape_key: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
-    """Cache ``trace_paths``; ``shape_key`` distinguishes shapes that are equal as
-    tuples. The paths of a rough defect in 41 slices take 20 kB, so the cache covers a
-    sweep."""
+    """Cache ``trace_paths``; ``shape_key`` distinguishes shapes that are equal as tuples. The paths of a rough
+    defect in 41 slices take 20 kB, so the cache covers a sweep."""
     return tuple(_trace(section(defect, z), R) for z in positions)
 
 
@@ -87,8 +81,8 @@ def _trace(profile: Profile, R: float) -> TracedGroup:
 
 
 def trace_groups(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
-    """Return groups and paths of a roller over a defect: one for all slices with equal
-    paths, and one for the undamaged length."""
+    """Return groups and paths of a roller over a defect: one for all slices with equal paths, and one for the
+    undamaged length."""
     merged: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, trace_paths(defect, R, [z for _, z in slices]), strict=True):
         key = (np.round(np.append(path.pieces / PIECE_RESOLUTION, path.end / PIECE_RESOLUTION[0])) + 0.0).tobytes()
@@ -101,15 +95,14 @@ def trace_groups(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[
 
 
 def trace_slices(defect: Any, R: float, centres: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
-    """Return a group of weight 1 and a path for each slice of a roller, from the
-    ``centres`` (m) of the slices."""
+    """Return a group of weight 1 and a path for each slice of a roller, from the ``centres`` (m) of the slices."""
     traced = trace_paths(defect, R, centres)
     return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
 
 
 def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
-    """Return the position (m) of the cusp with the largest product of slope drop and
-    group weight; 0 if there is none."""
+    """Return the position (m) of the cusp with the largest product of slope drop and group weight; 0 if there is
+    none."""
     cusps = [(find_cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
     position, largest = 0.0, 0.0
     for (cusp_position, slope_drop), weight in cusps:
@@ -119,8 +112,8 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
 
 
 def defect_span(defect: Any, R: float) -> float:
-    """Return the length (m) along rolling over which a defect acts at its axial centre,
-    the shortest of merged defects; ``R``: reduced radius (m)."""
+    """Return the length (m) along rolling over which a defect acts at its axial centre, the shortest of merged
+    defects; ``R``: reduced radius (m)."""
     if isinstance(defect, MergedDefects):
         return min(defect_span(part, R) for part in defect.defects)
     low, high, z_0, z_1 = extent(defect)

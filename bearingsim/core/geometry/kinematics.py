@@ -1,18 +1,17 @@
 """Rolling without slip: cage speed and the frequencies at which elements pass.
 
-Angles in rad, speeds in rad/s, frequencies in Hz, lengths in m. ``omega_i`` is the
-speed of the inner ring relative to the outer ring; if both rotate, the cage speed is
-also relative to the outer ring. ``angle`` is the contact angle, 0 in all models, which
-are of radial bearings. Source: Harris, Rolling Bearing Analysis, ch. 8; the tables of
-Schaeffler and CWRU agree.
+Angles in rad, speeds in rad/s, frequencies in Hz, lengths in m. ``omega_i`` is the speed of the inner ring
+relative to the outer ring; if both rotate, the cage speed is also relative to the outer ring. ``angle`` is the
+contact angle, 0 in all models, which are of radial bearings. Source: Harris, Rolling Bearing Analysis, ch. 8; the
+tables of Schaeffler and CWRU agree.
 """
 
 from math import cos, pi
 
 
 def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Return the angular speed of the cage (rad/s) if the inner ring rotates at
-    ``omega_i`` and the outer is fixed.
+    """Return the angular speed of the cage (rad/s) if the inner ring rotates at ``omega_i`` and the outer is
+    fixed.
 
     Equation (M2) of docs/model.md, without slip.
     """
@@ -25,14 +24,12 @@ def fundamental_train_frequency(omega_i: float, D_w: float, d_m: float, angle: f
 
 
 def ball_pass_frequency_outer(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
-    """Return BPFO, the frequency (Hz) at which rolling elements pass a point of the
-    outer race."""
+    """Return BPFO, the frequency (Hz) at which rolling elements pass a point of the outer race."""
     return Z * fundamental_train_frequency(omega_i, D_w, d_m, angle)
 
 
 def ball_pass_frequency_inner(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
-    """Return BPFI, the frequency (Hz) at which rolling elements pass a point of the
-    inner race."""
+    """Return BPFI, the frequency (Hz) at which rolling elements pass a point of the inner race."""
     return Z * (omega_i / (2.0 * pi) - fundamental_train_frequency(omega_i, D_w, d_m, angle))
 
 

@@ -13,8 +13,8 @@ class Steady(NamedTuple):
 
 
 class Ramp(NamedTuple):
-    """Linear change of speed from ``Bearing.omega_i`` to ``ratio`` times that at
-    ``T`` (s), then constant speed."""
+    """Linear change of speed from ``Bearing.omega_i`` to ``ratio`` times that at ``T`` (s), then constant
+    speed."""
 
     ratio: float
     T: float
@@ -24,9 +24,8 @@ class Ramp(NamedTuple):
 def kinematic_time(motion: Any, t: float) -> tuple[float, float, float]:
     """Return the equivalent time (s) at the initial speed, its first derivative (1) and its second (1/s).
 
-    In the equivalent time the ring would rotate by the same angle at its initial speed.
-    Angles are omega_i times this time, speeds omega_i times its first derivative; at
-    constant speed the results are t, 1, 0.
+    In the equivalent time the ring would rotate by the same angle at its initial speed. Angles are omega_i times
+    this time, speeds omega_i times its first derivative; at constant speed the results are t, 1, 0.
     """
 
 
@@ -59,14 +58,12 @@ def is_steady(model: Any) -> bool:
 
 
 def kinematic_times(model: Any, time: np.ndarray) -> np.ndarray:
-    """Return the equivalent time of ``kinematic_time`` (n,), s, at each ``time`` (n,),
-    s."""
+    """Return the equivalent time of ``kinematic_time`` (n,), s, at each ``time`` (n,), s."""
     motion = model_motion(model)
     return time if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[0] for t in time.tolist()])
 
 
 def speed_factor(model: Any, time: np.ndarray) -> Any:
-    """Return the speed at each ``time`` (n,), s, over the speed at t = 0; the number
-    1.0 at a steady speed."""
+    """Return the speed at each ``time`` (n,), s, over the speed at t = 0; the number 1.0 at a steady speed."""
     motion = model_motion(model)
     return 1.0 if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[1] for t in time.tolist()])

@@ -1,14 +1,13 @@
 """Direction and rotation of axisymmetric bodies (symmetric tops).
 
-The axis is a unit vector a, of which the components a_x, a_y in fixed directions are
-stored, a_z = sqrt(1 - a_x^2 - a_y^2). The body's angle beta about the axis is measured
-from the orientation after the smallest rotation from e_z to a. Its angular velocity is
-then
+The axis is a unit vector a, of which the components a_x, a_y in fixed directions are stored, a_z = sqrt(1 - a_x^2
+- a_y^2). The body's angle beta about the axis is measured from the orientation after the smallest rotation from
+e_z to a. Its angular velocity is then
 
     Omega = a x a' + omega a,     omega = beta' + winding,     winding = (a_x' a_y - a_x a_y')/(1 + a_z)
 
-where the winding is the speed about the axis that is due to its precession. With the
-axial and transverse moments of inertia I_a and I_t and the moment M about the centre,
+where the winding is the speed about the axis that is due to its precession. With the axial and transverse moments
+of inertia I_a and I_t and the moment M about the centre,
 
     omega' = M.a/I_a,     a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
@@ -25,8 +24,8 @@ from bearingsim.core.jit import jit
 class Body(NamedTuple):
     """Current state of a ring or the cage, along e_0, e_90 and e_z.
 
-    x, y, z: centre (m), v_x, v_y, v_z: velocity (m/s); a_x, a_y, a_z: axis, w_x, w_y, w_z: its rate (1/s);
-    omega: angular velocity about the axis (rad/s).
+    x, y, z: centre (m), v_x, v_y, v_z: velocity (m/s); a_x, a_y, a_z: axis, w_x, w_y, w_z: its rate (1/s); omega:
+    angular velocity about the axis (rad/s).
     """
 
     x: float
@@ -52,8 +51,7 @@ def axis_z(a_x, a_y):
 
 @jit
 def axis_precession(a_x, a_y, a_z, w_x, w_y):
-    """Return the winding (rad/s), the speed of a body about its axis that is due to the
-    precession of the axis.
+    """Return the winding (rad/s), the speed of a body about its axis that is due to the precession of the axis.
 
     Equation (S1) of docs/spatial.md.
     """
@@ -62,8 +60,8 @@ def axis_precession(a_x, a_y, a_z, w_x, w_y):
 
 @jit
 def axis_precession_rate(body, l_x, l_y):
-    """Return the rate (rad/s^2) of ``axis_precession`` if the axis has the acceleration
-    ``l_x``, ``l_y`` (1/s^2)."""
+    """Return the rate (rad/s^2) of ``axis_precession`` if the axis has the acceleration ``l_x``, ``l_y``
+    (1/s^2)."""
     denominator = 1.0 + body.a_z
     numerator = body.w_x * body.a_y - body.a_x * body.w_y
     return (l_x * body.a_y - body.a_x * l_y) / denominator - numerator * body.w_z / (denominator * denominator)
@@ -73,8 +71,8 @@ def axis_precession_rate(body, l_x, l_y):
 def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
     """Return the acceleration (1/s^2) of the x and y components of the axis under a moment (N m).
 
-    spin: angular momentum about the axis (kg m^2/s). All components are along the same
-    directions, fixed or those of the current frame.
+    spin: angular momentum about the axis (kg m^2/s). All components are along the same directions, fixed or those
+    of the current frame.
 
     The term a'' of equation (S1) in docs/spatial.md.
     """

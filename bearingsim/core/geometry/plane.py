@@ -18,14 +18,12 @@ S_3, S_5, S_7 = -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.9841
 S_9, S_11, S_13 = 2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10
 C_4, C_6, C_8 = 4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05
 C_10, C_12, C_14 = -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11
-"""Coefficients of sine and cosine by powers of an angle up to pi/4 (FreeBSD's msun,
-k_sin.c and k_cos.c)."""
+"""Coefficients of sine and cosine by powers of an angle up to pi/4 (FreeBSD's msun, k_sin.c and k_cos.c)."""
 
 
 @inlined
 def cos_sin(angle):
-    """Return cosine and sine of ``angle`` (rad); a call is 17 ns faster than two
-    library calls.
+    """Return cosine and sine of ``angle`` (rad); a call is 17 ns faster than two library calls.
 
     The error is below 3e-16 plus 2e-16 of the angle, the rounding error of the angle.
     """
@@ -50,8 +48,7 @@ class Centre(NamedTuple):
 
 @inlined
 def centre_at(cell, y):
-    """Return the centre whose coordinates are stored in the shared cells ``cell`` and
-    ``cell`` + 1."""
+    """Return the centre whose coordinates are stored in the shared cells ``cell`` and ``cell`` + 1."""
     p, v = lay.POSITION + cell, lay.VELOCITY + cell
     return Centre(y[p], y[p + 1], y[v], y[v + 1])
 
@@ -60,8 +57,8 @@ def centre_at(cell, y):
 def fill_roller_direction(C, S, y, j):
     """Fill the directions of roller ``j`` and of its pocket.
 
-    C, S: cosine and sine of the angle of pocket 0. |EPS| remains below 0.01, where the
-    series are exact to rounding errors.
+    C, S: cosine and sine of the angle of pocket 0. |EPS| remains below 0.01, where the series are exact to
+    rounding errors.
     """
     cos_pocket = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
     sin_pocket = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
@@ -83,8 +80,7 @@ def fill_roller_direction(C, S, y, j):
 
 @jit
 def fill_roller_directions(theta_c, y, n):
-    """Fill the directions of all rollers and pockets, with pocket 0 at
-    ``theta_c`` (rad).
+    """Fill the directions of all rollers and pockets, with pocket 0 at ``theta_c`` (rad).
 
     Equation (P1) of docs/planar.md.
     """
@@ -95,13 +91,12 @@ def fill_roller_directions(theta_c, y, n):
 
 @jit
 def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
-    """Compute position and velocity of a roller relative to a ring with the centre
-    ``u_x``, ``u_y`` (m) and its velocity ``v_x``, ``v_y`` (m/s).
+    """Compute position and velocity of a roller relative to a ring with the centre ``u_x``, ``u_y`` (m) and its
+    velocity ``v_x``, ``v_y`` (m/s).
 
-    c, s: cosine and sine of the roller's angle; r, v: its radial position (m) and
-    speed (m/s); theta_v: its orbital speed (rad/s). Returns its distance rho from the
-    centre (m), the direction n to it along e_r and e_theta, r - rho (m) without
-    cancellation, and its velocity relative to the centre along e_r and e_theta (m/s).
+    c, s: cosine and sine of the roller's angle; r, v: its radial position (m) and speed (m/s); theta_v: its
+    orbital speed (rad/s). Returns its distance rho from the centre (m), the direction n to it along e_r and
+    e_theta, r - rho (m) without cancellation, and its velocity relative to the centre along e_r and e_theta (m/s).
     """
     u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
     x = r - u_r
@@ -122,8 +117,8 @@ def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
 def approach(side, bearing, ring, omega_cage, y, j):
     """Compute approach, its rate, normal and transverse speed of one contact of roller ``j`` on an undamaged race.
 
-    side: of the contact; ring: ``Centre`` of its ring, from which the normal points to
-    the roller; omega_cage: speed of the cage (rad/s).
+    side: of the contact; ring: ``Centre`` of its ring, from which the normal points to the roller; omega_cage:
+    speed of the cage (rad/s).
 
     Equation (P3) of docs/planar.md without h.
     """
@@ -151,7 +146,6 @@ def approach(side, bearing, ring, omega_cage, y, j):
 
 @inlined
 def small_angle(sine):
-    """Return the angle (rad) of a ``sine`` by its series, exact to rounding errors
-    below 0.02."""
+    """Return the angle (rad) of a ``sine`` by its series, exact to rounding errors below 0.02."""
     z = sine * sine
     return sine * (1.0 + z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (15.0 / 336.0 + z * (105.0 / 3456.0)))))

@@ -1,5 +1,4 @@
-"""Sides of a roller, on which it touches a race, as types, so that the same code is
-compiled for each."""
+"""Sides of a roller, on which it touches a race, as types, so that the same code is compiled for each."""
 
 from typing import Any, NamedTuple
 
@@ -27,20 +26,20 @@ def side_rows(side: Any) -> int:
 
 @generic(inline="early")
 def contact_rows(side: Any) -> tuple[int, int, int, int, int]:
-    """Return the rows of force, approach, its rate, slip and tangential force over a
-    defect in the planar models."""
+    """Return the rows of force, approach, its rate, slip and tangential force over a defect in the planar
+    models."""
 
 
 @generic(inline="early")
 def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
-    """Return the rows of the normal n along e_r and e_theta, of rho, of the speed
-    transverse to n, and of the rate of rho over a defect."""
+    """Return the rows of the normal n along e_r and e_theta, of rho, of the speed transverse to n, and of the rate
+    of rho over a defect."""
 
 
 @generic(inline="early")
 def load_cells(side: Any) -> tuple[int, int, int]:
-    """Return the cells of a ring's loads: the first in the plane, the first out of the
-    plane, and the moment about the axis."""
+    """Return the cells of a ring's loads: the first in the plane, the first out of the plane, and the moment about
+    the axis."""
 
 
 @generic(inline="early")

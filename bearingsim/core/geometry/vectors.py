@@ -38,8 +38,8 @@ def combine_three(p, a, q, b, r, c):
 
 @jit
 def angular_velocity(body, c, s):
-    """Return the angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z at
-    the angle with cosine ``c`` and sine ``s``.
+    """Return the angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z at the angle with cosine ``c``
+    and sine ``s``.
 
     Equation (S1) of docs/spatial.md: a x da/dt + omega a, with the unit vector a along the axis.
     """

@@ -1,8 +1,7 @@
 """Hertz contact: constants of the contact laws from geometry and material. Plain Python, not compiled.
 
-Valid for smooth and dry elastic half-spaces of one material (E, nu), with a contact
-small compared to the radii. Source: K. L. Johnson, Contact Mechanics, Cambridge 1985,
-sections 4.1 and 4.2.
+Valid for smooth and dry elastic half-spaces of one material (E, nu), with a contact small compared to the radii.
+Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 4.1 and 4.2.
 """
 
 from math import exp, log, pi, sqrt
@@ -62,13 +61,11 @@ class PointContact(NamedTuple):
 
 
 def make_ball_contact(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
-    """Return the contact of a ball of diameter ``D_w`` (m) on a race with groove radius
-    ``r_g`` (m).
+    """Return the contact of a ball of diameter ``D_w`` (m) on a race with groove radius ``r_g`` (m).
 
-    E, nu: Young's modulus (Pa) and Poisson's ratio of both; ``R``: radius (m) of the
-    race at the bottom of its groove, positive for an inner race (convex), negative for
-    an outer one (concave). The long axis is transverse to rolling. Raises ValueError if
-    the ball does not fit the groove, or so closely that the contact is no ellipse
+    E, nu: Young's modulus (Pa) and Poisson's ratio of both; ``R``: radius (m) of the race at the bottom of its
+    groove, positive for an inner race (convex), negative for an outer one (concave). The long axis is transverse
+    to rolling. Raises ValueError if the ball does not fit the groove, or so closely that the contact is no ellipse
     (``axis_ratio``).
     """
     rho_along, rho_across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # relative curvatures, 1/m
@@ -81,9 +78,9 @@ def make_elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointCon
     """Return the contact of two bodies with relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any
     order.
 
-    E_star: ``effective_modulus`` (Pa). Raises ValueError if the ratio of the curvatures
-    is too large (``axis_ratio``). With kappa = a/b, the complete elliptic integrals K
-    and E of the modulus e, e^2 = 1 - 1/kappa^2, and A + B = (rho_1 + rho_2)/2:
+    E_star: ``effective_modulus`` (Pa). Raises ValueError if the ratio of the curvatures is too large
+    (``axis_ratio``). With kappa = a/b, the complete elliptic integrals K and E of the modulus e, e^2 = 1 -
+    1/kappa^2, and A + B = (rho_1 + rho_2)/2:
 
         k = (2 pi E*/3) kappa sqrt(E/(K^3 (A + B))),    a^3 = 3 Q kappa^2 E/(2 pi E* (A + B))
 
@@ -122,15 +119,14 @@ def modulus_squared(kappa: float) -> float:
 
 
 def curvature_ratio(kappa: float) -> float:
-    """Return the ratio of curvatures B/A = (kappa^2 E - K)/(K - E) for which the
-    contact ellipse has the axis ratio ``kappa`` > 1."""
+    """Return the ratio of curvatures B/A = (kappa^2 E - K)/(K - E) for which the contact ellipse has the axis
+    ratio ``kappa`` > 1."""
     _, deficit = elliptic_integrals(kappa)
     return kappa * kappa * (modulus_squared(kappa) - deficit) / deficit
 
 
 def axis_ratio(ratio: float) -> float:
-    """Return kappa = a/b of the contact ellipse of bodies with the ratio of curvatures
-    B/A = ``ratio`` >= 1.
+    """Return kappa = a/b of the contact ellipse of bodies with the ratio of curvatures B/A = ``ratio`` >= 1.
 
     Raises ValueError if kappa exceeds ``MAX_AXIS_RATIO``.
     """

@@ -1,10 +1,8 @@
-"""Tables of a function of one positive number, by a cubic in each of 32 cells per
-octave.
+"""Tables of a function of one positive number, by a cubic in each of 32 cells per octave.
 
-The cell of a number follows from its bits, without logarithm or search. A table is a
-flat array of four coefficients per cell, for powers of the distance from the cell's
-left end. Below FLOOR there is one cell from the origin (where the function is 0); above
-CEILING the function is a straight line.
+The cell of a number follows from its bits, without logarithm or search. A table is a flat array of four
+coefficients per cell, for powers of the distance from the cell's left end. Below FLOOR there is one cell from the
+origin (where the function is 0); above CEILING the function is a straight line.
 """
 
 from collections.abc import Callable
@@ -43,8 +41,8 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
 
 @jit
 def cell(y):
-    """Return the index of the first coefficient of the cell of ``y``, and the distance
-    of ``y`` from its left end."""
+    """Return the index of the first coefficient of the cell of ``y``, and the distance of ``y`` from its left
+    end."""
     limited = min(max(_LOWEST, y), CEILING)  # in this order NaN gets a valid cell and remains in the distance
     index = np.float64(limited).view(np.int64) >> _SHIFT
     left = np.int64(index << _SHIFT).view(np.float64)

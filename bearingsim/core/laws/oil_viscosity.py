@@ -37,14 +37,12 @@ def iso_viscosity(grade: int, celsius: float) -> float:
     """Return the viscosity (Pa s) of a mineral oil of the ISO VG ``grade`` and viscosity index 95 at a temperature
     in C.
 
-    Walther's equation as in ASTM D341, log10 log10(nu + 0.7) = A - B log10 T, nu in
-    mm2/s, T in K, through the grade's viscosity at 40 C and that at 100 C to which ISO
-    2909 (ASTM D2270, procedure A) assigns the index 95, by linear interpolation of its
-    table. Below 2 mm2/s the index is undefined: the values of VG 2, 3 and 5 at 100 C
-    are extrapolated with the slope B of VG 7 and 10; the neglected low-viscosity term
-    of ASTM D341 is 2 %. An oil may differ from the midpoint of its grade by 10 %.
-    Raises ValueError for other grades and outside -20 .. 150 C: colder oils depart from
-    the straight line (wax, pour point), and hotter ones oxidise.
+    Walther's equation as in ASTM D341, log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s, T in K, through the
+    grade's viscosity at 40 C and that at 100 C to which ISO 2909 (ASTM D2270, procedure A) assigns the index 95,
+    by linear interpolation of its table. Below 2 mm2/s the index is undefined: the values of VG 2, 3 and 5 at 100
+    C are extrapolated with the slope B of VG 7 and 10; the neglected low-viscosity term of ASTM D341 is 2 %. An
+    oil may differ from the midpoint of its grade by 10 %. Raises ValueError for other grades and outside -20 ..
+    150 C: colder oils depart from the straight line (wax, pour point), and hotter ones oxidise.
     """
     if grade not in GRADES:
         raise ValueError(f"ISO VG {grade} is not a grade of ISO 3448, which has {', '.join(map(str, GRADES))}")
@@ -54,16 +52,15 @@ def iso_viscosity(grade: int, celsius: float) -> float:
 
 
 def walther(nu_40: float, nu_100: float, celsius: float) -> float:
-    """Return the kinematic viscosity (mm2/s) at a temperature, from the straight line
-    of ASTM D341 through the values at 40 and 100 C."""
+    """Return the kinematic viscosity (mm2/s) at a temperature, from the straight line of ASTM D341 through the
+    values at 40 and 100 C."""
     log_40, log_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
     T, T_40, T_100 = (log10(c + ZERO_CELSIUS) for c in (celsius, 40.0, 100.0))
     return float(10.0**10.0 ** (log_40 + (log_100 - log_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
 
 
 def oil_density(celsius: float) -> float:
-    """Return the density (kg/m3) of a mineral oil with 880 kg/m3 at 15 C (the range of
-    oils is 850 to 900).
+    """Return the density (kg/m3) of a mineral oil with 880 kg/m3 at 15 C (the range of oils is 850 to 900).
 
     API MPMS 11.1 (ASTM D1250), lubricating oils: rho_15 exp(-a t (1 + 0.8 a t)), a = 0.6278/rho_15 per K.
     """

@@ -1,17 +1,16 @@
 """Driver of all adaptive methods: step size control, stops at jumps, and states at recorded instants.
 
-Steps run ahead of the recorded instants, whose states are computed by dense output, so recording does not
-affect the steps. The complete state of a run is in the buffer, so a run in parts is identical to one in a
-single part.
+Steps run ahead of the recorded instants, whose states are computed by dense output, so recording does not affect
+the steps. The complete state of a run is in the buffer, so a run in parts is identical to one in a single part.
 
 Norm of a step's error e in positions (m) and velocities (m/s), angles multiplied by their lever arm:
 
     |e|^2 = sum (e_q/atol_q)^2 + sum (e_v/(atol_v + rtol |v|))^2,   accepted if |e| <= 1
 
 It is a sum and not a mean, because the impact of one roller must not be averaged out by the others. Step size:
-proportional-integral control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also
-avoids step size oscillations of an explicit method at its stability limit. First step: Hairer, Norsett and
-Wanner, Solving ODEs I, sec. II.4.
+proportional-integral control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also avoids
+step size oscillations of an explicit method at its stability limit. First step: Hairer, Norsett and Wanner,
+Solving ODEs I, sec. II.4.
 
 One step ends just before a jump (``defects/jumps.py``) and the next begins just after it, so no step contains a
 jump. The gap is of the order of rounding errors of the time; explicit methods cross it by the trapezoidal rule.
@@ -182,16 +181,15 @@ def limit_jump_error(error, h):
     cause a larger one.
 
     After the jump the force acts over the whole step instead of a part of it. The displacement in the step is a
-    rounding error, and the dashpot compensates the error of the impulse faster than anything else moves,
-    because its shortest relaxation time is 1e-11 s (1e9 N s/m on 10 g).
+    rounding error, and the dashpot compensates the error of the impulse faster than anything else moves, because
+    its shortest relaxation time is 1e-11 s (1e9 N s/m on 10 g).
     """
     return 1.0 if h <= JUMP_STEP and isfinite(error) and error > 1.0 else error
 
 
 @jit
 def scaled_norm(method, q, v, y, n):
-    """Return the norm, over the tolerance at START, of positions and velocities in the blocks ``q`` and
-    ``v``."""
+    """Return the norm, over the tolerance at START, of positions and velocities in the blocks ``q`` and ``v``."""
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
         e_q = lever * y[q + j] / method.atol_q
@@ -205,8 +203,7 @@ def scaled_norm(method, q, v, y, n):
 
 @jit
 def first_step(method, model, t, y, n):
-    """Return the size (s) of the first step, estimated from the change of the accelerations over an Euler
-    step."""
+    """Return the size (s) of the first step, estimated from the change of the accelerations over an Euler step."""
     norm_1 = scaled_norm(method, START_V, START_A, y, n)
     h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / norm_1 if norm_1 > 0.0 else method.longest
     h = min(max(h, 1e-3 * method.longest), method.longest)
@@ -326,8 +323,8 @@ def store_step_end(model, y, n):
 def set_midpoint_state(model, y, n):
     """Set the state at the midpoint of the last step, contacts included, by Hermite's quintic polynomial.
 
-    It interpolates positions, velocities and accelerations at both ends, with an error of sixth order in the
-    step, so the method's dense output need not be completed.
+    It interpolates positions, velocities and accelerations at both ends, with an error of sixth order in the step,
+    so the method's dense output need not be completed.
     """
     h = y[lay.H_TAKEN]
     per_h = 1.0 / h

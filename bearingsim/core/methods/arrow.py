@@ -1,24 +1,20 @@
-"""Arrow matrices (bordered block diagonal): each roller couples only to itself and to
-the border (rings and cage).
+"""Arrow matrices (bordered block diagonal): each roller couples only to itself and to the border (rings and cage).
 
     | D_1             U_1 |  | x_1 |   | b_1 |      W_j = D_j^-1 U_j
     |      D_2        U_2 |  | x_2 |   | b_2 |      C = B - sum_j L_j W_j          (Schur complement)
     |           ...   ... |  | ... | = | ... |      C x_B = b_B - sum_j L_j D_j^-1 b_j
     | L_1  L_2  ...    B  |  | x_B |   | b_B |      x_j = D_j^-1 b_j - W_j x_B
 
-D_j: block of roller j; L_j, U_j: its parts of the border; B: corner block. The cost of
-factorisation and solution is proportional to the number of rollers. Each roller is a
-lane of a row, so each operation on D_j is vectorised over all rollers. Source: Golub
-and Van Loan, Matrix Computations, sections 3.2 (LU), 4.5 (block systems).
+D_j: block of roller j; L_j, U_j: its parts of the border; B: corner block. The cost of factorisation and solution
+is proportional to the number of rollers. Each roller is a lane of a row, so each operation on D_j is vectorised
+over all rollers. Source: Golub and Van Loan, Matrix Computations, sections 3.2 (LU), 4.5 (block systems).
 
-The D_j are factored without pivoting. They are I - beta A_v - alpha A_q of one body,
-nearly symmetric and positive definite if the rows are weighted by mass, so this is
-stable; unlike partial pivoting it is also independent of the units of the rows (metres
-and radians). The corner block is factored with scaled partial pivoting.
+The D_j are factored without pivoting. They are I - beta A_v - alpha A_q of one body, nearly symmetric and positive
+definite if the rows are weighted by mass, so this is stable; unlike partial pivoting it is also independent of the
+units of the rows (metres and radians). The corner block is factored with scaled partial pivoting.
 
-The matrices refer to the absolute angle theta = EPS + PHI_C of a roller, blocks of the
-state contain EPS. ``solve`` and ``multiply`` accept and return blocks of the state.
-Padded lanes have D = 1, U = L = 0 and no effect.
+The matrices refer to the absolute angle theta = EPS + PHI_C of a roller, blocks of the state contain EPS.
+``solve`` and ``multiply`` accept and return blocks of the state. Padded lanes have D = 1, U = L = 0 and no effect.
 """
 
 from bearingsim.core import layout as lay
@@ -183,8 +179,8 @@ def swap(a, b, y, n):
 
 @jit
 def convert_angles(model, block, sign, y):
-    """Convert the angles of a block of the state from relative to absolute (``sign`` 1)
-    or back (-1), except in padded lanes."""
+    """Convert the angles of a block of the state from relative to absolute (``sign`` 1) or back (-1), except in
+    padded lanes."""
     cage_angle = sign * y[block + lay.PHI_C]
     for j in range(roller_lanes(model)):
         y[block + lay.ROW + lay.FIRST_LANE + j] += cage_angle if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
@@ -192,8 +188,7 @@ def convert_angles(model, block, sign, y):
 
 @jit
 def solve(model, block, y):
-    """Solve SYSTEM x = b in place on the block of the state at ``block``; SYSTEM must
-    be factored."""
+    """Solve SYSTEM x = b in place on the block of the state at ``block``; SYSTEM must be factored."""
     per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     if has_relative_angles(model):
@@ -218,8 +213,7 @@ def solve(model, block, y):
 
 @jit
 def solve_corner(shared, block, y):
-    """Solve with the factored corner block, in place, on the shared cells of
-    ``block``."""
+    """Solve with the factored corner block, in place, on the shared cells of ``block``."""
     for k in range(shared):
         pivot = lay.shared_cell(int(y[PIVOTS + k]))
         cell = lay.shared_cell(k)
@@ -239,8 +233,7 @@ def solve_corner(shared, block, y):
 
 @jit
 def multiply(model, matrix, source, target, y):
-    """Set the block of the state at ``target`` to ``matrix`` times the block at
-    ``source``.
+    """Set the block of the state at ``target`` to ``matrix`` times the block at ``source``.
 
     matrix: POSITION_JACOBIAN or VELOCITY_JACOBIAN.
     """

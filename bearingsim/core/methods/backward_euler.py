@@ -2,16 +2,14 @@
 
     v1 = v + h a1,   q1 = q + h v1,   a1 = f(t + h, q1, v1)
 
-The error of a step is h/2 (v1 - v, a1 - a) to leading order. The estimate is this error
-multiplied by (I - h J)^-1, where J is the Jacobian of (v, f). This filter is that of
-the method itself: motion too fast to be resolved decays within the step, and its jumps
-do not increase the estimate. Therefore the tolerance of velocities need not resolve
-load/c, the velocity of a dashpot c that supports the load; 1e-3 of the velocities of
-interest is sufficient. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and
-Wanner, Solving ODEs II, sec. IV.8.
-The method also works with dashpots of 1e9 N s/m, where others fail, and damps all
-motion that it does not resolve. Recorded states are interpolated linearly between the
-ends of a step, with an error of second order in the step, as that of the step itself.
+The error of a step is h/2 (v1 - v, a1 - a) to leading order. The estimate is this error multiplied by (I - h
+J)^-1, where J is the Jacobian of (v, f). This filter is that of the method itself: motion too fast to be resolved
+decays within the step, and its jumps do not increase the estimate. Therefore the tolerance of velocities need not
+resolve load/c, the velocity of a dashpot c that supports the load; 1e-3 of the velocities of interest is
+sufficient. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and Wanner, Solving ODEs II, sec. IV.8. The
+method also works with dashpots of 1e9 N s/m, where others fail, and damps all motion that it does not resolve.
+Recorded states are interpolated linearly between the ends of a step, with an error of second order in the step, as
+that of the step itself.
 """
 
 from math import inf
@@ -50,8 +48,8 @@ class BackwardEuler(NamedTuple):
 
 @jit
 def set_equation(h, y, n):
-    """Set the equation of the step (``newton.Equation``), with the acceleration at its
-    start as the initial guess."""
+    """Set the equation of the step (``newton.Equation``), with the acceleration at its start as the initial
+    guess."""
     for j in range(n):
         y[BASE_Q + j] = y[START_Q + j] + h * y[START_V + j]
         y[BASE_V + j] = y[START_V + j]
@@ -61,8 +59,8 @@ def set_equation(h, y, n):
 
 @jit
 def estimate_error(model, h, y, n):
-    """Store (I - h J)^-1 h/2 (v1 - v, a1 - a) in ERROR_Q and ERROR_V, with the factored
-    S of ``newton.solve_step``."""
+    """Store (I - h J)^-1 h/2 (v1 - v, a1 - a) in ERROR_Q and ERROR_V, with the factored S of
+    ``newton.solve_step``."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[lay.VELOCITY + j] - y[START_V + j])
         y[ERROR_V + j] = 0.0

@@ -1,9 +1,9 @@
-"""DOP853: Dormand and Prince's method of order 8, with error estimates of orders 5 and
-3 and dense output of order 7.
+"""DOP853: Dormand and Prince's method of order 8, with error estimates of orders 5 and 3 and dense output of order
+7.
 
-Source: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5 (method),
-II.10 (error, here eq. 10.17 with the norm of ``adaptive``), II.6 (dense output). A step
-needs twelve evaluations, and three more if a recorded instant lies within it.
+Source: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5 (method), II.10 (error, here eq. 10.17
+with the norm of ``adaptive``), II.6 (dense output). A step needs twelve evaluations, and three more if a recorded
+instant lies within it.
 """
 
 from math import sqrt
@@ -32,8 +32,7 @@ ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # order, stages of a step, stages inclu
 
 
 def expand_rows(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
-    """Return the sparse ``rows`` of a table, {row: {column: number}}, as an array
-    (count, columns)."""
+    """Return the sparse ``rows`` of a table, {row: {column: number}}, as an array (count, columns)."""
     table = np.zeros((count, columns))
     for i, row in rows.items():
         table[i, list(row)] = list(row.values())

@@ -1,11 +1,10 @@
-"""Coefficients of DOP853, from Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed.
-1993, sec. II.5 and II.6, and from their code.
+"""Coefficients of DOP853, from Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5 and II.6, and
+from their code.
 
-Each row is {column: number}, without zeros. STAGE_ROWS: rows 1 to 11 of the stages; row
-12, the weights of order 8, whose stage is at the end of the step; rows 13 to 15 of
-stages for dense output only. B_3: weights of the embedded method of order 3. E_5:
-differences between the weights of orders 8 and 5. EXTENSION_ROWS: rows 3 to 6 of the
-continuous extension of order 7 (``tableau.continuous_extension``).
+Each row is {column: number}, without zeros. STAGE_ROWS: rows 1 to 11 of the stages; row 12, the weights of order
+8, whose stage is at the end of the step; rows 13 to 15 of stages for dense output only. B_3: weights of the
+embedded method of order 3. E_5: differences between the weights of orders 8 and 5. EXTENSION_ROWS: rows 3 to 6 of
+the continuous extension of order 7 (``tableau.continuous_extension``).
 """
 
 STAGE_ROWS = {

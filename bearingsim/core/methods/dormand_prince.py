@@ -1,5 +1,4 @@
-"""Dormand and Prince's method of order 5, with an error estimate and dense output of
-order 4.
+"""Dormand and Prince's method of order 5, with an error estimate and dense output of order 4.
 
 Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26; coefficients and continuous extension from
 Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, table II.5.2 and sec. II.6. The last stage is the first

@@ -5,13 +5,12 @@ high-frequency damping.
     v1 = v + h ((1 - gamma) a + gamma a1),   q1 = q + h v + h^2 ((1/2 - beta) a + beta a1)
     gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
 
-Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1),
-a_f = rho/(rho + 1), where rho is the spectral radius at infinite frequency. Motion of
-high frequency thus decays only by the factor rho per step; the error of a stiff dashpot
-in one step is multiplied by -rho in the next.
+Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), where rho is
+the spectral radius at infinite frequency. Motion of high frequency thus decays only by the factor rho per step;
+the error of a stiff dashpot in one step is multiplied by -rho in the next.
 
-For comparison with multibody codes. The method's own a is stored separately from the
-state and differs from the acceleration f, which is recorded.
+For comparison with multibody codes. The method's own a is stored separately from the state and differs from the
+acceleration f, which is recorded.
 """
 
 from typing import NamedTuple
@@ -39,8 +38,8 @@ class GeneralisedAlpha(NamedTuple):
 
 @jit
 def newton_tolerances(h):
-    """Return the tolerances of Newton's method: 1e-10 of the velocities, or the
-    rounding errors of the smallest."""
+    """Return the tolerances of Newton's method: 1e-10 of the velocities, or the rounding errors of the
+    smallest."""
     return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
 
 

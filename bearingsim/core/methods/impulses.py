@@ -1,14 +1,13 @@
-"""Exact motion of the model ``impulse`` over a step, with each impulse at its own
-instant; no numerical integration.
+"""Exact motion of the model ``impulse`` over a step, with each impulse at its own instant; no numerical
+integration.
 
     x(t + h) = free motion over h from (x, v)  +  sum over impulses in (t, t + h] of free motion from (0, J/m)
 
-The motion at the end of a step is exact for any step. The velocity jumps at an impulse,
-by about a thousand times the amplitude of the spectral line at the fault frequency, and
-its samples would have a wrong mean. The recorded velocity and acceleration are
-therefore differences of positions (``simulation/differentiation.py``), which sum to the
-displacement. Aliasing changes the amplitude of a spectral line by at most
-(omega_0 h)^2/12, where omega_0^2 = K/m.
+The motion at the end of a step is exact for any step. The velocity jumps at an impulse, by about a thousand times
+the amplitude of the spectral line at the fault frequency, and its samples would have a wrong mean. The recorded
+velocity and acceleration are therefore differences of positions (``simulation/differentiation.py``), which sum to
+the displacement. Aliasing changes the amplitude of a spectral line by at most (omega_0 h)^2/12, where omega_0^2 =
+K/m.
 """
 
 from typing import NamedTuple
@@ -31,9 +30,8 @@ class Impulses(NamedTuple):
 def motion_with_impulses(m, K, C, times, J, start, end, x, v):
     """Return displacement (m) and velocity (m/s) of one mode at ``end`` (s).
 
-    m, K, C: mass (kg), stiffness (N/m) and damping (N s/m) of the mode; times, J:
-    instants (n,) s and strengths (n,) N s of all impulses, of which those in (start,
-    end] act; x, v: displacement and velocity at ``start`` (s).
+    m, K, C: mass (kg), stiffness (N/m) and damping (N s/m) of the mode; times, J: instants (n,) s and strengths
+    (n,) N s of all impulses, of which those in (start, end] act; x, v: displacement and velocity at ``start`` (s).
     """
     x, v = free_motion(m, K, C, end - start, x, v)
     begin, stop = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")

@@ -10,14 +10,12 @@ from bearingsim.core.jit import generic
 class MethodKind(NamedTuple):
     """Properties of a method.
 
-    parameters: its ``NamedTuple``, that of an adaptive method with the fields of
-    ``Tolerances``; evaluations: of the model per step; fraction: largest automatic step
-    over the stability limit at impact; per_period: automatic steps per period of the
-    contact vibration, which rings under light damping; cusp: fraction of a step at
-    which a jump of the force causes no first-order error (where the method's later
-    weights sum to the remaining time); order: on smooth motion; lag: of friction, in
-    steps: 1 if steep friction would limit the step, else 0 (``friction/lag.py``).
-    ``fraction`` and ``per_period`` are measured by benchmarks/step_fraction.py
+    parameters: its ``NamedTuple``, that of an adaptive method with the fields of ``Tolerances``; evaluations: of
+    the model per step; fraction: largest automatic step over the stability limit at impact; per_period: automatic
+    steps per period of the contact vibration, which rings under light damping; cusp: fraction of a step at which a
+    jump of the force causes no first-order error (where the method's later weights sum to the remaining time);
+    order: on smooth motion; lag: of friction, in steps: 1 if steep friction would limit the step, else 0
+    (``friction/lag.py``). ``fraction`` and ``per_period`` are measured by benchmarks/step_fraction.py
     (docs/steps.md).
     """
 
@@ -33,10 +31,9 @@ class MethodKind(NamedTuple):
 class Tolerances(NamedTuple):
     """Parameters of every adaptive method, in this order.
 
-    h: time between two recorded instants (s); the steps may be longer or shorter. rtol:
-    relative tolerance of velocities (1); atol_q, atol_v: absolute tolerances of
-    positions (m) and velocities (m/s), of angles multiplied by their lever arm;
-    longest: largest step (s).
+    h: time between two recorded instants (s); the steps may be longer or shorter. rtol: relative tolerance of
+    velocities (1); atol_q, atol_v: absolute tolerances of positions (m) and velocities (m/s), of angles multiplied
+    by their lever arm; longest: largest step (s).
     """
 
     h: float
@@ -59,9 +56,8 @@ def no_preparation(method, model, t, y):
 def attempt(method: Any, model: Any, t: float, h: float, y: np.ndarray) -> float:
     """Make one step of ``h`` (s) of an adaptive method from the state that ``adaptive.py`` stores at START.
 
-    Stores the new state, including accelerations, in the state's blocks. Returns the
-    error estimate over the tolerance; if it is above 1 or not finite, the step is
-    repeated with a smaller h.
+    Stores the new state, including accelerations, in the state's blocks. Returns the error estimate over the
+    tolerance; if it is above 1 or not finite, the step is repeated with a smaller h.
     """
 
 
@@ -77,11 +73,9 @@ def step(method: Any, model: Any, t: float, y: np.ndarray) -> None:
 
 @generic
 def reach(method: Any, model: Any, t: float, y: np.ndarray) -> None:
-    """Advance the buffer ``y`` of an adaptive method to a time ``t`` (s) not before
-    that of the last call.
+    """Advance the buffer ``y`` of an adaptive method to a time ``t`` (s) not before that of the last call.
 
-    The method's steps do not depend on ``t``; they run ahead, and the state follows by
-    dense output.
+    The method's steps do not depend on ``t``; they run ahead, and the state follows by dense output.
     """
 
 

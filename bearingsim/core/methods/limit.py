@@ -1,12 +1,10 @@
-"""Largest stable step of an explicit method on q'' = -K q - C q', from the
-amplification matrix of one step.
+"""Largest stable step of an explicit method on q'' = -K q - C q', from the amplification matrix of one step.
 
 The limit is tabulated in units of that of symplectic Euler,
 
     h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)),   omega^2 = K,   zeta = C/(2 omega)
 
-In these units it depends only on the damping ratio zeta, from no damping to no
-stiffness (``table_position``).
+In these units it depends only on the damping ratio zeta, from no damping to no stiffness (``table_position``).
 """
 
 from math import acos, pi, sqrt
@@ -33,9 +31,8 @@ def critical_step(K, C):
 def table_position(K, C):
     """Return an oscillator's position in the table, 0 to 1.
 
-    Up to 1/2 it follows from the angle of the complex root of the oscillator, beyond
-    from its faster real root. The limit of a method whose stability depends only on the
-    root thus has no kink at critical damping.
+    Up to 1/2 it follows from the angle of the complex root of the oscillator, beyond from its faster real root.
+    The limit of a method whose stability depends only on the root thus has no kink at critical damping.
     """
     if C * C < 4.0 * K:
         return 0.5 - acos(0.5 * C / sqrt(K)) / pi
@@ -59,8 +56,7 @@ def step_over_limit(limits, h, K, C):
 
 
 def make_oscillators() -> tuple[np.ndarray, np.ndarray]:
-    """Return K (NODES,) 1/s^2 and C (NODES,) 1/s of the oscillators of the table, each
-    with h_c = 1 s."""
+    """Return K (NODES,) 1/s^2 and C (NODES,) 1/s of the oscillators of the table, each with h_c = 1 s."""
     positions = np.linspace(0.0, 1.0, NODES)
     ratio = np.minimum(2.0 * (1.0 - positions), 1.0)  # omega over the faster root
     zeta = np.where(positions < 0.5, np.sin(pi * positions), 0.5 * (ratio + 1.0 / np.maximum(ratio, 1e-9)))
@@ -69,8 +65,7 @@ def make_oscillators() -> tuple[np.ndarray, np.ndarray]:
 
 
 def amplification_matrices(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Return the tableau's amplification matrices (2, 2, ...) of q and v for a step of
-    1 s.
+    """Return the tableau's amplification matrices (2, 2, ...) of q and v for a step of 1 s.
 
     K, C: (...), of the oscillators (1/s^2, 1/s).
     """
@@ -93,8 +88,7 @@ def spectral_radius(M: np.ndarray) -> np.ndarray:
 
 
 def tabulate_limits(tableau: Any) -> np.ndarray:
-    """Return the stability limit over h_c, (NODES,), of a method at each oscillator of
-    the table."""
+    """Return the stability limit over h_c, (NODES,), of a method at each oscillator of the table."""
     K, C = make_oscillators()
 
     def is_unstable(h: np.ndarray) -> np.ndarray:

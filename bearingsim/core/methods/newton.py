@@ -2,15 +2,13 @@
 
     x = B + w f(t, q + alpha x, v + beta x),   S = I - w (beta A_v + alpha A_q),   S step = -(x - B - w f)
 
-x: unknown accelerations (UNKNOWN); q, v: constant parts of the state (BASE_Q, BASE_V);
-B: OFFSET; w, alpha, beta: see ``Equation``. At a kink the exact derivatives of one side
-are used. Source: Qi and Sun, A nonsmooth version of Newton's method, Math. Programming
-58 (1993).
+x: unknown accelerations (UNKNOWN); q, v: constant parts of the state (BASE_Q, BASE_V); B: OFFSET; w, alpha, beta:
+see ``Equation``. At a kink the exact derivatives of one side are used. Source: Qi and Sun, A nonsmooth version of
+Newton's method, Math. Programming 58 (1993).
 
-Newton steps are not damped. When a contact closes the force has a kink, or with a
-dashpot a jump, across which the iteration may oscillate; if it does not converge, the
-step is too long. (Neither a line search nor, at a jump, using the fraction of the jump
-that satisfies the equation was an improvement: docs/evidence/methods.md.)
+Newton steps are not damped. When a contact closes the force has a kink, or with a dashpot a jump, across which the
+iteration may oscillate; if it does not converge, the step is too long. (Neither a line search nor, at a jump,
+using the fraction of the jump that satisfies the equation was an improvement: docs/evidence/methods.md.)
 """
 
 from math import isfinite, sqrt
@@ -36,8 +34,8 @@ ROUNDING = 1e-12  # relative rounding error of positions and of their changes, w
 class Equation(NamedTuple):
     """Equation of a step.
 
-    t: time at which the forces are evaluated (s); alpha (s^2), beta (s): coefficients
-    of x in positions and velocities; weight: w (1).
+    t: time at which the forces are evaluated (s); alpha (s^2), beta (s): coefficients of x in positions and
+    velocities; weight: w (1).
     """
 
     t: float
@@ -48,8 +46,7 @@ class Equation(NamedTuple):
 
 @jit
 def step_norm(tolerance, equation, y, n):
-    """Return the norm, over the tolerance, of the changes of positions and velocities
-    by the Newton step."""
+    """Return the norm, over the tolerance, of the changes of positions and velocities by the Newton step."""
     alpha, beta = equation.alpha, equation.beta
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
@@ -109,13 +106,11 @@ def store_worst_body(model, y):
 
 @jit
 def solve_step(tolerance, model, equation, y, n):
-    """Solve the equation from the initial guess in UNKNOWN; return True if the
-    iteration has converged.
+    """Solve the equation from the initial guess in UNKNOWN; return True if the iteration has converged.
 
-    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START must be set. Stores x
-    in UNKNOWN, its positions and velocities in the state, and the factors of S in
-    SYSTEM. The contacts are those of the iterate before the last Newton step, which is
-    below STEP_TOLERANCE.
+    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START must be set. Stores x in UNKNOWN, its positions
+    and velocities in the state, and the factors of S in SYSTEM. The contacts are those of the iterate before the
+    last Newton step, which is below STEP_TOLERANCE.
     """
     evaluate_residual(model, equation, y, n)
     for _ in range(MAX_ITERATIONS):

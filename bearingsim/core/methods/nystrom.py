@@ -1,9 +1,8 @@
 """Nystrom's method of fourth order for q'' = f(t, q, v), four evaluations per step.
 
-For equations of second order. It costs as much as RK4; its second and third stages have
-the same positions. Source: Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I,
-2nd ed. 1993, sec. II.14, eq. 14.13 ("Nystrom method of order 4" for velocity-dependent
-forces; Kreyszig, Advanced Engineering Mathematics, sec. 21.3).
+For equations of second order. It costs as much as RK4; its second and third stages have the same positions.
+Source: Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.14, eq. 14.13 ("Nystrom
+method of order 4" for velocity-dependent forces; Kreyszig, Advanced Engineering Mathematics, sec. 21.3).
 """
 
 from typing import NamedTuple

@@ -1,9 +1,8 @@
 """The classical Runge-Kutta method, fourth order, four evaluations per step (Kutta 1901).
 
-Its stability region reaches -2.785 on the real axis and 2.828 i on the imaginary axis;
-in between, at a damping ratio of 0.54, its boundary is at a distance of only 2.615 from
-the origin. The stages are written out, because with the table of ``tableau`` a step of
-`rollers` takes 10 to 33 % longer (docs/touch_down.md).
+Its stability region reaches -2.785 on the real axis and 2.828 i on the imaginary axis; in between, at a damping
+ratio of 0.54, its boundary is at a distance of only 2.615 from the origin. The stages are written out, because
+with the table of ``tableau`` a step of `rollers` takes 10 to 33 % longer (docs/touch_down.md).
 """
 
 from typing import NamedTuple
@@ -40,8 +39,7 @@ def save_start(y, n):
 
 @jit
 def add_stage(weight, dt, y, n):
-    """Add the rates at a stage times their ``weight`` (s) to the sums, and set the
-    state of the next stage.
+    """Add the rates at a stage times their ``weight`` (s) to the sums, and set the state of the next stage.
 
     It is ``dt`` (s) from the start of the step along these rates.
     """
@@ -55,8 +53,7 @@ def add_stage(weight, dt, y, n):
 
 @jit
 def finish_step(weight, y, n):
-    """Add the rates at the last stage times their ``weight`` (s), and set the state at
-    the end of the step."""
+    """Add the rates at the last stage times their ``weight`` (s), and set the state at the end of the step."""
     for j in range(n):
         y[lay.POSITION + j], y[lay.VELOCITY + j] = (
             y[START_Q + j] + y[SUM_Q + j] + weight * y[lay.VELOCITY + j],

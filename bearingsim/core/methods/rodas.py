@@ -5,8 +5,7 @@ With y = (q, v), F = (v, f), its Jacobian J and its time derivative F_t,
     (1/(h gamma) - J) u_i = F(t + c_i h, y + sum_k a_ik u_k) + sum_k (e_ik/h) u_k + d_i h F_t,   i = 1..6
     y1 = y + sum_k a_6k u_k + u_6,   error u_6
 
-Each stage is one solution with an arrow matrix: with u_i = (p, r) and the right-hand
-side (g_q, g_v),
+Each stage is one solution with an arrow matrix: with u_i = (p, r) and the right-hand side (g_q, g_v),
 
     (I - h gamma A_v - (h gamma)^2 A_q) r = h gamma g_v + (h gamma)^2 A_q g_q,   p = h gamma (r + g_q).
 
@@ -88,8 +87,7 @@ class Rodas(NamedTuple):
 
 @jit
 def time_derivative(model, t, h, y, n):
-    """Store df/dt at the start of the step, from one evaluation of the same state at a
-    slightly later time.
+    """Store df/dt at the start of the step, from one evaluation of the same state at a slightly later time.
 
     The Jacobian is also that of the later time.
     """

@@ -1,10 +1,9 @@
 """Runge-Kutta-Chebyshev method, second order, eight evaluations per step, explicit, for heavy damping.
 
-With s stages its stability region reaches -0.65 (s^2 - 1) along the real axis: with
-eight stages -41, per evaluation 7.4 times as far as RK4's. For oscillating motion it
-has almost no advantage. Source: Sommeijer, Shampine and Verwer, J. Comput. Appl. Math.
-88 (1998) 315, eqs 2.1-2.6, damping eps = 2/13. The recurrence of the stages is expanded
-into a table (with eight stages the results are equal except for rounding errors).
+With s stages its stability region reaches -0.65 (s^2 - 1) along the real axis: with eight stages -41, per
+evaluation 7.4 times as far as RK4's. For oscillating motion it has almost no advantage. Source: Sommeijer,
+Shampine and Verwer, J. Comput. Appl. Math. 88 (1998) 315, eqs 2.1-2.6, damping eps = 2/13. The recurrence of the
+stages is expanded into a table (with eight stages the results are equal except for rounding errors).
 """
 
 from typing import NamedTuple
@@ -19,8 +18,7 @@ STAGES, EPS = 8, 2 / 13  # EPS: damping of the stability polynomial
 
 
 def make_chebyshev_table(s: int) -> Tableau:
-    """Return the table of the method with ``s`` stages: row j contains the weights of
-    the rates in stage Y_j.
+    """Return the table of the method with ``s`` stages: row j contains the weights of the rates in stage Y_j.
 
     The last stage is the new state.
     """

@@ -1,13 +1,11 @@
-"""Symplectic (semi-implicit) Euler, first order, one evaluation per step: the simplest
-of the methods.
+"""Symplectic (semi-implicit) Euler, first order, one evaluation per step: the simplest of the methods.
 
     v1 = v + h f(t, q, v),   q1 = q + h v1
 
-The force depends on the velocity at the start of the step. On q'' = -K q - C q' the
-stability limit, with a root of -1, is h^2 K/4 + h C/2 = 1, that is
-h_c = (2/omega)(sqrt(1 + zeta^2) - zeta), omega^2 = K, zeta = C/(2 omega). With heavy
-damping this is twice velocity Verlet's limit. Source: Hairer, Lubich and Wanner,
-Geometric Numerical Integration, sec. I.1.2.
+The force depends on the velocity at the start of the step. On q'' = -K q - C q' the stability limit, with a root
+of -1, is h^2 K/4 + h C/2 = 1, that is h_c = (2/omega)(sqrt(1 + zeta^2) - zeta), omega^2 = K, zeta = C/(2 omega).
+With heavy damping this is twice velocity Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical
+Integration, sec. I.1.2.
 """
 
 from typing import NamedTuple

@@ -4,10 +4,9 @@ For q'' = f(t, q, v), with f_j the accelerations at the stages,
 
     q_i = q + c_i h v + h^2 sum_j A_ij f_j,   v_i = v + h sum_j a_ij f_j,   f_i = f(t + c_i h, q_i, v_i)
 
-and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner,
-Solving ODEs I, sec. II.14). A Runge-Kutta method has A = a a and B = b a; the results
-are the same except for rounding errors, without storing rates of q. A step ends with
-the evaluation of the accelerations at its end, which are the first stage of the next.
+and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, sec. II.14). A
+Runge-Kutta method has A = a a and B = b a; the results are the same except for rounding errors, without storing
+rates of q. A step ends with the evaluation of the accelerations at its end, which are the first stage of the next.
 """
 
 from typing import NamedTuple
@@ -43,8 +42,8 @@ StageRow = tuple[float, tuple[float, ...], tuple[float, ...]]
 
 
 def make_stage_rows(tableau: Tableau, begin: int, end: int) -> tuple[StageRow, ...]:
-    """Return the rows of stages ``begin`` to ``end`` (excluded) as tuples, over which
-    the compiler unrolls loops."""
+    """Return the rows of stages ``begin`` to ``end`` (excluded) as tuples, over which the compiler unrolls
+    loops."""
     c, a, A, _, _ = tableau
     return tuple((float(c[i]), weights_tuple(A[i, :i]), weights_tuple(a[i, :i])) for i in range(begin, end))
 
@@ -63,9 +62,8 @@ def make_runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
 def weighted_acceleration(weights, y, k):
     """Return sum_j weights[j] f_j of entry ``k`` of the state; weights: tuple.
 
-    The number of terms is a constant, so the compiler unrolls the sum and vectorises
-    loops over entries. If a loop contains the sums of positions and of velocities, the
-    compiler does not unroll beyond about ten terms.
+    The number of terms is a constant, so the compiler unrolls the sum and vectorises loops over entries. If a loop
+    contains the sums of positions and of velocities, the compiler does not unroll beyond about ten terms.
     """
     total, cell = 0.0, METHOD_STATES + k
     for j in range(len(weights)):
@@ -76,8 +74,7 @@ def weighted_acceleration(weights, y, k):
 
 @inlined
 def stage_state(c, weights_q, weights_v, h, y, n):
-    """Set the state of a stage at the fraction ``c`` of the step from START, from the
-    preceding stages."""
+    """Set the state of a stage at the fraction ``c`` of the step from START, from the preceding stages."""
     dt, h_2 = c * h, h * h
     for k in range(n):
         y[lay.POSITION + k] = y[START_Q + k] + dt * y[START_V + k] + h_2 * weighted_acceleration(weights_q, y, k)
@@ -93,8 +90,7 @@ def save_accelerations(block, y, n):
 
 @jit
 def evaluate_stages(rows, model, t, h, y, n):
-    """Evaluate the stages of ``rows`` (``make_stage_rows``) of the step of ``h`` (s)
-    from ``t`` (s)."""
+    """Evaluate the stages of ``rows`` (``make_stage_rows``) of the step of ``h`` (s) from ``t`` (s)."""
     for row in literal_unroll(rows):
         stage_state(row[0], row[1], row[2], h, y, n)
         accelerations(model, t + row[0] * h, y)
@@ -104,8 +100,8 @@ def evaluate_stages(rows, model, t, h, y, n):
 
 @inlined
 def estimate_error(weights_q, weights_v, h, y, n):
-    """Compute the errors of positions and velocities from the weights (tuples) of the
-    stages; return their blocks."""
+    """Compute the errors of positions and velocities from the weights (tuples) of the stages; return their
+    blocks."""
     h_2 = h * h
     for k in range(n):
         y[ERROR_Q + k] = h_2 * weighted_acceleration(weights_q, y, k)
@@ -116,10 +112,9 @@ def estimate_error(weights_q, weights_v, h, y, n):
 def continuous_extension(b: np.ndarray, last: int, own_rows: np.ndarray) -> np.ndarray:
     """Return the rows F (3 + m, s) of a continuous extension.
 
-    v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to
-    1. The first three rows are those of cubic Hermite interpolation. b: (s,), weights
-    of the step; last: index of the stage at the end of the step; own_rows: (m, s),
-    further rows of the method. Source: Hairer, Norsett and Wanner, Solving ODEs I, sec.
+    v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to 1. The first three rows are
+    those of cubic Hermite interpolation. b: (s,), weights of the step; last: index of the stage at the end of the
+    step; own_rows: (m, s), further rows of the method. Source: Hairer, Norsett and Wanner, Solving ODEs I, sec.
     II.6.
     """
     start_row, end_row = np.eye(len(b))[0], np.eye(len(b))[last]
@@ -147,9 +142,8 @@ def dense_state(F_q, F_v, fraction, h, y, n):
 def cusp_fraction(tableau: Tableau) -> float:
     """Return the last fraction of a step at which a jump of the force causes no first-order error.
 
-    At this fraction the weights of later stages sum to the remaining time. If there is
-    none, the result is 0.99, a jump at the end of the step; not 1, because rounding
-    errors might then put the jump into the next step.
+    At this fraction the weights of later stages sum to the remaining time. If there is none, the result is 0.99, a
+    jump at the end of the step; not 1, because rounding errors might then put the jump into the next step.
     """
     nodes = np.unique(np.append(tableau.c, 1.0))
     fractions = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
@@ -162,8 +156,7 @@ def cusp_fraction(tableau: Tableau) -> float:
 
 
 def register_fixed_step(parameters: type, tableau: Tableau) -> None:
-    """Register a fixed-step method by its table; parameters: its ``NamedTuple`` with
-    the field h."""
+    """Register a fixed-step method by its table; parameters: its ``NamedTuple`` with the field h."""
     rows, limits = make_stage_rows(tableau, 1, len(tableau.c)), tabulate_limits(tableau)
     b, B = weights_tuple(tableau.b), weights_tuple(tableau.B)
 

@@ -1,12 +1,10 @@
-"""Euler's method, implicit only in the velocity: first order, one linear solution per
-step.
+"""Euler's method, implicit only in the velocity: first order, one linear solution per step.
 
     (I - h A_v)(v1 - v) = h f(t, q, v),   q1 = q + h v1
 
-For comparison; real-time physics engines use it because it needs only one evaluation.
-Heavy damping does not limit the step, but stiffness does: on q'' = -K q - C q' it is
-unstable for h^2 K > 4 + 2 h C. With heavy dashpots its forces are wrong, because f is
-evaluated at the start of the step.
+For comparison; real-time physics engines use it because it needs only one evaluation. Heavy damping does not limit
+the step, but stiffness does: on q'' = -K q - C q' it is unstable for h^2 K > 4 + 2 h C. With heavy dashpots its
+forces are wrong, because f is evaluated at the start of the step.
 """
 
 from typing import NamedTuple

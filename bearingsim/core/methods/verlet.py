@@ -2,19 +2,16 @@
 
     q1 = q + h v + h^2 a/2,   a1 = f(q1, v + h a),   v1 = v + h (a + a1)/2
 
-Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley ch. 3. On
-the oscillator q'' = -K q - C q' the stability limit, with a root of -1, is
-h^2 K/4 + h C = 1 (docs/steps.md). With heavy damping this is half the limit of
-symplectic Euler.
+Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley ch. 3. On the oscillator q'' = -K q
+- C q' the stability limit, with a root of -1, is h^2 K/4 + h C = 1 (docs/steps.md). With heavy damping this is
+half the limit of symplectic Euler.
 
-Touch-down: the damping force of a closing contact rises almost as a jump, as
-delta^(1/9) by Kraemer's law with Palmgren's stiffness. Verlet applies the force at the
-end of a step over half of that step, wherever in it the contact closes, so its impulse
-has an error of first order. A step in which a contact closes is therefore divided in
-two, such that the contact closes at ``TOUCH_DOWN`` of one part, where the impulse of
-Verlet is exact. This reduces the error to a seventh
-(tests/core/methods/test_touch_down.py); the rest is due to the following steps, over
-which a force like delta^(1/9) is not smooth.
+Touch-down: the damping force of a closing contact rises almost as a jump, as delta^(1/9) by Kraemer's law with
+Palmgren's stiffness. Verlet applies the force at the end of a step over half of that step, wherever in it the
+contact closes, so its impulse has an error of first order. A step in which a contact closes is therefore divided
+in two, such that the contact closes at ``TOUCH_DOWN`` of one part, where the impulse of Verlet is exact. This
+reduces the error to a seventh (tests/core/methods/test_touch_down.py); the rest is due to the following steps,
+over which a force like delta^(1/9) is not smooth.
 """
 
 from typing import NamedTuple
@@ -27,11 +24,10 @@ from bearingsim.core.models.interface import state_width
 from bearingsim.core.parameters import lanes
 
 TOUCH_DOWN = 4 / 9
-"""Fraction of a step h at which a contact closes such that Verlet's impulse of a force
-like delta^(1/9) is exact.
+"""Fraction of a step h at which a contact closes such that Verlet's impulse of a force like delta^(1/9) is exact.
 
-Over the remaining time t the impulse of the force F at the end of the step is 9/10 F t,
-and that of Verlet F h/2. (For a force that jumps the fraction would be 1/2.)
+Over the remaining time t the impulse of the force F at the end of the step is 9/10 F t, and that of Verlet F h/2.
+(For a force that jumps the fraction would be 1/2.)
 """
 MAX_PARTS = 8  # into which a step with several touch-downs is divided
 
@@ -47,8 +43,8 @@ class Verlet(NamedTuple):
 
 @drift.register(Verlet)
 def _drift(method, y, i):
-    """Advance the position to the end of the step and the velocity to its prediction;
-    store that at half a step."""
+    """Advance the position to the end of the step and the velocity to its prediction; store that at half a
+    step."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
     v_half = v + 0.5 * h * a
     y[HALF_STEP_V + i] = v_half
@@ -119,11 +115,11 @@ def save_division_start(y, n):
 
 @jit
 def spread_acceleration(h, y, n):
-    """Replace the acceleration at the end of a divided step of ``h`` (s), which is
-    recorded, so that the recorded accelerations sum to the change of velocity.
+    """Replace the acceleration at the end of a divided step of ``h`` (s), which is recorded, so that the recorded
+    accelerations sum to the change of velocity.
 
-    The replacement is the acceleration plus the error of the trapezoidal rule over the
-    whole step. ``restore_acceleration`` undoes it before the next step.
+    The replacement is the acceleration plus the error of the trapezoidal rule over the whole step.
+    ``restore_acceleration`` undoes it before the next step.
     """
     for k in range(n):
         end_a = y[lay.ACCELERATION + k]

@@ -11,12 +11,10 @@ MIN_RATE = 1e-12  # m/s: minimum rate for evaluating a derivative that is infini
 
 
 class General(NamedTuple):
-    """Damping law of multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N
-    (s/m)^m2 / m^m3.
+    """Damping law of multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N (s/m)^m2 / m^m3.
 
-    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``
-    (``make_general``). The first three are empty tuples, hence equal to one another;
-    compare laws by their types, not by ``==``.
+    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power`` (``make_general``). The first three
+    are empty tuples, hence equal to one another; compare laws by their types, not by ``==``.
     """
 
     stiffness: Any
@@ -41,8 +39,8 @@ def _force(contact, delta, v):
 
 @derivatives.register(General)
 def _derivatives(contact, delta, v):
-    """Return the derivatives, with at least MIN_RATE in |v|^(m2-1) and MIN_APPROACH in
-    delta^(m3-1), which can be infinite at 0."""
+    """Return the derivatives, with at least MIN_RATE in |v|^(m2-1) and MIN_APPROACH in delta^(m3-1), which can be
+    infinite at 0."""
     d, speed = max(delta, 0.0), abs(v)
     approach_factor = monomial(contact.m3, d)
     rate_factor = sign(v) * contact.c * monomial(contact.m2, speed)

@@ -1,18 +1,16 @@
-"""Functions of every damping law: the normal force, its derivatives, and bounds of
-them.
+"""Functions of every damping law: the normal force, its derivatives, and bounds of them.
 
     Q = max(0, Q_e(delta) + damping(delta, v))   where delta > 0, else 0
 
 delta: approach (m), positive in contact; v: its total rate (m/s), positive while closing.
 
-``derivatives`` are exact, for the solution of implicit steps. Both are 0 without
-contact and where the force is limited to 0; at a kink those of one side are used, as
-Newton's method for semismooth equations allows (Qi and Sun, Mathematical Programming
-58 (1993) 353). K can be negative, because a dashpot's resistance to opening increases
+``derivatives`` are exact, for the solution of implicit steps. Both are 0 without contact and where the force is
+limited to 0; at a kink those of one side are used, as Newton's method for semismooth equations allows (Qi and Sun,
+Mathematical Programming 58 (1993) 353). K can be negative, because a dashpot's resistance to opening increases
 with the approach.
 
-The bounds are for the monitor of explicit steps. They are non-negative, finite at rest
-and at touch-down, and ignore the limit of the force.
+The bounds are for the monitor of explicit steps. They are non-negative, finite at rest and at touch-down, and
+ignore the limit of the force.
 """
 
 from typing import Any

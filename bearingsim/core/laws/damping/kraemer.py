@@ -9,8 +9,8 @@ from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 class Kraemer(NamedTuple):
     """Damping proportional to the tangent stiffness: Q = Q_e + beta Q_e' v. beta in s.
 
-    Source: Kraemer, Dynamics of Rotors and Foundations 1993: 0.25e-5 .. 2.5e-5 s for rolling bearings.
-    At touch-down the damping force rises almost as a jump, as delta^(m1 - 1) with m1 = 10/9 for line contact.
+    Source: Kraemer, Dynamics of Rotors and Foundations 1993: 0.25e-5 .. 2.5e-5 s for rolling bearings. At
+    touch-down the damping force rises almost as a jump, as delta^(m1 - 1) with m1 = 10/9 for line contact.
     """
 
     stiffness: Any

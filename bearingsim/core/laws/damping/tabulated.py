@@ -10,8 +10,7 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
 class Tabulated(NamedTuple):
-    """Damping c (N s/m) tabulated over the approach (``laws/octaves.py``), from 15 pm
-    to 16 mm.
+    """Damping c (N s/m) tabulated over the approach (``laws/octaves.py``), from 15 pm to 16 mm.
 
     c tends to zero with the approach, so the force does not jump when a contact closes. Loops over rollers are not
     vectorised, because the compiler cannot prove that the table is not modified.

@@ -7,8 +7,8 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
 class Undamped(NamedTuple):
-    """No damping, Q = Q_e. Used for static equilibria, whose code is then compiled only
-    once for all damping laws."""
+    """No damping, Q = Q_e. Used for static equilibria, whose code is then compiled only once for all damping
+    laws."""
 
     stiffness: Any
 

@@ -1,5 +1,4 @@
-"""Friction laws: no friction, dry friction of multibody codes, traction of an oil
-film."""
+"""Friction laws: no friction, dry friction of multibody codes, traction of an oil film."""
 
 from typing import NamedTuple
 
@@ -16,8 +15,7 @@ class Frictionless(NamedTuple):
 
 @jit
 def cubic_step(x):
-    """Return a smooth step: -1 for x <= -1, 1 for x >= 1, and between an odd cubic with
-    the slope 1.5 at x = 0.
+    """Return a smooth step: -1 for x <= -1, 1 for x >= 1, and between an odd cubic with the slope 1.5 at x = 0.
 
     Its derivative is continuous.
     """
@@ -33,13 +31,11 @@ def cubic_step_derivative(x):
 
 
 class StaticDynamic(NamedTuple):
-    """Dry friction of multibody codes: mu rises to mu_s at slip v_s and falls to mu_d
-    at v_d, then is constant.
+    """Dry friction of multibody codes: mu rises to mu_s at slip v_s and falls to mu_d at v_d, then is constant.
 
-    Cubic steps from -mu_s at -v_s to mu_s at v_s and from there to mu_d, with
-    0 < v_s < v_d (m/s), independent of ``u``. v_s and v_d are numerical parameters, not
-    material properties: below mu_s Q real surfaces do not slip, whereas here they creep
-    at up to v_s. Sources: the contact friction of Adams (STEP) and RecurDyn; equations
+    Cubic steps from -mu_s at -v_s to mu_s at v_s and from there to mu_d, with 0 < v_s < v_d (m/s), independent of
+    ``u``. v_s and v_d are numerical parameters, not material properties: below mu_s Q real surfaces do not slip,
+    whereas here they creep at up to v_s. Sources: the contact friction of Adams (STEP) and RecurDyn; equations
     21-27 of Wingertszahn et al., Lubricants 11 (2023) 369.
     """
 
@@ -76,14 +72,13 @@ MAX_EXPONENT = 40.0  # e^-40 is below rounding errors of 1
 class Traction(NamedTuple):
     """Lubricated traction, mu = (a + b s) e^(-c s) + d with the slide-to-roll ratio s = |v|/u; b, c > 0, a <= 0.
 
-    ``KRAGELSKII`` contains the constants that papers on bearing dynamics cite from
-    Kragelskii, Dobychin and Kombalov, Friction and Wear: Calculation Methods, Pergamon
-    1982. They have not been compared with the book. With them mu rises with the slope
-    40.4/u (s/m), has a maximum of 0.120 at s = 0.0100 and falls to 0.1. The law is
-    independent of load, temperature and viscosity.
+    ``KRAGELSKII`` contains the constants that papers on bearing dynamics cite from Kragelskii, Dobychin and
+    Kombalov, Friction and Wear: Calculation Methods, Pergamon 1982. They have not been compared with the book.
+    With them mu rises with the slope 40.4/u (s/m), has a maximum of 0.120 at s = 0.0100 and falls to 0.1. The law
+    is independent of load, temperature and viscosity.
 
-    The curve starts from a + d, which is 0 for a fluid; otherwise a cubic step over
-    ``JUMP_WIDTH`` smooths the jump at zero slip.
+    The curve starts from a + d, which is 0 for a fluid; otherwise a cubic step over ``JUMP_WIDTH`` smooths the
+    jump at zero slip.
     """
 
     a: float
@@ -125,12 +120,10 @@ def _mu_derivative_bound_traction(law, u):
 
 @jit
 def exp_minus(x):
-    """Return e^-x for 0 <= x <= 40 without a library call, with a relative error below
-    2e-14.
+    """Return e^-x for 0 <= x <= 40 without a library call, with a relative error below 2e-14.
 
-    e^-x = 2^n e^r, n the integer nearest to -x/ln 2, |r| <= ln(2)/2. Adding
-    1.5 * 2^52 rounds to an integer and leaves n in the lowest bits, which are shifted
-    into the exponent; e^r is computed by its series.
+    e^-x = 2^n e^r, n the integer nearest to -x/ln 2, |r| <= ln(2)/2. Adding 1.5 * 2^52 rounds to an integer and
+    leaves n in the lowest bits, which are shifted into the exponent; e^r is computed by its series.
     """
     shifted = x * -1.4426950408889634 + 6755399441055744.0
     n = shifted - 6755399441055744.0

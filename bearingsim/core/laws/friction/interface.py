@@ -1,9 +1,8 @@
 """Functions of every friction law: the coefficient mu(v, u) and its derivatives.
 
-mu is an odd function of the slip speed v (m/s) of one surface over another; the
-friction force on the former is -mu(v, u) Q. u > 0 (m/s) is the mean speed of both
-surfaces through the contact. Every law has a finite derivative at v = 0 and therefore
-no stiction: under a constant force below mu Q a contact creeps.
+mu is an odd function of the slip speed v (m/s) of one surface over another; the friction force on the former is
+-mu(v, u) Q. u > 0 (m/s) is the mean speed of both surfaces through the contact. Every law has a finite derivative
+at v = 0 and therefore no stiction: under a constant force below mu Q a contact creeps.
 
 All laws allow the vectorisation of loops over rollers.
 """

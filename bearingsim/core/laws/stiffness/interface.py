@@ -1,8 +1,7 @@
-"""Functions of every elastic law: the force Q_e(delta), for example k delta^m1, and its
-derivatives.
+"""Functions of every elastic law: the force Q_e(delta), for example k delta^m1, and its derivatives.
 
-delta: approach (m), positive in contact. All laws except ``PowerLaw``, which uses
-``pow``, allow the compiler to vectorise loops over rollers.
+delta: approach (m), positive in contact. All laws except ``PowerLaw``, which uses ``pow``, allow the compiler to
+vectorise loops over rollers.
 """
 
 from typing import Any
@@ -31,15 +30,13 @@ def curvature(law: Any, delta: float) -> float:
 
 @jit
 def fill_law_values(law: Any, delta: Any, Q: Any, k: Any) -> None:
-    """Fill ``Q`` with elastic forces (N) and ``k`` with tangent stiffnesses (N/m) at
-    approaches ``delta`` (m)."""
+    """Fill ``Q`` with elastic forces (N) and ``k`` with tangent stiffnesses (N/m) at approaches ``delta`` (m)."""
     for i in range(len(delta)):
         Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
 
 
 def evaluate_law(law: Any, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return elastic forces (n,), N, and tangent stiffnesses (n,), N/m, at approaches
-    ``delta`` (n,) > 0, m."""
+    """Return elastic forces (n,), N, and tangent stiffnesses (n,), N/m, at approaches ``delta`` (n,) > 0, m."""
     Q, k = np.empty_like(delta), np.empty_like(delta)
     fill_law_values(law, delta, Q, k)
     return Q, k

@@ -1,18 +1,17 @@
 """Johnson's line contact of two cylinders.
 
-In dimensionless form one curve applies to all radii, lengths and materials. With
-x = Q'/(4 pi E* dR) and y = delta/(4 dR)
+In dimensionless form one curve applies to all radii, lengths and materials. With x = Q'/(4 pi E* dR) and y =
+delta/(4 dR)
 
     y = -x (ln x + 1),    dy/dx = -(ln x + 2)
 
-x(y) has no closed form, and a logarithm would prevent the vectorisation of loops over
-rollers, so it is tabulated (``laws/octaves.py``). The tabulated x and its derivative
-are continuous; the derivative is that of the interpolant.
+x(y) has no closed form, and a logarithm would prevent the vectorisation of loops over rollers, so it is tabulated
+(``laws/octaves.py``). The tabulated x and its derivative are continuous; the derivative is that of the
+interpolant.
 
-For 2^-36 <= y <= 2^-6 the relative error of x is below 1e-9, that of the derivative
-below 1e-6. Below, where the slow variation with 1/ln y is negligible, the table is a
-parabola through the origin; above, a straight line. The formula ends at
-y = e^-2 = 0.135 (x = e^-2), where its stiffness is infinite.
+For 2^-36 <= y <= 2^-6 the relative error of x is below 1e-9, that of the derivative below 1e-6. Below, where the
+slow variation with 1/ln y is negligible, the table is a parabola through the origin; above, a straight line. The
+formula ends at y = e^-2 = 0.135 (x = e^-2), where its stiffness is infinite.
 """
 
 from math import exp, log, pi
@@ -63,18 +62,15 @@ def reduced_curvature(y):
 class Johnson(NamedTuple):
     """Line contact of two cylinders, delta = Q'/(pi E*) [ln(4 pi E* dR/Q') - 1] with Q' = Q/L solved for Q.
 
-    force: 4 pi E* dR L (N), length: 4 dR (m); see ``make_johnson``. Source: K. L.
-    Johnson, Contact Mechanics, Cambridge 1985, section 5.6: a cylinder of radius R is
-    compressed, from its axis to the contact of half width a, by Q'/(2 pi E*)
-    [2 ln(4 R/a) - 1]. The sum for R_1 and R_2, with a^2 = 4 Q' R_1 R_2/(pi E* (R_1 +-
-    R_2)), is the formula above, with dR = R_1 + R_2, or R_2 - R_1 inside a ring
-    (Pereira, Ramalho and Ambrosio, Nonlinear Dynamics 63 (2011) 681). It assumes a ring
-    as thick as its own radius; twice the thickness would add Q' ln 2/(pi E*), about
-    5 %.
+    force: 4 pi E* dR L (N), length: 4 dR (m); see ``make_johnson``. Source: K. L. Johnson, Contact Mechanics,
+    Cambridge 1985, section 5.6: a cylinder of radius R is compressed, from its axis to the contact of half width
+    a, by Q'/(2 pi E*) [2 ln(4 R/a) - 1]. The sum for R_1 and R_2, with a^2 = 4 Q' R_1 R_2/(pi E* (R_1 +- R_2)), is
+    the formula above, with dR = R_1 + R_2, or R_2 - R_1 inside a ring (Pereira, Ramalho and Ambrosio, Nonlinear
+    Dynamics 63 (2011) 681). It assumes a ring as thick as its own radius; twice the thickness would add Q' ln
+    2/(pi E*), about 5 %.
 
-    Plane strain: no end effects. The bracket must exceed 1, which it does for
-    delta < 0.5 dR; the tabulated curve (``TABLE``) is within 1e-9 of the formula for
-    6e-11 dR < delta < 0.06 dR and is extended smoothly beyond.
+    Plane strain: no end effects. The bracket must exceed 1, which it does for delta < 0.5 dR; the tabulated curve
+    (``TABLE``) is within 1e-9 of the formula for 6e-11 dR < delta < 0.06 dR and is extended smoothly beyond.
     """
 
     force: float
@@ -124,9 +120,8 @@ def _inner_approach_in_johnson(outer, inner, delta):
 def _inner_approach_of_two_johnson(inner, outer, delta):
     """Treat two contacts of this law in series as one contact of this law.
 
-    With F = ``force`` and P = ``force``/``length`` of each, delta = Q (1/P_o + 1/P_i)
-    [ln(F/Q) - 1], where ln F is the mean of ln F_o and ln F_i weighted by 1/P; the
-    inner part is Q/P_i [ln(F_i/Q) - 1].
+    With F = ``force`` and P = ``force``/``length`` of each, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1], where ln F is
+    the mean of ln F_o and ln F_i weighted by 1/P; the inner part is Q/P_i [ln(F_i/Q) - 1].
     """
     P_o, P_i = outer.force / outer.length, inner.force / inner.length
     weight = P_o / (P_o + P_i)

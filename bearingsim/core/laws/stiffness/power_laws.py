@@ -1,5 +1,4 @@
-"""Power laws of the approach: linear spring, Hertz's point contact, fits of the line
-contact, any exponent."""
+"""Power laws of the approach: linear spring, Hertz's point contact, fits of the line contact, any exponent."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -38,8 +37,7 @@ def _as_power_linear(law):
 
 
 class ThreeHalves(NamedTuple):
-    """Point contact, Q = k delta^(3/2); k in N/m^(3/2). Source: Hertz; see
-    ``hertz.make_ball_contact`` for k."""
+    """Point contact, Q = k delta^(3/2); k in N/m^(3/2). Source: Hertz; see ``hertz.make_ball_contact`` for k."""
 
     k: float
 
@@ -73,9 +71,8 @@ LINE_CONTACT_EXPONENT = 10.0 / 9.0
 class TenNinths(NamedTuple):
     """Line contact of finite length, Q = k delta^(10/9); k in N/m^(10/9) for the full roller length.
 
-    For one contact. Sources: Palmgren's delta = 3.84e-5 Q^0.9/L^0.8 mm; ISO/TS 16281,
-    whose k = 35948 L^(8/9) is that of both contacts of a roller in series (k of one
-    contact: 2^(10/9) times as large).
+    For one contact. Sources: Palmgren's delta = 3.84e-5 Q^0.9/L^0.8 mm; ISO/TS 16281, whose k = 35948 L^(8/9) is
+    that of both contacts of a roller in series (k of one contact: 2^(10/9) times as large).
     """
 
     k: float
@@ -87,8 +84,7 @@ def make_palmgren(L_w: float) -> TenNinths:
 
 
 def make_iso16281(L_w: float) -> TenNinths:
-    """Return ISO/TS 16281's law of one of the two contacts of a steel roller of length
-    ``L_w`` (m)."""
+    """Return ISO/TS 16281's law of one of the two contacts of a steel roller of length ``L_w`` (m)."""
     k_both = ISO16281_BOTH_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**LINE_CONTACT_EXPONENT
     return TenNinths(k_both * 2.0**LINE_CONTACT_EXPONENT)
 
@@ -99,12 +95,10 @@ C_1, C_2, C_3, C_4, C_5 = 1 / 9, 5 / 81, 95 / 2187, 665 / 19683, 4921 / 177147
 
 @jit
 def ninth_root(x: float) -> float:
-    """Return x^(1/9) for x >= 0 without a library call, so that loops over rollers are
-    vectorised.
+    """Return x^(1/9) for x >= 0 without a library call, so that loops over rollers are vectorised.
 
-    r = x^(-1/9) is estimated from the exponent bits, then corrected twice by r <- r
-    (1 - e)^(-1/9), e = 1 - x r^9, expanded to e^3 and then to e^5; the relative error
-    is below 2e-15 for 1e-30 <= x <= 1e3.
+    r = x^(-1/9) is estimated from the exponent bits, then corrected twice by r <- r (1 - e)^(-1/9), e = 1 - x r^9,
+    expanded to e^3 and then to e^5; the relative error is below 2e-15 for 1e-30 <= x <= 1e3.
     """
     x = max(x, 1e-300)
     high = np.float64(x).view(np.int64) >> 32
@@ -144,8 +138,8 @@ def _as_power_ten_ninths(law):
 
 
 class PowerLaw(NamedTuple):
-    """Power law, Q = k delta^m, with any exponent m >= 1; k in N/m^m. Uses ``pow``, so
-    loops over rollers are not vectorised."""
+    """Power law, Q = k delta^m, with any exponent m >= 1; k in N/m^m. Uses ``pow``, so loops over rollers are not
+    vectorised."""
 
     k: float
     m: float

@@ -1,5 +1,4 @@
-"""Division of an approach between two contacts in series, those of a massless roller
-between the races."""
+"""Division of an approach between two contacts in series, those of a massless roller between the races."""
 
 from typing import Any
 
@@ -30,8 +29,8 @@ def inner_approach_by_newton(outer, inner, delta):
 
 
 def inner_approach_of_powers(outer, inner, delta):
-    """Compute ``inner_approach`` of two power laws of equal exponent in closed form, of
-    any other two by Newton's method."""
+    """Compute ``inner_approach`` of two power laws of equal exponent in closed form, of any other two by Newton's
+    method."""
     (k_outer, m), (k_inner, m_inner) = as_power(outer), as_power(inner)
     if m != m_inner or m == 0.0:  # decided at compile time, except for ``PowerLaw``
         return inner_approach_by_newton(outer, inner, delta)
@@ -43,9 +42,7 @@ def inner_approach_of_powers(outer, inner, delta):
 def inner_approach(outer: Any, inner: Any, delta: float) -> float:
     """Return the inner contact's part (m) of the approach ``delta`` >= 0 (m) of two contacts in series.
 
-    It balances the elastic forces, Q_outer(delta - part) = Q_inner(part), and is
-    exactly delta/2 if both contacts are equal. There is a closed form for two power
-    laws of equal exponent and for two of Johnson's laws. Any other pair is solved by
-    Newton's method, whose separate function prevents the vectorisation of loops over
-    rollers.
+    It balances the elastic forces, Q_outer(delta - part) = Q_inner(part), and is exactly delta/2 if both contacts
+    are equal. There is a closed form for two power laws of equal exponent and for two of Johnson's laws. Any other
+    pair is solved by Newton's method, whose separate function prevents the vectorisation of loops over rollers.
     """
