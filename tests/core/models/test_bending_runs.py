@@ -118,7 +118,7 @@ def test_halving_the_step_changes_the_rms_within_its_error():
 
 def test_results_hardly_depend_on_the_number_of_springs(monkeypatch):
     """Line and RMS of `static` change by less than 0.5 %: from 64 to 160 springs, with a gap from 320 to 160."""
-    for fit, name, count in (("0 um", "SPRINGS", 160), ("-15 um", "SPRINGS_WITH_A_GAP", 160)):
+    for fit, name, count in (("0 um", "MIN_SPRINGS", 160), ("-15 um", "MIN_SPRINGS_WITH_GAP", 160)):
         housing = {"fit": fit, "stiffness": "1e10 N/m/m"}
         bearing_case = case(20, HOUSING | housing, model="static", contact=None)
         features = simulate(bearing_case).features
