@@ -136,7 +136,7 @@ def test_run_killed_during_trials_computes_the_same_results(complete: Path, tmp_
     """The run is killed at an early and at a later trial."""
     out = tmp_path / "out"
     for count in (3, 9):
-        run_and_kill(tmp_path, out, "try_out", count)
+        run_and_kill(tmp_path, out, "run_trial", count)
         assert not (out / "choices.json").exists()
         assert selection.read_trials(out)
     compute(tmp_path, out)
