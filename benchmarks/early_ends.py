@@ -37,13 +37,13 @@ UNREACHABLE = 1e-6
 BASELINE_SCRIPT = """
 import json, sys, tempfile, time
 from pathlib import Path
-from bearingsim.simulation import simulate, warm
+from bearingsim.simulation import compile_solvers, simulate
 from bearingsim.study import load_study
 for line in sys.stdin:
     path = Path(tempfile.mkdtemp()) / "scene.yaml"
     path.write_text(line)
     [case] = load_study(path).cases()
-    warm([case])
+    compile_solvers([case])
     began = time.process_time()
     try:
         simulate(case)

@@ -24,7 +24,7 @@ from bearingsim.core.laws.stiffness.power_laws import TenNinths
 VARIATIONS = """
 import bearingsim.core.sampling, importlib, pkgutil, bearingsim.core as core
 from bearingsim.config import Case
-from bearingsim.simulation import simulate, warm
+from bearingsim.simulation import compile_solvers, simulate
 
 def compiled():
     modules = [importlib.import_module(m.name) for m in pkgutil.walk_packages(core.__path__, "bearingsim.core.")]
@@ -48,7 +48,7 @@ CASES = [Case.model_validate(BASE | {"model": "ring"} | more) for more in (
     {"antialias": "false"},
     {"antialias": "false", "duration": "0.1 s", "settle": "20 ms"},
 )]
-warm(CASES)
+compile_solvers(CASES)
 before = compiled()
 assert before["bearingsim.core.advance.advance_and_sample"] == 1, before
 for case in CASES:
@@ -59,7 +59,7 @@ print(len(before))
 
 
 def test_input_values_cause_no_recompilation() -> None:
-    """After ``warm``, ints for floats, other defects, shapes and filters compile no further signature."""
+    """After ``compile_solvers``, other numbers, defects, shapes and filters compile no further signature."""
     run = subprocess.run([sys.executable, "-c", VARIATIONS], capture_output=True, text=True, timeout=80)
     assert run.returncode == 0, run.stderr[-2000:]
     assert int(run.stdout) > 20

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.diagnosis.kurtogram import LEVELS, kurtogram
-from bearingsim.signals.spectra import FLAT
+from bearingsim.signals.spectra import PASSBAND_EDGE
 from tests.diagnosis.test_kurtogram import SIGNALS, published_of, signal_of
 from tests.scenes.impacts import RATE
 
@@ -39,12 +39,12 @@ def bands_of(series: np.ndarray) -> Iterator[tuple[float, float]]:
     from scipy.signal import resample
 
     yield kurtogram(series, RATE).best
-    expected, top = published_of(series), FLAT * RATE
+    expected, top = published_of(series), PASSBAND_EDGE * RATE
     level = max(range(LEVELS), key=lambda level: expected[level].max())
     width = top / 2 ** (level + 1)
     low = float(np.argmax(expected[level])) * width
     yield low, low + width
-    image, info = fast_kurtogram(resample(series, round(2.0 * FLAT * len(series))), LEVELS, 2.0 * top)
+    image, info = fast_kurtogram(resample(series, round(2.0 * PASSBAND_EDGE * len(series))), LEVELS, 2.0 * top)
     rows = np.flatnonzero(info["level_w"] >= 1.0)  # the whole band is no candidate
     row, column = np.unravel_index(np.argmax(image[rows]), image[rows].shape)
     width = top * 2.0 ** -info["level_w"][rows[row]]
@@ -80,7 +80,7 @@ def draw(table: Sequence[dict[str, Any]], path: Path) -> None:
             resonance = 1e-3 * float(row["resonance_hz"])
             axes.plot([number - 0.4, number + 0.4], [resonance] * 2, "k-", lw=1, label=None if number else "resonance")
         axes.set_xticks(range(len(table)), [f"{number + 1}" for number in range(len(table))])
-        axes.set(xlabel="Signal", ylabel="Band of the largest kurtosis (kHz)", ylim=(0.0, 1e-3 * FLAT * RATE))
+        axes.set(xlabel="Signal", ylabel="Band of the largest kurtosis (kHz)", ylim=(0.0, 1e-3 * PASSBAND_EDGE * RATE))
         canvas.legend(loc="outside upper center", ncols=4)
         canvas.savefig(path, dpi=150)
 

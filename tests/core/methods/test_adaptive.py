@@ -142,11 +142,12 @@ def test_steps_end_at_a_known_jump(method):
 def test_accuracy_of_a_bouncing_roller(method):
     """On a linear floor the error after seven bounces is far above the tolerance, but falls with it.
 
-    The error estimate assumes smooth forces (docs/touch_down.md).
+    The error estimate assumes smooth forces (docs/touch_down.md). Rounding errors decide where a step meets an
+    impact: at tolerances of 1e-12 to 1e-11 the error of Dop853 is 1e-11 to 8e-8.
     """
     model = bouncing_roller(10.0, 1e4, 1.0)
     period = bounce_period(model, 1.0)
-    for tolerance, max_error in ((1e-8, 1e-4), (1e-10, 1e-5), (1e-12, 1e-8)):
+    for tolerance, max_error in ((1e-8, 1e-4), (1e-10, 1e-5), (1e-12, 1e-7)):
         out, _ = run(with_tolerance(method, 7.0 * period, tolerance), model, 1, q=0.0, v=1.0)
         assert abs(out[0, 1] - 1.0) < max_error
 
