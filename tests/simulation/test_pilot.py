@@ -214,7 +214,7 @@ def test_a_pilot_continues_a_search_for_a_period() -> None:
         assert run.passes == max(searched_passes, pilot_setup.grid.passes) < coarse.grid.passes
         signals = comparison.pilot_signals(pilot_setup, raw, passes)
         for quantity, value, expected in zip(computed._fields, signals, computed, strict=True):
-            np.testing.assert_array_equal(value, expected, quantity)
+            np.testing.assert_equal(value, expected, quantity)
 
 
 def test_a_run_that_is_periodic_within_its_pilot_is_not_the_pilot() -> None:
