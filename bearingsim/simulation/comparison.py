@@ -143,9 +143,9 @@ def raw_value_change(values: np.ndarray, reference: np.ndarray, rounding: float 
     The mean of the reference is subtracted from both series, so a change of the mean is included. Whether a sample
     falls on the flank of an impact is random, because the step size shifts the impact. Changes of single values
     may cancel in the sum by chance, so the change is at least their root sum of squares. It is 0 if both series
-    vary by no more than ``rounding``.
+    vary by less than ``rounding``.
     """
-    if max(np.std(values), np.std(reference)) <= rounding:
+    if max(np.std(values), np.std(reference)) < rounding:
         return 0.0
     reference_squares, squares = ((series - np.mean(reference)) ** 2 for series in (reference, values))
     min_sum = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)

@@ -19,8 +19,9 @@ def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return by row the value (SI) up to which a feature is zero within numerical errors; NaN without a bound.
 
     It is the motion that rounding alone can produce (columns such as `velocity.rounding`). For a line it is also
-    ``STEP_ACCURACY`` of ``QUIET_LINE`` of the RMS, the error that the step check accepts in a quiet line. For a
-    change from healthy it is also ``SAME`` of the value.
+    ``STEP_ACCURACY`` of ``QUIET_LINE`` of the RMS, the error that the step check accepts in a quiet line. A line of
+    displacement or acceleration is zero if that of the velocity is. For a change from healthy it is also ``SAME``
+    of the value.
     """
     import pandas as pd
 
@@ -29,11 +30,15 @@ def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     unit = FEATURES[feature].unit if feature in FEATURES else ""
     if unit not in UNITS or base.endswith(("-scatter", ".rounding")):
         return bounds * float("nan")
-    quantity = base.partition("@")[0].partition(".")[0]
+    quantity, _, line = base.partition("@")
+    quantity, velocity_line, ratio = quantity.partition(".")[0], f"velocity@{line}", 1.0
+    if is_line(base) and {base, velocity_line}.issubset(rows):
+        quantity, ratio = "velocity", rows[base] / rows[velocity_line]
     if f"{quantity}.rounding" in rows:
         bounds += rows[f"{quantity}.rounding"].fillna(0.0) * (EXTREME_RATIO if base.endswith(".peak") else 1.0)
     if is_line(base) and f"{quantity}.rms" in rows:
         bounds += STEP_ACCURACY * QUIET_LINE * rows[f"{quantity}.rms"].fillna(0.0)
+    bounds = (ratio * bounds).fillna(0.0)
     if base != feature and base in rows:
         bounds += SAME * rows[base].abs().fillna(0.0)
     return bounds

@@ -92,3 +92,9 @@ def test_change_is_that_beyond_rounding_if_rounding_is_notable(rounding: float, 
     series = np.array([1.0, -1.0] * 8)
     assert comparison.rms_change(1.02 * series, series, rounding) == pytest.approx(change)
     assert comparison.pass_changes(0.02 * series, 3, 1.0, rounding) == pytest.approx(change)
+
+
+def test_change_of_a_constant_without_rounding_counts() -> None:
+    """The force of a roller at rest has no bound of rounding; before, 5 N passed for 7 N."""
+    assert comparison.raw_value_change(np.full(8, 5.0), np.full(8, 7.0)) > 1.0
+    assert comparison.raw_value_change(np.zeros(8), np.zeros(8)) == 0.0

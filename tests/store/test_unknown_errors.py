@@ -215,6 +215,23 @@ def test_value_is_zero_within_the_errors_of_its_kind(feature: str, value: float,
     assert bool(is_zero(rows, feature).iloc[0]) == zero
 
 
+@pytest.mark.parametrize(("velocity", "zero"), [(3.5e-8, False), (6e-9, True)])
+@pytest.mark.parametrize("ending", ["", "-healthy"])
+def test_line_of_any_quantity_is_zero_if_that_of_the_velocity_is(velocity: float, zero: bool, ending: str) -> None:
+    """The RMS acceleration of impacts is of far higher frequencies than the line (30 Hz) of an inner defect."""
+    names, omega = ("displacement@fr", "velocity@fr", "acceleration@fr"), 188.5
+    amplitudes = dict(zip(names, (velocity / omega, velocity, omega * velocity), strict=True))
+    levels = {"displacement.rms": 1e-7, RMS: 6.8e-4, "acceleration.rms": 13.0, "acceleration.rounding": 1e-4}
+    changes = {f"{name}-healthy": value for name, value in amplitudes.items()}
+    rows = pd.DataFrame([levels | amplitudes | changes])
+    assert [bool(is_zero(rows, name + ending).iloc[0]) for name in names] == [zero] * 3
+
+
+def test_line_without_that_of_the_velocity_is_relative_to_its_own_rms() -> None:
+    rows = pd.DataFrame({"acceleration.rms": [1.0, 1.0], "acceleration@fr": [0.9e-5, 1.1e-5]})
+    assert is_zero(rows, "acceleration@fr").tolist() == [True, False]
+
+
 def test_chaotic_line_has_the_step_error_that_the_rms_resolves() -> None:
     """Its own is NaN, which is no error of zero."""
     columns = {LINE: [1.0] * 3, f"{LINE}-scatter": [0.0] * 3, "chaotic": [1.0, 0.0, 0.0]}
