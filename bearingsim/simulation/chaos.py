@@ -18,21 +18,25 @@ MIN_CHANGE_RATIO = 0.3  # smallest ratio of the change by the perturbation to th
 MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
 
 
-def is_chaotic_motion(perturbation_changes: np.ndarray, step_changes: np.ndarray, adaptive: bool) -> bool:
+def is_chaotic_motion(
+    perturbation_changes: np.ndarray, step_changes: np.ndarray, adaptive: bool, initial_change: float = 0.0
+) -> bool:
     """Check if a motion is chaotic, from its changes by a perturbation and by a shorter step.
 
     perturbation_changes, step_changes: (passes,) RMS of the change in each ball pass, relative to the RMS of the
-    motion. In a periodic motion the perturbation decays. With an adaptive method it also changes the steps, by an
-    amount that shrinks with the tolerance. If the perturbed finer run diverges from the finer one about as much as
-    the coarse run does, the motion itself is chaotic.
+    motion; initial_change: bound of that by a perturbation that does not grow, relative to the same RMS, which
+    may be that of a small motion. In a periodic motion the perturbation decays. With an adaptive method it also
+    changes the steps, by an amount that shrinks with the tolerance. If the perturbed finer run diverges from the
+    finer one about as much as the coarse run does, the motion itself is chaotic.
     """
+    min_change = max(MIN_CHANGE, MIN_GROWTH * initial_change)
     if adaptive:
         return bool(
-            perturbation_changes.max() > MIN_CHANGE
+            perturbation_changes.max() > min_change
             and perturbation_changes.max() > MIN_CHANGE_RATIO * step_changes.max()
         )
     return bool(
-        perturbation_changes.max() > MIN_CHANGE
+        perturbation_changes.max() > min_change
         or (
             perturbation_changes[-1] > 10.0 * PERTURBATION
             and perturbation_changes[-1] > MIN_GROWTH * perturbation_changes[0]

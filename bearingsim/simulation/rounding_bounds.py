@@ -27,7 +27,7 @@ from bearingsim.core.models.equilibrium import RESIDUAL_TOLERANCE
 from bearingsim.core.models.equilibrium import ROUNDING as FORCE_ROUNDING
 from bearingsim.simulation.limits import load_and_rates_at_rest, rest_case, rest_states
 from bearingsim.simulation.rounding import Rounding
-from bearingsim.simulation.settling import slowest_decay
+from bearingsim.simulation.settling import mode_eigenvalues, slowest_decay
 
 EPS = 2.0**-52  # relative distance of neighbouring double-precision numbers
 JUMPS = 2  # of the solution in a ball pass, there and back
@@ -49,6 +49,12 @@ def rounding_of(case: Case, model: Any, step: float, rate: float) -> Rounding:
         velocity = position_error / step + force_acceleration * sqrt(step / (4.0 * decay))
         acceleration = force_acceleration
     return Rounding(position_error + velocity / (2.0 * pi * rate), velocity, acceleration)
+
+
+def velocity_of_perturbation(case: Case, perturbation: float) -> float:
+    """Bound the velocity (m/s) of a ring displaced by ``perturbation``, relative to its displacement at rest."""
+    displacement = _rest_scales(rest_case(assemble.bearing_case(full_speed_case(case))))[0]
+    return perturbation * displacement * max(map(abs, mode_eigenvalues(case)), default=0.0)
 
 
 @lru_cache(maxsize=CACHED_EQUILIBRIA)

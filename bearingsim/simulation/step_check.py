@@ -52,6 +52,7 @@ from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import advised_duration, covers_defect_revolutions, make_pilot
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import PeriodCriterion, rotate_state
+from bearingsim.simulation.rounding_bounds import velocity_of_perturbation
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
 from bearingsim.text.numbers import percent
 
@@ -326,7 +327,8 @@ def check_on_pilot(
     perturbation_changes = pass_changes(
         base_run.fine_velocity - perturbed_run.fine_velocity, passes, rms, rounding
     )
-    if not is_chaotic_motion(perturbation_changes, step_changes, adaptive):
+    initial_change = velocity_of_perturbation(case, PERTURBATION) / (rms or 1.0)
+    if not is_chaotic_motion(perturbation_changes, step_changes, adaptive, initial_change):
         converges = bool(perturbation_changes[-1] <= MAX_DECAYED_SHARE * PERTURBATION)
         return PilotCheck(check, not converges, finer._replace(converges=converges))
     # pilots agree at first, so the signal that diverges sooner, usually of the wider band, is more informative

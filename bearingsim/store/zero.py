@@ -19,9 +19,9 @@ def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return by row the value (SI) up to which a feature is zero within numerical errors; NaN without a bound.
 
     It is the motion that rounding alone can produce (columns such as `velocity.rounding`). For a line it is also
-    ``STEP_ACCURACY`` of ``QUIET_LINE`` of the RMS, the error that the step check accepts in a quiet line. A line of
-    displacement or acceleration is zero if that of the velocity is. For a change from healthy it is also ``SAME``
-    of the value.
+    ``STEP_ACCURACY`` of ``QUIET_LINE`` of the RMS, the error that the step check accepts in a quiet line. A line
+    of displacement or acceleration is zero if that of the velocity is. For a change from healthy it is also
+    ``SAME`` of the value.
     """
     import pandas as pd
 

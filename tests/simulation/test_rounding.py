@@ -61,6 +61,15 @@ def test_small_motion_is_not_zero() -> None:
     assert max(values["step_error.line"], values["step_error.rms"]) < 0.01
 
 
+def test_small_motion_is_not_chaotic_because_its_perturbation_is_notable() -> None:
+    """1e-10 of the displacement is 3 % of the slow, hardly damped motion of a heavy ring, and does not grow."""
+    fields = {"rig": {"ring_mass": "100 kg"}, "contact": {"damping": {"law": "kraemer", "beta": "0.1 us"}}}
+    values = simulate(preloaded("-2 um", model="ring", duration="100 ms", **fields)).features
+    assert 1e-12 < values["velocity.rms"] < 1e-10
+    assert values["chaotic"] == 0.0
+    assert values["step_error.line"] < 0.01
+
+
 def test_errors_of_a_motion_near_rounding_contain_it() -> None:
     """Four times the bound of rounding; before, the difference of two runs at rest passed for chaos."""
     values = simulate(preloaded("-3.5 um")).features
