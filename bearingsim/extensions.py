@@ -2,7 +2,7 @@
 
 A package declares an entry point in the group ``bearingsim.extensions`` (docs/extending.md). An extension that
 fails to load or registers an invalid entry is listed in ``BROKEN``. Results can then still be read, but every
-command that computes calls ``raise_if_broken`` first, because some of the registered entries are missing.
+command that computes calls ``raise_if_broken`` first, because entries of the broken extension are missing.
 """
 
 import os
@@ -20,7 +20,7 @@ GROUP = "bearingsim.extensions"
 SKIP = "BEARINGSIM_SKIP_EXTENSIONS"
 """Environment variable with the names of the entry points to skip, comma-separated."""
 BROKEN: dict[str, str] = {}
-"""Error message of each extension that fails to load or registers an invalid entry, by ``owner``."""
+"""Error message of each extension that fails to load or registers an invalid entry, by name (see ``owner``)."""
 
 
 class BrokenExtension(UserError):
@@ -55,10 +55,10 @@ def _module_parts(reference: str) -> list[str]:
 
 
 def owner(reference: str) -> str:
-    """Return the name of the extension that defines an object reference, or else the name of its package.
+    """Return the name of the extension that defines the object of a reference, or else the name of its package.
 
-    If a package has several entry points, it is the one whose module has the longest common path with that of the
-    reference.
+    If a package has several entry points, the one is chosen whose module shares the most leading components
+    with that of the reference.
     """
     parts, root = _module_parts(reference), package(reference)
 
@@ -95,8 +95,8 @@ def record_failure(name: str, message: str) -> None:
 def raise_if_broken() -> None:
     """Raise BrokenExtension if an extension is in ``BROKEN``, because its entries are missing.
 
-    The advice to skip extensions is given only if all are entry points, because code that another package
-    registers later cannot be skipped by its name.
+    The advice to skip extensions is given only if every broken extension has an entry point, because entries
+    registered without one cannot be skipped.
     """
     if not BROKEN:
         return

@@ -213,7 +213,7 @@ def build_harmonic_table(ring: RingParameters, modes: Harmonics) -> np.ndarray:
     alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(modes.n)))
     rows[core.ORDER], rows[core.STIFFNESS], rows[core.STIFFNESS_PER_MASS] = modes.n, modes.k, modes.omega**2
     rows[core.DAMPING_PER_MASS] = 2.0 * ring.ring.damping * modes.omega
-    rows[core.PER_MASS_C], rows[core.PER_MASS_S] = modes.per_mass_c, modes.per_mass_s
+    rows[core.INVERSE_MASS_C], rows[core.INVERSE_MASS_S] = modes.per_mass_c, modes.per_mass_s
     if not ring.load_path.has_carrier:
         rows[core.LOAD_C], rows[core.LOAD_S] = load_amplitudes(ring.load_path, ring.load, modes.n)
     if ring.sensor.on_ring:
@@ -234,7 +234,7 @@ def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> None:
         k_b / mass,
         c_b / mass,
     )
-    rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
+    rows[core.INVERSE_MASS_C, i] = rows[core.INVERSE_MASS_S, i] = 1.0 / mass
     rows[core.LOAD_C, i], rows[core.LOAD_S, i] = k_b * x_0 - ring.load, k_b * y_0 - ring.load_across
     if not ring.sensor.on_ring:
         rows[core.SENSOR_C, i], rows[core.SENSOR_S, i] = cos(alpha), sin(alpha)
@@ -280,7 +280,7 @@ def largest_eigenvalues(ring_mass: float, rows: np.ndarray, springs: Any) -> tup
 
     All springs are in contact. rows: harmonic table of the ring.
     """
-    per_mass = np.r_[1.0 / ring_mass, 1.0 / ring_mass, rows[core.PER_MASS_C], rows[core.PER_MASS_S]]
+    per_mass = np.r_[1.0 / ring_mass, 1.0 / ring_mass, rows[core.INVERSE_MASS_C], rows[core.INVERSE_MASS_S]]
     K = np.diag(np.r_[0.0, 0.0, rows[core.STIFFNESS_PER_MASS], rows[core.STIFFNESS_PER_MASS]])
     C = np.diag(np.r_[0.0, 0.0, rows[core.DAMPING_PER_MASS], rows[core.DAMPING_PER_MASS]])
     if isinstance(springs, core.Springs):

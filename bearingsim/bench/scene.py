@@ -1,4 +1,4 @@
-"""Scenes of the chart, from built-in (``scenes/``) or user study files, with the models that can compute each."""
+"""Test cases of the speed-accuracy benchmark, from built-in (``scenes/``) or user studies, and models for each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,16 +20,16 @@ ORDER = (
 )
 """Built-in scenes in the order of the report."""
 AUTO_VALUES = {"method": "auto", "step": "auto", "tolerance": "auto", "step_check": "true", "periodic": "true"}
-"""Values of a job with the automatic choice, which replace those of a study."""
-MAX_CASES = 3  # limit of the cases of a study that become scenes
-MAX_RECORD = 0.5  # s, limit of the duration of a record
+"""Settings for the automatic choice of method, step and tolerance; they override those of the study."""
+MAX_CASES = 3  # largest number of cases of a study that are benchmarked
+MAX_RECORD = 0.5  # s, longest record
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Model of a scene, or its variant with other harmonics or slices, with its case.
+    """Model, with its number of harmonics or slices, and the case to compute with it.
 
-    case: None if the model cannot compute it; ``refused``: the reason.
+    case: None if the model cannot compute the scene; refused: the reason, else empty.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Scene:
-    """Scene of the chart. variants: the reference first, then cheaper models."""
+    """Test case of the benchmark. variants: the reference first, then cheaper models."""
 
     name: str
     title: str
@@ -55,7 +55,7 @@ class Scene:
 
     @property
     def line(self) -> str:
-        """Defect line of velocity; that of the outer race for a healthy bearing."""
+        """Compared feature: velocity amplitude at the defect frequency (BPFO for a healthy bearing)."""
         defects = self.reference.defects
         return f"velocity@{FAULT_LINES[defects[0].race if defects else 'outer']}"
 
@@ -96,7 +96,8 @@ def _name_and_title(study: Study, n: int) -> tuple[str, str]:
 def _variants(study: Study, n: int, case: Case) -> tuple[Variant, ...]:
     """List the reference of a case, then its cheaper models from the most detailed down, each variant once.
 
-    A candidate is the reference itself if the slices or harmonics of the case cannot be doubled.
+    If slices or harmonics cannot be doubled, the candidate with those of the case equals the reference and is left
+    out.
     """
     finest = make_reference(case)
     variants = {_label(finest): Variant(_label(finest), finest.model, finest)}
@@ -115,9 +116,9 @@ def _variant(study: Study, n: int, candidate: str, changes: Mapping[str, str]) -
 
 
 def _refusal(study: Study, changes: Mapping[str, str]) -> str:
-    """Return the first problem of a study with other values at some paths.
+    """Return the first problem of the study with ``changes`` applied.
 
-    For a study with `accuracy`, which rejects `model`, the text is general.
+    For a study with `accuracy`, which rejects `model`, the reason is generic.
     """
     try:
         if study.goal is None:
@@ -135,7 +136,7 @@ def _label(case: Case) -> str:
 
 
 def _changed_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
-    """Return the cases of a study with the automatic choice, other values at some paths, and shorter records."""
+    """Return the cases with ``AUTO_VALUES`` and ``changes`` applied, and with records shortened."""
     return [case and _shorten(case) for case in study.cases_with({**AUTO_VALUES, **changes})]
 
 

@@ -34,14 +34,14 @@ def empty_figures(plan: Plan) -> Iterator[str]:
     cases = [swept for _, swept in plan.study.swept_cases]
     for number, figure in enumerate(plan.study.figures, 1):
         selects_any = any(
-            all(_equals(swept.get(path), path, text) for path, text in figure.where.items()) for swept in cases
+            all(_matches(swept.get(path), path, text) for path, text in figure.where.items()) for swept in cases
         )
         if figure.where and not selects_any:
             selection = ", ".join(f"{path}: {text}" for path, text in figure.where.items())
             yield f"{WARNING}figure {number} is empty: no case of the study has `{selection}`"
 
 
-def _equals(value: float | str | None, path: str, text: str) -> bool:
+def _matches(value: float | str | None, path: str, text: str) -> bool:
     """Compare a swept value (SI) with one written as ``text``."""
     if not isinstance(value, float):
         return value == text
@@ -56,8 +56,8 @@ def _equals(value: float | str | None, path: str, text: str) -> bool:
     return math.isclose(value, number, rel_tol=1e-9)
 
 
-NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, from which a cost is reported
-FLOOR_RATIO = 0.999  # drop of a roller relative to the depth of a defect, from which it reaches the floor
+NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, above which a cost is reported
+FLOOR_RATIO = 0.999  # drop over depth of a defect, at or above which a roller touches the floor
 WALL_CLEARANCE_RATIO = 0.5
 """Drop of a roller relative to the depth of a triangular defect, below which the roller touches only the rims,
 because the walls (slope 2 depth/width) are steeper than its circle."""
@@ -133,7 +133,7 @@ def _distinction(jobs: list[PricedJob], others: list[PricedJob], plan: Plan) -> 
 
 
 def model_choices(plan: Plan) -> list[str]:
-    """Return the models chosen for an `accuracy`, with the reasons, or a note that they are not chosen yet."""
+    """Return the models chosen for an `accuracy`, with a reason each, or a note that they are not chosen yet."""
     goal, selection = plan.study.goal, plan.study.selection
     if goal is None:
         return []
@@ -182,7 +182,7 @@ def series_cost(plan: Plan) -> Iterator[str]:
 
 
 def method_choices(plan: Plan) -> list[str]:
-    """Return the methods chosen by `method: auto` with the reasons, and the scope of the step check."""
+    """Return the methods chosen by `method: auto` with a reason each, and the scope of the step check."""
     automatic = [priced for priced in plan.priced_jobs if priced.job.case.method == "auto"]
     reasons: dict[str, list[str]] = {}
     for priced in automatic:
@@ -262,7 +262,7 @@ def unvaried_damping(plan: Plan) -> Iterator[str]:
     if "damping" not in varied_kinds and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
         damped_jobs = [priced for priced in plan.cases if has_effect("damping", priced.job.case)]
         if damped_jobs:
-            count = sum(has_effect("damping", case) for case in plan.study.cases())  # also those without a price
+            count = sum(has_effect("damping", case) for case in plan.study.cases())  # including jobs not priced
             seconds = sum(priced.estimate.cpu_seconds for priced in damped_jobs) / len(damped_jobs)
             yield damping_remark(count, duration, count * seconds)
 

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 def show(results: "Results", features: Sequence[str], as_json: bool, out: Path | None) -> None:
-    """Print Sobol' indices or Morris effects of features (default: amplitude at the defect frequency); draw them.
+    """Print Sobol' indices or Morris effects of features (default: ``select.default_y``); draw them.
 
-    out: file of the figure; default: in the figures folder of the results, none with JSON.
+    out: file of the figure; default: in the figures folder of the results, no figure with JSON.
     """
     from bearingsim.plots import select
     from bearingsim.sensitivity import analyse, design_of
 
-    design_of(results)
+    design_of(results)  # raises SensitivityError if the design has no indices or effects
     feature_names = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
     target = _target(results, feature_names, out)
     all_blocks = [influence.blocks_of(results, feature) for feature in feature_names]
@@ -66,7 +66,7 @@ def _draw(results: "Results", analyses: "Sequence[FeatureAnalysis]", target: Pat
 
 
 def _json_entry(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, Any]:
-    """Convert an analysis for JSON, in SI."""
+    """Convert an analysis to a JSON-serialisable dict, in SI units."""
     from bearingsim.sensitivity import Indices
 
     entries: dict[str, Any] = {

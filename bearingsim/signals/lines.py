@@ -51,8 +51,8 @@ def derivative_amplitudes(
     by_pass: (harmonics, passes), from ``amplitudes_by_pass``; boundary_values: (passes + 1,) of the series at the
     boundaries of the passes; rate: passes per second (Hz), a number or (passes,); Z_theta: Z times the first
     roller's angle at any boundary (rad). Returns (harmonics, passes) complex. The amplitudes of a velocity are
-    less affected by aliasing than those of a sampled acceleration, in which impacts alias several per cent into
-    lines a thousand times smaller.
+    less affected by aliasing than those of a sampled acceleration, where aliasing of impacts changes lines a
+    thousand times smaller by several per cent.
     """
     k = np.asarray(harmonics)[:, np.newaxis]
     return 2j * pi * rate * k * by_pass + 2.0 * rate * np.exp(-1j * k * Z_theta) * np.diff(boundary_values)
@@ -65,7 +65,7 @@ def amplitudes_by_pass_pair(
 
     Arguments as for ``amplitudes_by_pass`` and ``derivative_amplitudes``. The windows overlap by one pass and sum
     to 1, so a mean over them with slowly varying weights contains each impact once, also at the boundary of two
-    passes. In amplitudes by pass, differently weighted parts of such an impact would not cancel. As in a whole
+    passes. In amplitudes by pass, the two parts of such an impact would get different weights. As in a whole
     pass, there is no leakage from other harmonics. The derivatives of the windows cancel in the mean and are
     omitted from the amplitudes of the derivative. Returns (harmonics, passes - 1) complex for both.
     """
@@ -78,11 +78,11 @@ def amplitudes_by_pass_pair(
 
 
 def mean_amplitude(by_pass: np.ndarray, has_neighbours: bool = False) -> tuple[float, float, float]:
-    """Compute amplitude, phase (rad) and standard error of the amplitude of a line from its values by pass.
+    """Compute amplitude, phase (rad) and standard error of the complex amplitude of a line from values by pass.
 
     by_pass: (n,) complex, from ``amplitudes_by_pass``; has_neighbours: True if there are lines that are not
     periodic in the passes, such as 2 BSF next to BPFO. The values are then those of ``amplitudes_by_pass_pair``,
-    and are weighted by a Hann window, which has no leakage from a distance of two bins on. The standard error is
+    and are weighted by a Hann window, whose leakage is at most 2.7 % from two bins on. The standard error is
     that of the mean of independent passes: the standard deviation of the values over the root of their number, or
     of half their number for pairs of passes with these weights. It includes the effect of neighbours, and is NaN
     with fewer than two values.
@@ -113,7 +113,7 @@ def amplitude_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
     weight = np.sin(pi * (angle - angle[0]) / (angle[-1] - angle[0])) ** 2 * np.gradient(angle)
     weight /= weight.sum()
     kernel = weight * np.exp(-1j * angle)
-    return 2.0 * (series @ (kernel - weight * kernel.sum()))  # less the mean, which can be a thousand times a line
+    return 2.0 * (series @ (kernel - weight * kernel.sum()))  # the mean may exceed a line 1000 times
 
 
 def amplitudes_of_segments(
@@ -124,7 +124,7 @@ def amplitudes_of_segments(
     segments: (..., W, M); the series consists of ``count`` consecutive segments, of which those after the first W
     repeat the last ``period`` segments, and of ``tail`` (..., r) at the end. angle: (L,) rad of each line at the
     first sample; angle_step: (L,) rad per sample. A Hann window over the series is a sum of three exponentials, so
-    three sums per segment and line suffice for any positions and number of repetitions. Returns (..., L) complex;
+    three sums per segment and line suffice for any number of repetitions. Returns (..., L) complex;
     NaN for lines of less than two revolutions.
     """
     W, M = segments.shape[-2:]
@@ -209,8 +209,8 @@ def amplitudes_at(series: np.ndarray, angles: Iterable[np.ndarray]) -> np.ndarra
 def are_resolved(frequencies: Sequence[float] | np.ndarray, duration: float) -> np.ndarray:
     """Check which lines (n,) in Hz a Hann window over ``duration`` (s) resolves: (n,) bool.
 
-    A line is resolved if its distance from all other lines and from zero, where the mean and its negative
-    frequency disturb it, is at least 2/duration, half the main lobe. Equal and non-finite lines are not resolved.
+    A line is resolved if its distance from all other lines and from zero (the mean), and so from its own
+    negative frequency, is at least 2/duration, half the main lobe. Equal and non-finite lines are not resolved.
     """
     values = np.asarray(frequencies, dtype=float)
     distances = np.abs(np.subtract.outer(values, values))

@@ -1,4 +1,4 @@
-"""Conflicts of the form of the surfaces with the bearing and the method."""
+"""Conflicts of `surfaces` with the bearing and the method."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
 MAX_HEIGHT = 0.01
-"""Largest height of the form, relative to the rolling element's diameter. Larger heights, such as 0.1 mm at a
+"""Largest height of the form, relative to the rolling element's diameter. Larger heights, such as 0.2 mm at a
 diameter of 10 mm, are damage, not form."""
 
 
@@ -29,7 +29,7 @@ def surface_conflicts(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _roller_conflicts(case: "CaseFields") -> Iterator[Conflict]:
-    """Yield the conflicts of the rollers' form with their number."""
+    """Yield the conflicts of the rollers' form with the number of rollers."""
     surface = case.surfaces and case.surfaces.rollers
     if not surface:
         return
@@ -39,9 +39,9 @@ def _roller_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         paths: tuple[Path, ...] = (("surfaces", "rollers", "diameter"), ("bearing", "rollers"))
         message = f"{len(deviations)} diameter{'s' * (len(deviations) != 1)} for {count} rollers"
         yield Conflict("diameters", paths, message, "give one deviation for each roller")
-    for number, harmonic in enumerate(surface.harmonics):
+    for index, harmonic in enumerate(surface.harmonics):
         if harmonic.roller is not None and harmonic.roller > count:
-            path: Path = ("surfaces", "rollers", "harmonics", number, "roller")
+            path: Path = ("surfaces", "rollers", "harmonics", index, "roller")
             message = f"there is no roller {harmonic.roller}: the bearing has {count}"
             yield Conflict("roller", (path, ("bearing", "rollers")), message, "numbers start at 1")
 
@@ -56,7 +56,7 @@ def _height_conflicts(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _heights(case: "CaseFields") -> Iterator[tuple[Path, float]]:
-    """Yield the path and value (m) of each height: of roundness profiles, amplitudes, their sums and diameters."""
+    """Yield path and value (m) of each deviation: peak-to-valley, amplitudes, their sum, diameter deviations."""
     for race, roundness in case.surfaces.profiles.items() if case.surfaces else ():
         from bearingsim.config.scan.roundness import form_range, read_roundness  # imports numpy
 
@@ -65,8 +65,8 @@ def _heights(case: "CaseFields") -> Iterator[tuple[Path, float]]:
         surface = getattr(case.surfaces, name)
         if surface is None:
             continue
-        for number, harmonic in enumerate(surface.harmonics):
-            yield ("surfaces", name, "harmonics", number, "amplitude"), harmonic.amplitude
+        for index, harmonic in enumerate(surface.harmonics):
+            yield ("surfaces", name, "harmonics", index, "amplitude"), harmonic.amplitude
         if len(surface.harmonics) > 1:  # the crests of all undulations may coincide
             yield ("surfaces", name, "harmonics"), sum(abs(harmonic.amplitude) for harmonic in surface.harmonics)
         if surface.spectrum is not None:

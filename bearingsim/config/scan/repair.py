@@ -27,7 +27,8 @@ NOISE_LIMIT = 3.0  # limit of noise, in standard deviations of the border
 MIN_WIDTH, MIN_DEPTH = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
 
 CACHED_SCANS = 256
-"""Scans cached per process, more than in a typical sweep. Each takes 50 to 150 kB, all together at most 40 MB."""
+"""Scans cached per process, more than in a typical sweep. A typical scan takes 50 to 150 kB, all
+together 40 MB; a scan of ``file.MAX_POINTS`` takes 32 MB, and the number is the only bound."""
 
 
 class Scan(NamedTuple):
@@ -67,7 +68,7 @@ def _read(path: Path, modified: int, size: int) -> Scan:
 
 
 def _size_warnings(width: float, depth: float) -> Iterator[str]:
-    """Yield a question for each unusual size, which suggests a wrong unit."""
+    """Yield a warning for each unusual size, which suggests a wrong unit."""
     if width < MIN_WIDTH:
         yield f"the defect is only {_format_um(width)} wide along s; is the unit right?"
     if depth > width:
@@ -122,7 +123,7 @@ def _neighbours(depth: np.ndarray) -> np.ndarray:
     return np.stack([padded[i : i + rows, j : j + columns] for i, j in offsets])
 
 
-def _robust_deviation(values: np.ndarray) -> float:
+def _robust_std(values: np.ndarray) -> float:
     """Estimate the standard deviation robustly, as 1.4826 times the median absolute deviation."""
     finite = values[np.isfinite(values)]
     return float(1.4826 * np.median(np.abs(finite - np.median(finite))))
@@ -159,7 +160,7 @@ def _fill_gaps(grid: Grid) -> Grid:
 
 
 def _regions(mask: np.ndarray) -> np.ndarray:
-    """Label the connected regions of a mask from 1, with cells that touch at corners connected; 0 elsewhere."""
+    """Label the connected regions of a mask from 1, 8-connected; 0 elsewhere."""
     from scipy.ndimage import label
 
     return np.asarray(label(mask, structure=np.ones((3, 3)))[0])
@@ -194,7 +195,7 @@ def _level(grid: Grid) -> Grid:
     cell_counts = np.bincount(regions.ravel())
     defect_cells = damaged & (cell_counts[regions] >= MIN_REGION)
     if not defect_cells.any():
-        raise ScanError(f"no defect exceeds the noise of the surrounding race ({_format_um(deviation)})")
+        raise ScanError(f"no defect: all damaged regions have fewer than {MIN_REGION} cells")
     if deviation > 0.0:
         roughness = f"roughness of the surrounding race: {_format_um(deviation)}"
         remarks.append(f"{roughness}; depths within {_format_um(noise)} are set to 0")
@@ -232,13 +233,13 @@ def _fit_border(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tup
     """
     A, depths = terms[:, border].T, depth[border]
     scale = np.abs(A).max(axis=0)
-    inliers = np.abs(depths - np.median(depths)) <= max(NOISE_LIMIT * _robust_deviation(depths), 1e-15)
+    inliers = np.abs(depths - np.median(depths)) <= max(NOISE_LIMIT * _robust_std(depths), 1e-15)
     coefficients = np.zeros(len(terms))
     for _ in range(20):
         coefficients = np.linalg.lstsq(A[inliers] / scale, depths[inliers], rcond=None)[0] / scale
         residuals = depths - A @ coefficients
-        inliers = np.abs(residuals) <= max(NOISE_LIMIT * _robust_deviation(residuals), 1e-15)
-    return coefficients, _robust_deviation(depths - A @ coefficients)
+        inliers = np.abs(residuals) <= max(NOISE_LIMIT * _robust_std(residuals), 1e-15)
+    return coefficients, _robust_std(depths - A @ coefficients)
 
 
 def _end_remarks(grid: Grid, damaged: np.ndarray) -> list[str]:
@@ -282,7 +283,7 @@ def _centre(grid: Grid) -> Grid:
 
 
 def _extent(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """Return the extent (m) of the damage along s and along z, including the first undamaged cells."""
+    """Return the extent (m) of the damage along s and along z, including one undamaged cell on each side."""
     damaged = grid.depth != 0.0
     return _span(grid.s, damaged.any(axis=0)), _span(grid.z, damaged.any(axis=1))
 

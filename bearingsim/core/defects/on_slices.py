@@ -2,8 +2,8 @@
 
 In ``spatial`` group k of a roller-defect pair belongs to slice k. The position of a slice relative to a defect of
 a race follows from the angle of its contact normal n about the ring's own axis; relative to a defect of a roller,
-from this angle and the roller's own. (A roller's angle should be measured about the roller's axis; the error is of
-the order of products of tilts, 1e-6 of the angle at 1 mrad.)
+from this angle and the roller's rotation angle. (Exactly, that is an angle about the roller's axis; the error is
+of the order of products of tilts, 1e-6 of the angle at 1 mrad.)
 """
 
 from math import atan2, sqrt
@@ -25,7 +25,7 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.jit import jit
 
-# values of row DEFECT_REACH: a defect may act on the roller; it acts on the current slice
+# values of row DEFECT_REACH: a defect may act on some slice of the roller; a defect acts on the current slice
 ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 
@@ -33,8 +33,8 @@ ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 def slice_polar_position(base, pitch_radius, b_z, zeta, y, j):
     """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its distance (m) from that axis.
 
-    base: of the rows of the roller's side; b_z: third component of the ring's axis; zeta: position (m) of the
-    slice along the roller.
+    base: offset of the rows of the roller's side; b_z: third component of the ring's axis; zeta: position (m) of
+    the slice along the roller.
     """
     r = pitch_radius + y[lay.RADIAL + j] + y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
     t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
@@ -47,10 +47,11 @@ def slice_polar_position(base, pitch_radius, b_z, zeta, y, j):
 
 @jit
 def roller_near_defect(model, d, t, y):
-    """Return the roller nearest to the defect of pair ``d``, and the distance (m) along rolling of its direction
-    e_r from the defect's centre.
+    """Return the roller nearest to the defect of pair ``d``, and the distance (m) in the rolling direction from
+    the defect's centre to the roller's direction e_r.
 
-    The distance of a slice is this plus the defect's radius times the slice's angle (``slice_polar_position``).
+    The distance of a slice is this plus the radius of the surface with the defect (column RADIUS) times the
+    slice's angle (``slice_polar_position``).
     """
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
@@ -63,7 +64,7 @@ def roller_near_defect(model, d, t, y):
 
 @jit
 def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
-    """Mark the sides of rollers of which any slice may be over a defect; return their number."""
+    """Mark each side of a roller of which a slice may be over a defect; return the number of pairs within reach."""
     defects, b = model.defects, model.bearing
     pitch_radius = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
@@ -84,7 +85,7 @@ def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
 
 @jit
 def clear_defect_response(model, y):
-    """Clear the response of the previous slice of all marked rollers."""
+    """Set the response rows of all marked rollers to zero, which the previous slice filled."""
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         for j in range(model.bearing.Z):
             if y[side + lay.DEFECT_REACH + j] > 0.0:
@@ -103,9 +104,9 @@ def clear_defect_response(model, y):
 def fill_slice_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
-    tilt_factor: 1, or 0 to neglect the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the
-    defects at a slice the deepest acts, as in ``on_roller.is_masked``, of equally deep ones the softest, of equal
-    ones the first, and a burr only where there is no other defect.
+    tilt_factor: 1, or 0 to neglect the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Where
+    defects overlap, the one with the largest drop acts, as in ``on_roller.is_masked``; ties go to the lower
+    stiffness, then to the first. A burr acts only where there is no other defect.
     """
     defects, zeta, pitch_radius = (
         model.defects,

@@ -8,8 +8,8 @@ A model provides, in the order of the calls:
     accelerate_roller   acceleration of one roller
 
 The first of the two loops over rollers also updates positions (``drift``), before the forces; the second also
-updates velocities (``kick``), after the accelerations. The type of the method's ``motion`` selects both updates,
-so a step takes one pass over the rollers with any model.
+updates velocities (``kick``), after the accelerations. The argument ``motion`` is the method, whose
+type selects both updates, so they need no loops of their own; ``NoUpdate`` omits them.
 """
 
 from typing import Any, NamedTuple
@@ -30,7 +30,7 @@ def shared_quantities(model: Any, t: float, y: np.ndarray) -> Any:
 
 @generic(inline="late")
 def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
-    """Fill the contact rows of roller ``j``, and the rows of its ``layout.roller_load`` that the model sums.
+    """Fill the contact rows of roller ``j``, and its lane of the rows ``layout.roller_load`` that the model sums.
 
     common: result of ``shared_quantities``. The loop over rollers is vectorised, so an implementation must have no
     branches and must not use data of other rollers.
@@ -39,7 +39,7 @@ def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
 
 @generic(inline="late")
 def accelerate_shared(model: Any, common: Any, t: float, y: np.ndarray) -> Any:
-    """Correct the rollers over defects, sum the loads, and write the accelerations of rings and cage.
+    """Correct the contact forces over defects, sum the loads, and write the accelerations of rings and cage.
 
     Returns the accelerations that ``accelerate_roller`` needs.
     """
@@ -55,17 +55,17 @@ def accelerate_roller(model: Any, common: Any, body_acceleration: Any, y: np.nda
 
 @absent
 class NoUpdate(NamedTuple):
-    """Motion without drift and kick: the state is evaluated unchanged."""
+    """Placeholder for a method: evaluate the given state without drift and kick."""
 
 
 @generic(inline="late", absent=None)
 def drift(motion: Any, y: np.ndarray, i: int) -> None:
-    """Move coordinate ``i`` of the state to the position at which it is evaluated."""
+    """Advance position and velocity of cell ``i`` of the state to the point of evaluation."""
 
 
 @generic(inline="late", absent=None)
 def kick(motion: Any, y: np.ndarray, i: int) -> None:
-    """Update the velocity of coordinate ``i`` with its acceleration."""
+    """Update the velocity of cell ``i`` with its acceleration."""
 
 
 def evaluate_at_once(model, motion, t, y):
@@ -89,8 +89,8 @@ COORDINATE_ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 
 @inlined
 def drift_roller(motion, roller_dof, y, j):
-    """Apply ``drift`` to the ``roller_dof`` coordinates of roller ``j``, unrolled because a loop over rows
-    prevents vectorisation."""
+    """Apply ``drift`` to the ``roller_dof`` (0, 1, 3 or 6) coordinates of roller ``j``, unrolled because a loop
+    over rows prevents vectorisation."""
     if roller_dof > 0:
         drift(motion, y, COORDINATE_ROWS[0] + j)
     if roller_dof > 1:
@@ -104,7 +104,7 @@ def drift_roller(motion, roller_dof, y, j):
 
 @inlined
 def kick_roller(motion, roller_dof, y, j):
-    """Apply ``kick`` to the ``roller_dof`` coordinates of roller ``j``."""
+    """Apply ``kick`` to the ``roller_dof`` (0, 1, 3 or 6) coordinates of roller ``j``."""
     if roller_dof > 0:
         kick(motion, y, COORDINATE_ROWS[0] + j)
     if roller_dof > 1:

@@ -27,8 +27,8 @@ from bearingsim.core.models.equilibrium import (
     net_force,
 )
 from bearingsim.core.parts.bending import (
-    PER_MASS_C,
-    PER_MASS_S,
+    INVERSE_MASS_C,
+    INVERSE_MASS_S,
     SPRING_COS,
     SPRING_SIN,
     SPRING_STIFFNESS,
@@ -83,8 +83,8 @@ def fill_force(bending, model, y):
     for i in range(harmonics(bending)):
         f_c, f_s = force_on_harmonic(bending, y, i)
         has_cosine, has_sine = (
-            bending.harmonic_table[PER_MASS_C, i] > 0.0,
-            bending.harmonic_table[PER_MASS_S, i] > 0.0,
+            bending.harmonic_table[INVERSE_MASS_C, i] > 0.0,
+            bending.harmonic_table[INVERSE_MASS_S, i] > 0.0,
         )
         y[FORCE + lay.MODES_C + i] = (
             f_c - bending.harmonic_table[STIFFNESS, i] * y[lay.POSITION + lay.MODES_C + i] if has_cosine else 0.0
@@ -109,8 +109,8 @@ def fill_matrix(bending, model, y):
     y[MATRIX] = y[MATRIX + N + 1] = model.support.k_b + added
     for i in range(H):
         k = bending.harmonic_table[STIFFNESS, i] + added
-        y[MATRIX + (2 + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_C, i] > 0.0 else 1.0
-        y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_S, i] > 0.0 else 1.0
+        y[MATRIX + (2 + i) * (N + 1)] = k if bending.harmonic_table[INVERSE_MASS_C, i] > 0.0 else 1.0
+        y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.harmonic_table[INVERSE_MASS_S, i] > 0.0 else 1.0
     for j in range(model.bearing.Z):
         if y[K_SERIES + j] > 0.0:
             add_roller(bending, y, j, N)
@@ -144,8 +144,8 @@ def add_roller(bending, y, j, N):
     for i in range(H):
         c, s = bending.transposed_shapes[0, j, i], bending.transposed_shapes[1, j, i]
         C, S = y[lay.PHASE_C + i], y[lay.PHASE_S + i]
-        y[PHI + 2 + i] = c * C - s * S if bending.harmonic_table[PER_MASS_C, i] > 0.0 else 0.0
-        y[PHI + 2 + H + i] = s * C + c * S if bending.harmonic_table[PER_MASS_S, i] > 0.0 else 0.0
+        y[PHI + 2 + i] = c * C - s * S if bending.harmonic_table[INVERSE_MASS_C, i] > 0.0 else 0.0
+        y[PHI + 2 + H + i] = s * C + c * S if bending.harmonic_table[INVERSE_MASS_S, i] > 0.0 else 0.0
     add_contact(y[K_SERIES + j], y, N)
 
 

@@ -64,8 +64,8 @@ class Bending(NamedTuple):
     STIFFNESS,
     STIFFNESS_PER_MASS,
     DAMPING_PER_MASS,
-    PER_MASS_C,
-    PER_MASS_S,
+    INVERSE_MASS_C,
+    INVERSE_MASS_S,
     LOAD_C,
     LOAD_S,
     SENSOR_C,
@@ -129,7 +129,7 @@ def race_bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
 
 @generic(inline="late", absent=None)
 def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
-    """Fill the accelerations of the amplitudes, and add the springs' forces over ``m_o`` (kg) to the ring's
+    """Fill the accelerations of the amplitudes, and add the springs' forces divided by ``m_o`` (kg) to the ring's
     acceleration.
 
     Requires the rows Q_O and those filled by ``bend_race``.
@@ -140,13 +140,13 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
 
 @generic(inline="late", absent=None)
 def load_springs(springs: Any, y: np.ndarray) -> None:
-    """Fill SPRING_FORCE and its loads: SPRING_FORCE_C, SPRING_FORCE_S on the amplitudes, SPRINGS_X, SPRINGS_Y on
-    the ring's centre.
+    """Fill SPRING_FORCE, the generalised forces of the ring on the springs (SPRING_FORCE_C, SPRING_FORCE_S), and
+    the forces of the springs on the ring's centre (SPRINGS_X, SPRINGS_Y).
     """
 
 
 def ring_position(springs, y):
-    """Return ``supported_position`` of a ring without springs: that of the ring's centre."""
+    """Implement ``supported_position`` for a ring without springs: that of the ring's centre."""
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
 
 
@@ -173,17 +173,17 @@ def read_sensor(bending: Any, y: np.ndarray) -> None:
     """Fill the cells SENSOR, SENSOR_V, SENSOR_A with the radial motion at the sensor."""
 
 
-def _rigid_race_bound(bending, K, per_mass, k):
-    """Return ``race_stiffness_bound`` of a rigid ring."""
+def _rigid_race_bound(bending, K, inverse_mass, k):
+    """Implement ``race_stiffness_bound`` for a rigid ring."""
     return K
 
 
 @generic(inline="late", absent=_rigid_race_bound)
-def race_stiffness_bound(bending: Any, K: float, per_mass: float, k: float) -> float:
+def race_stiffness_bound(bending: Any, K: float, inverse_mass: float, k: float) -> float:
     """Bound the stiffness over mass (1/s^2) of a roller on a flexible race.
 
-    K: stiffness over mass of the roller alone, 1/s^2; per_mass: its inverse mass, 1/kg; k: stiffness of its outer
-    contact, N/m.
+    K: stiffness over mass of the roller on a rigid race, 1/s^2; inverse_mass: of the roller, 1/kg; k: stiffness of
+    its outer contact, N/m.
     """
 
 
@@ -196,11 +196,11 @@ def race_damping(bending: Any, c: float) -> float:
 
 
 @race_stiffness_bound.register(Bending)
-def _flexible_race_bound(bending, K, per_mass, k):
-    k = k if per_mass > 0.0 else 0.0  # a padded lane
+def _flexible_race_bound(bending, K, inverse_mass, k):
+    k = k if inverse_mass > 0.0 else 0.0  # no stiffness in padded lanes
     race_stiffness = bending.max_stiffness + k * bending.mobility
     half = 0.5 * (K - race_stiffness)
-    return 0.5 * (K + race_stiffness) + sqrt(half * half + k * k * bending.mobility * per_mass)
+    return 0.5 * (K + race_stiffness) + sqrt(half * half + k * k * bending.mobility * inverse_mass)
 
 
 @race_damping.register(Bending)
@@ -293,7 +293,7 @@ def _load_springs(springs, y):
 
 @inlined
 def compress_springs(springs, y):
-    """Fill COMPRESSION, COMPRESSION_V and SPRING_FORCE of every spring; none pulls."""
+    """Fill COMPRESSION, COMPRESSION_V (rate due to bending) and SPRING_FORCE; springs act in compression only."""
     lanes = springs.spring_table.shape[1]
     rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
     rows_s = (lay.POSITION + lay.MODES_S, lay.VELOCITY + lay.MODES_S)
@@ -341,12 +341,12 @@ def _accelerate_harmonics(bending, m_o, y):
         f_c, f_s = force_on_harmonic(bending, y, i)
         k, c = bending.harmonic_table[STIFFNESS_PER_MASS, i], bending.harmonic_table[DAMPING_PER_MASS, i]
         y[lay.ACCELERATION + lay.MODES_C + i] = (
-            bending.harmonic_table[PER_MASS_C, i] * f_c
+            bending.harmonic_table[INVERSE_MASS_C, i] * f_c
             - k * y[lay.POSITION + lay.MODES_C + i]
             - c * y[lay.VELOCITY + lay.MODES_C + i]
         )
         y[lay.ACCELERATION + lay.MODES_S + i] = (
-            bending.harmonic_table[PER_MASS_S, i] * f_s
+            bending.harmonic_table[INVERSE_MASS_S, i] * f_s
             - k * y[lay.POSITION + lay.MODES_S + i]
             - c * y[lay.VELOCITY + lay.MODES_S + i]
         )
@@ -354,7 +354,7 @@ def _accelerate_harmonics(bending, m_o, y):
 
 @inlined
 def rigid_motion_at_sensor(bending, block, y):
-    """Return the radial motion of the rigid ring at the sensor, from a block of the state."""
+    """Return the radial component of the ring's rigid-body motion at the sensor, from a block of the state."""
     return bending.sensor_x * y[block + lay.X] + bending.sensor_y * y[block + lay.Y]
 
 

@@ -64,7 +64,7 @@ def random_scene(bearing_case: Case, seed: int, t: float = 0.0, spread: float = 
     solve_initial_equilibrium(assemble.static_model(model), t, y)
     Z, H = model.bearing.Z, model.bending.harmonic_table.shape[1]
     cells = [lay.X, lay.Y, *range(lay.FIRST_LANE, lay.FIRST_LANE + Z)]
-    for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
+    for row, mass in ((lay.MODES_C, core.INVERSE_MASS_C), (lay.MODES_S, core.INVERSE_MASS_S)):
         cells += [row + i for i in range(H) if model.bending.harmonic_table[mass, i] > 0.0]
     y[[lay.POSITION + c for c in cells]] += spread * rng.normal(size=len(cells))
     y[[lay.VELOCITY + c for c in cells]] = 1e-3 * rng.normal(size=len(cells))
@@ -140,8 +140,8 @@ def test_power_balance(load):
         kinetic = b.m_o * sum(v[cell] * y[lay.ACCELERATION + cell] for cell in v)
         stored = supplied = dissipated = 0.0
         for row, mass, f in (
-            (lay.MODES_C, core.PER_MASS_C, core.LOAD_C),
-            (lay.MODES_S, core.PER_MASS_S, core.LOAD_S),
+            (lay.MODES_C, core.INVERSE_MASS_C, core.LOAD_C),
+            (lay.MODES_S, core.INVERSE_MASS_S, core.LOAD_S),
         ):
             present = modes[mass] > 0.0
             m = 1.0 / modes[mass, present]
@@ -192,7 +192,7 @@ def test_influence_coefficients_are_symmetric(load):
     model, y, Z = scene.model, scene.y, scene.model.bearing.Z
     modes = model.bending.harmonic_table
     cells, per_mass = [lay.X, lay.Y], [1.0 / model.bearing.m_o] * 2
-    for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
+    for row, mass in ((lay.MODES_C, core.INVERSE_MASS_C), (lay.MODES_S, core.INVERSE_MASS_S)):
         for i in np.flatnonzero(modes[mass]).tolist():
             cells.append(row + i)
             per_mass.append(modes[mass, i])
@@ -262,7 +262,7 @@ def test_the_step_limit_includes_the_coupling_of_rollers(bearing, harmonics):
     K, C = start_at_rest(model, 0.0, y)
     b, modes = model.bearing, model.bending.harmonic_table
     cells = [lay.X, lay.Y, *range(lay.FIRST_LANE, lay.FIRST_LANE + b.Z)]
-    for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
+    for row, mass in ((lay.MODES_C, core.INVERSE_MASS_C), (lay.MODES_S, core.INVERSE_MASS_S)):
         cells += [row + i for i in range(modes.shape[1]) if modes[mass, i] > 0.0]
     for block, bound, step in ((lay.POSITION, K, 1e-10), (lay.VELOCITY, C, 1e-6)):
         columns = []
