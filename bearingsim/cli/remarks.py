@@ -64,7 +64,7 @@ because the walls (slope 2 depth/width) are steeper than its circle."""
 
 
 def unreached_floors(plan: Plan) -> Iterator[str]:
-    """Yield a remark if rollers rest on the rims of all defects, so that depth has no influence."""
+    """Yield a remark if no roller reaches the floor of a defect or the walls of a triangular one."""
     envelope_jobs = _envelope_jobs(plan)
     depths = [_smallest_depth(priced) for priced in envelope_jobs]
     same_result = all(
@@ -72,7 +72,7 @@ def unreached_floors(plan: Plan) -> Iterator[str]:
         for priced in envelope_jobs
         for defect in priced.job.case.defects
     )
-    if envelope_jobs and not any(map(_reaches_floor, envelope_jobs)):
+    if envelope_jobs and not any(_reaches_floor(priced) or _touches_walls(priced) for priced in envelope_jobs):
         drops, depth_range = (
             span(1e6 * d for d in values) for values in ([priced.roller_drop for priced in envelope_jobs], depths)
         )
@@ -104,6 +104,13 @@ def _element(jobs: list[PricedJob]) -> str:
 
 def _smallest_depth(priced: PricedJob) -> float:
     return min(defect.depth for defect in priced.job.case.defects)
+
+
+def _touches_walls(priced: PricedJob) -> bool:
+    return any(
+        defect.shape == "triangular" and priced.roller_drop >= WALL_CLEARANCE_RATIO * defect.depth
+        for defect in priced.job.case.defects
+    )
 
 
 def _reaches_floor(priced: PricedJob) -> bool:

@@ -166,6 +166,14 @@ def test_triangle_equals_rectangle_only_with_steep_walls(study_folder, depth, sa
     assert ("rectangle and triangle agree" in stdout) == same
 
 
+@pytest.mark.parametrize(("depth", "clear"), [("25 um", True), ("20 um", False)])
+def test_no_remark_on_floors_if_rollers_touch_the_walls(study_folder, depth, clear):
+    """The depth of a V less than twice as deep as the free drop of 11.3 um affects the path of the roller."""
+    changes = ("--set", "defect.shape=triangular", "--set", f"defect.depth={depth}")
+    stdout, _ = type_("check", "small.yaml", *changes)
+    assert ("do not reach the floor" in stdout) == clear
+
+
 def test_check_shows_the_design(study_folder):
     sweep = STUDY.replace("load: [150 N, 300 N]", "morris: {n: 6, over: {load: [150 N, 300 N]}}")
     Path("design.yaml").write_text(sweep.replace("model: [static, ring]", "model: [static]"))

@@ -201,6 +201,14 @@ def test_damage_beyond_the_scan_along_rolling(tmp_path: Path) -> None:
     assert read_scan(file).sizes[1] == pytest.approx(1.1e-3)
 
 
+def test_a_scan_with_small_regions_only_is_refused(tmp_path: Path) -> None:
+    """Four cells in a square exceed the noise and are no spikes, but are too few for a defect."""
+    depth = 0.0 * bowl()
+    depth[20:22, 30:32] = 50.0
+    message = "no defect: all damaged regions have fewer than 5 cells"
+    assert message in refusal(write_grid(tmp_path / "a.csv", depth))
+
+
 @pytest.mark.parametrize(
     ("depth", "part"),
     [

@@ -64,7 +64,7 @@ def roller_near_defect(model, d, t, y):
 
 @jit
 def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
-    """Mark each side of a roller of which a slice may be over a defect; return the number of pairs within reach."""
+    """Mark each side of a roller of which a slice may be over a defect; return the number of pairs in reach."""
     defects, b = model.defects, model.bearing
     pitch_radius = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
