@@ -164,7 +164,7 @@ def friction_cost(plan: Plan) -> Iterator[str]:
 
     if math.isfinite(plan.friction_seconds):
         seconds = duration(plan.scale * plan.friction_seconds)
-        yield f"with friction, all jobs need {seconds} of CPU time in addition to trials"
+        yield f"with friction, all jobs need {seconds} of CPU time plus the trials (`check --pilots`)"
 
 
 def series_cost(plan: Plan) -> Iterator[str]:

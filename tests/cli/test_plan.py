@@ -135,7 +135,7 @@ def test_cost_of_friction_includes_jobs_that_specify_it(monkeypatch: pytest.Monk
 def test_cost_of_friction_is_that_of_all_jobs_of_a_sampled_study() -> None:
     plan: Any = SimpleNamespace(friction_seconds=600.0, scale=12.0)
     assert list(friction_cost(plan)) == [
-        f"with friction, all jobs need {duration(7200.0)} of CPU time in addition to trials"
+        f"with friction, all jobs need {duration(7200.0)} of CPU time plus the trials (`check --pilots`)"
     ]
 
 

@@ -92,7 +92,7 @@ def test_a_model_without_form_is_refused():
 
 def test_implicit_methods_of_rollers_that_slip_are_refused():
     (refusal,) = refusals({"outer": SPECTRUM}, model="planar", method="rodas")
-    assert "`rodas` needs derivatives" in refusal
+    assert "`rodas` needs the Jacobian" in refusal
     case(surfaces={"outer": SPECTRUM}, model="rollers", method="rodas")
 
 

@@ -24,7 +24,7 @@ def surface_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     method = catalogue.METHODS.get(case.method or "")
     if method is not None and method.implicit and catalogue.MODELS[case.model].slips:
         paths: tuple[Path, ...] = (("method",), ("surfaces",))
-        message = f"`{case.method}` needs derivatives, which {case.model} does not have with `surfaces`"
+        message = f"`{case.method}` needs the Jacobian, which {case.model} does not provide with `surfaces`"
         yield Conflict("form method", paths, message, "use an explicit method, or `method: auto`")
 
 

@@ -15,8 +15,8 @@ import numpy as np
 from bearingsim.config.scan.file import Grid, ScanError, format_mm, format_positions, read_file
 
 MIN_POINTS = 5  # minimum number of points along either axis
-MAX_MISSING, MAX_GAP = 0.05, 9  # largest fraction of missing cells; most cells of one gap
-MAX_SPIKES, MAX_SPIKE_CELLS = 0.01, 2  # largest fraction of cells in spikes; most cells of one spike
+MAX_MISSING, MAX_GAP = 0.05, 9  # largest fraction of missing cells; largest number of cells in a gap
+MAX_SPIKES, MAX_SPIKE_CELLS = 0.01, 2  # largest fraction of cells in spikes; largest number of cells in a spike
 MIN_SPIKE = 8.0  # minimum height of a spike, in standard deviations of the local roughness
 ROUGHNESS_WINDOW = 7  # cells, width of the window over which the local roughness is estimated
 MIN_SPIKE_HEIGHT = 0.2  # minimum height of a spike, relative to the range of depths
@@ -199,9 +199,11 @@ def _level(grid: Grid) -> Grid:
     if deviation > 0.0:
         roughness = f"roughness of the surrounding race: {_format_um(deviation)}"
         remarks.append(f"{roughness}; depths within {_format_um(noise)} are set to 0")
-    specks = int(regions.max()) - len(np.unique(regions[defect_cells]))
-    if specks:
-        remarks.append(f"{specks} speck{'s' * (specks > 1)} of less than {MIN_REGION} cells set to 0")
+    small_regions = int(regions.max()) - len(np.unique(regions[defect_cells]))
+    if small_regions:
+        remarks.append(
+            f"{small_regions} region{'s' * (small_regions > 1)} of fewer than {MIN_REGION} cells set to 0"
+        )
     return grid._replace(depth=np.where(defect_cells, depth, 0.0), notes=(*grid.notes, *remarks))
 
 
