@@ -74,7 +74,7 @@ def test_a_stated_step_error_is_compared_with_the_change_by_an_eighth_of_the_ste
         return finer
 
     coarse = scaled(finer, 0.98, quantities)
-    run(monkeypatch, "step_error", "--scenes 3", simulate=lambda case: coarse, _simulate=run_finer)
+    run(monkeypatch, "step_error", "--scenes 3", simulate=lambda case: coarse, _attempt_simulation=run_finer)
     assert fractions == [1 / 8] * 3
     printed = capsys.readouterr().out
     assert "3 scenes, 0 failed, 0 chaotic" in printed

@@ -31,7 +31,8 @@ def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if unit not in UNITS or base.endswith(("-scatter", ".rounding")):
         return bounds * float("nan")
     quantity, _, line = base.partition("@")
-    quantity, velocity_line, ratio = quantity.partition(".")[0], f"velocity@{line}", 1.0
+    quantity, velocity_line = quantity.partition(".")[0], f"velocity@{line}"
+    ratio: pd.Series[float] | float = 1.0
     if is_line(base) and {base, velocity_line}.issubset(rows):
         quantity, ratio = "velocity", rows[base] / rows[velocity_line]
     if f"{quantity}.rounding" in rows:

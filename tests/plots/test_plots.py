@@ -291,7 +291,10 @@ def test_logarithmic_axis_without_room_for_a_point_is_refused(results, log):
     """A point at zero would be outside the axis."""
     stored = results(STUDY.replace("load: [150 N, 300 N]", "load_across: [0 N, 10 N, 100 N]"))
     table = stored.table().assign(**{"velocity.rms": 0.0})
-    message = {"x": "a logarithmic axis cannot show load across 0 N", "y": "no value of `velocity.rms` is above zero"}[log]
+    message = {
+        "x": "a logarithmic axis cannot show load across 0 N",
+        "y": "no value of `velocity.rms` is above zero",
+    }[log]
     with mock.patch.object(type(stored), "table", return_value=table), pytest.raises(PlotError, match=message):
         draw_figures(stored, x="load_across", y=["velocity.rms"], log=[log], where={"model": "ring"})
 

@@ -49,7 +49,9 @@ def test_a_description_is_that_of_its_key_and_its_format() -> None:
     assert (
         static == "Largest friction coefficient, reached at `static_speed`. Format: a plain number such as `1.5`."
     )
-    assert sections["Kraemer"]["properties"]["law"]["description"].startswith("Damping coefficient equal to `beta` (s)")
+    assert sections["Kraemer"]["properties"]["law"]["description"].startswith(
+        "Damping coefficient equal to `beta` (s)"
+    )
 
 
 def in_docs() -> list[str]:
