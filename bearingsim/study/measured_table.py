@@ -51,17 +51,8 @@ def table_rows(
             )
     if len(problems) > count:
         return
-    if separator != "," and (texts := _mixed_decimals(table)):
-        listed, hint = (
-            " and ".join(f"`{text}`" for text in texts),
-            "use one decimal sign, and no thousands separator",
-        )
-        fail(Mark(str(path), header_line, 1, header), f"has numbers with a point and with a comma, {listed}", hint)
-        return
-    numbers = [[text if is_number(text.replace(",", ".")) else "" for text, _ in cells] for cells in table]
-    if separator != "," and (ambiguous := find_ambiguous(numbers, separator)):
-        message = f"has commas that may separate thousands or decimals, as in `{ambiguous}`"
-        fail(Mark(str(path), header_line, 1, header), message, "use decimal points, and no thousands separator")
+    if separator != "," and (objection := _object_to_commas(table, separator)):
+        fail(Mark(str(path), header_line, 1, header), *objection)
         return
     for (number, line), cells in zip(rows, table, strict=True):
         mark = Mark(str(path), number, 1, line)
@@ -78,6 +69,21 @@ def table_rows(
             fail(replace(mark, column=nameless[0]), "has a value in a column without a header", "name the column")
             return
         yield f"{path.name}:{number}", Node(dict(_entries(names, cells, mark, separator)), mark)
+
+
+def _object_to_commas(table: Sequence[Sequence[tuple[str, int]]], separator: str) -> tuple[str, str] | None:
+    """Return a problem and its remedy if commas in numbers may have two meanings."""
+    if texts := _mixed_decimals(table):
+        listed = " and ".join(f"`{text}`" for text in texts)
+        return (
+            f"has numbers with a point and with a comma, {listed}",
+            "use one decimal sign, and no thousands separator",
+        )
+    numbers = [[text if is_number(text.replace(",", ".")) else "" for text, _ in cells] for cells in table]
+    if ambiguous := find_ambiguous(numbers, separator):
+        message = f"has commas that may separate thousands or decimals, as in `{ambiguous}`"
+        return message, "use decimal points, and no thousands separator"
+    return None
 
 
 def _mixed_decimals(table: Sequence[Sequence[tuple[str, int]]]) -> list[str]:

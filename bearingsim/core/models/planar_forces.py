@@ -21,10 +21,8 @@ SLIP_OFFSET = 1e-12  # m/s, far below any resolved slip; keeps friction/slip fin
 def compute_roller_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     """Compute slip, friction, forces and torque of roller ``j``, and its reactions on the rings.
 
-    common: ``planar.PlanarMotion``; normal_slope_o, normal_slope_i: tangent of the angle between the contact
-    normal and the line through the centres of ring and roller, 0 without a defect. Equations (P4) and (P5) of
-    docs/planar.md, over a defect (P6); friction is evaluated implicitly, at the slip after the time ``model.lag``
-    (P9).
+    common: ``planar.PlanarMotion``; normal_slope_o, normal_slope_i: tangent of the angle from the line of centres
+    to the contact normal, 0 without a defect. Equations (P4), (P5), (P6) and (P9) of docs/planar.md.
     """
     bearing, friction, drag, R_w = model.bearing, model.friction, model.drag, model.bearing.R_w
     inverse_mass, inverse_spin_mass = 1.0 / bearing.m_r, R_w * R_w / bearing.I_r  # 1/kg
