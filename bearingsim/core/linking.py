@@ -88,8 +88,8 @@ if HAS_INTERNALS:
         """Code for linking into callers, without machine code of its own.
 
         Only short code is optimised before it is linked, so that LLVM vectorises the loops of a function before it
-        inlines the function. Long code is optimised once, in the function that Python calls; optimised in every
-        callee as well, it took a sixth of the compile time.
+        inlines the function. Long code is optimised once, in the function that Python calls, which saves a quarter
+        of the compile time of implicit methods.
         """
 
         def _optimize_final_module(self) -> None:
