@@ -125,13 +125,13 @@ def _zero_level(results: "Results", job: str, pair: Pair) -> float:
 
     A component is zero next to the motion along the sensor, too.
     """
-    from bearingsim.store.zero import SAME
+    from bearingsim.store.zero import EQUALITY_TOLERANCE
 
     quantity = pair.channels[0].split(".")[1]
     row = results.frame.loc[job].to_dict()
     values = (float(row.get(f"features/{quantity}.{name}", math.nan)) for name in ("rounding", "rms"))
     rounding, rms = (value if math.isfinite(value) else 0.0 for value in values)
-    return rounding + SAME * rms
+    return rounding + EQUALITY_TOLERANCE * rms
 
 
 def _ratio_of_levels(row: "Row", job: str, pair: Pair, zero: float) -> float:

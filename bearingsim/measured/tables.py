@@ -1,7 +1,6 @@
 """Readers of tables of signals, CSV and parquet: a column for each channel, and one of time or none."""
 
 import codecs
-import csv
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,16 +10,15 @@ import numpy as np
 
 from bearingsim.measured.arrays import MAX_CHANGE, MIN_SAMPLES, TIME_NAMES, is_rising, mean_speed, normalize
 from bearingsim.measured.content import Content, MeasuredError, Stated, differ
-from bearingsim.measured.si import FACTORS, SPEED_FACTORS, TIME_FACTORS
-from bearingsim.measured.statements import (
-    COMMENT_MARKS,
-    HEADER,
-    INNER_COMMA,
-    Statements,
-    is_speed,
-    parse_statements,
-    speed_factor,
+from bearingsim.measured.headers import (
+    names_other_time_unit,
+    parse_headers,
+    split_cells,
+    split_header,
+    split_header_line,
 )
+from bearingsim.measured.si import TIME_FACTORS
+from bearingsim.measured.statements import INNER_COMMA, Statements, is_speed, parse_statements, speed_factor
 from bearingsim.text.numbers import is_number
 
 SEPARATORS = (";", "\t", ",", "|")
@@ -43,26 +41,9 @@ GROUPED = re.compile(r"[+-]?\d{1,3}(?:(?P<thousands>[.,])\d{3})(?:(?P=thousands)
 """Number with a thousands separator and a different decimal sign."""
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 """Number whose comma may be a thousands separator or a decimal sign."""
-HEADER_BLANKS = [re.compile(pattern) for pattern in (r"\s+(?![\[(])", r"\s{2,}", r"(?<=[\])])\s+")]
-"""Blanks that may separate headers: all but those before a unit in brackets, at least two, those after a unit."""
 CLOCK_TIME = re.compile(r"\d:\d\d")
-UNITS = {unit for unit in TIME_FACTORS if unit} | {unit for units in FACTORS.values() for unit in units}
-"""Units by which a second header line is recognised."""
-HEADER_UNITS = UNITS | set(SPEED_FACTORS) - {"rpm"}
-"""Units behind a stroke or `in`; `a/rpm` is the speed of a group."""
-TIME_UNIT = re.compile(r"^(?P<name>t|time|zeit)[ _](?P<unit>s|ms|us)$", re.IGNORECASE)
-"""Header of a column of time with its unit, such as `time_ms`."""
-NAME_AND_UNIT = re.compile(r"^(?P<name>[^\[\]()]+?)(?:\s*/\s*|\s+in\s+)[\[(]?(?P<unit>[^\[\]()]+)[\])]?$")
-"""Header with its unit behind a stroke, as in DIN 461, or `in`, such as `t/ms`; the unit must be known."""
-UNIT_LABELS = ("unit", "units", "einheit", "einheiten")
-LABELS = (*UNIT_LABELS, "name", "names", "channel", "channels", "kanal", "signal", "signals")
-"""Labels, as ``normalize`` returns them, of lines of headers, in front of the first of them."""
-LINE_MARKS = "#%/ \t"
-"""Marks of comments and blanks at the beginning of a line."""
 PADDED = re.compile(r"[+-]?0\d+")
 """Integer with leading zeros."""
-REMARK_HEADERS = ("", "comment", "comments", "remark", "remarks", "bemerkung", "kommentar")
-"""Headers, in lower case, of columns without numbers at the end of a line."""
 
 
 class Layout(NamedTuple):
@@ -152,22 +133,22 @@ def _detect_layout(path: Path, lines: list[str]) -> Layout:
         advice = ": its times are clock times; export them in seconds" if has_clock_times else ""
         raise MeasuredError(path, f"has no row of numbers in its first {len(lines)} lines{advice}")
     has_column_numbers = len(rows) > 1 and _are_column_numbers(
-        *(_split_cells(lines[row], separator) for row in rows[:2])
+        *(split_cells(lines[row], separator) for row in rows[:2])
     )
     if has_column_numbers or (len(rows) > 1 and _is_count(lines[rows[0]], lines[rows[1]], separator)):
         rows = rows[1:]
-    table = [_split_cells(lines[row], separator) for row in rows]
+    table = [split_cells(lines[row], separator) for row in rows]
     width = len(table[0])
     filled_width = max(number + 1 for row in table for number, cell in enumerate(row) if cell)
     titles = [line for line in lines[: rows[0]] if any(map(str.isalnum, line))]  # the others are blank, or rules
-    above = [[line] if width == 1 else _split_header_line(line, separator, width) for line in titles]
-    headers = None if has_column_numbers else _parse_headers(above, width) or _parse_headers(above, filled_width)
+    above = [[line] if width == 1 else split_header_line(line, separator, width) for line in titles]
+    headers = None if has_column_numbers else parse_headers(above, width) or parse_headers(above, filled_width)
     if separator == "," and not has_column_numbers:
         is_named = headers is not None and not INNER_COMMA.search(titles[-1])
         _refuse_ambiguous(path, lines[rows[0] :], above, is_named)
     names = headers or [f"column {number + 1}" for number in range(width)]
     names += [""] * (width - len(names))  # rows end with more separators than the headers
-    are_seconds = not any(map(_names_other_time_unit, above))
+    are_seconds = not any(map(names_other_time_unit, above))
     return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]], are_seconds)
 
 
@@ -176,7 +157,7 @@ def _detect_signs(path: Path, lines: list[str], separator: str | None) -> tuple[
 
     Raises MeasuredError if all commas may be thousands separators or decimal signs.
     """
-    rows = [row for row in (_split_cells(line, separator) for line in lines) if all(map(_may_be_number, row))]
+    rows = [row for row in (split_cells(line, separator) for line in lines) if all(map(_may_be_number, row))]
     for match in (GROUPED.fullmatch(cell) for row in rows for cell in row):
         if match and match["decimal"] != match["thousands"]:
             return match["decimal"], match["thousands"]
@@ -212,49 +193,9 @@ def _may_be_number(cell: str) -> bool:
     return not cell or bool(GROUPED.fullmatch(cell)) or is_number(cell.replace(",", "."))
 
 
-def _parse_headers(above: list[list[str]], width: int) -> list[str] | None:
-    """Return the headers, `name [unit]`, of ``width`` columns from the cells of the lines above the numbers.
-
-    The line of headers may be a comment, and followed by one of units; columns of remarks at its end are ignored,
-    as are labels, such as `Unit`, before the first column. None if the last line has another number of cells, or
-    states a value.
-    """
-    rows = [[row[0].strip(COMMENT_MARKS), *row[1:]] for row in above]
-    labelled_units: list[str] = []
-    for row in rows:
-        while len(row) > width and row[-1].lower() in REMARK_HEADERS:
-            row.pop()
-        label = normalize(row[0])
-        if len(row) == width + 1 and label in LABELS and len(set(row[1:])) > 1:  # one unit is that of all channels
-            row.pop(0)
-            if label in UNIT_LABELS:
-                labelled_units = row
-    if not rows or len(rows[-1]) != width or any(is_number(cell) and not cell.isdecimal() for cell in rows[-1]):
-        return None
-    if width == 1 and any(parse_statements(rows[-1])):
-        return None
-    names, units = rows[-1], labelled_units
-    if any(cell.strip("[]()") in UNITS for cell in names) or names is units:
-        has_names = len(rows) > 1 and len(rows[-2]) == width
-        if not has_names and names is not units:
-            return names
-        units = names
-        names = rows[-2] if has_names else [f"column {number + 1}" for number in range(width)]
-    if not units:
-        return names
-    cells = [cell.strip("[]()") for cell in units]
-    return [f"{name} [{unit}]" if unit else name for name, unit in zip(names, cells, strict=True)]
-
-
-def _names_other_time_unit(cells: list[str]) -> bool:
-    """Check if cells without numbers, such as headers, contain a unit of time other than the second."""
-    units = [(_split_header(cell)[1] or cell.strip("[]()")).lower() for cell in cells]
-    return not any(map(is_number, cells)) and any(TIME_FACTORS.get(unit, 1.0) != 1.0 for unit in units)
-
-
 def _is_count(line: str, below: str, separator: str | None) -> bool:
     """Check if a line is a single integer, such as the number of samples, above rows of several numbers."""
-    return bool(INTEGER.fullmatch(line.strip())) and len(_split_cells(below, separator)) > 1
+    return bool(INTEGER.fullmatch(line.strip())) and len(split_cells(below, separator)) > 1
 
 
 def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]], is_named: bool) -> None:
@@ -263,7 +204,7 @@ def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]], is_n
     above: cells of the lines above the numbers; is_named: these name all columns, which is no proof if leading
     zeros indicate decimals, because a title may contain a comma.
     """
-    rows = [_split_cells(line, ",") for line in lines if line.strip()]
+    rows = [split_cells(line, ",") for line in lines if line.strip()]
     if all(len(row) % 2 == 0 and all(map(INTEGER.fullmatch, row[::2])) for row in rows) and all(
         FRACTION.fullmatch(cell) for row in rows for cell in row[1::2]
     ):
@@ -297,27 +238,6 @@ def read_parquet(path: Path) -> Content:
     return _make_content(path, names, [table[name].to_numpy() for name in names], Statements(), True)
 
 
-def _split_cells(line: str, separator: str | None) -> list[str]:
-    """Split a line into cells, without blanks and quotes at their ends; separators in quotes do not separate."""
-    if separator is not None and '"' in line:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
-    return [cell.strip() for cell in (line.split(separator) if separator else line.split())]
-
-
-def _split_header_line(line: str, separator: str | None, width: int) -> list[str]:
-    """Split a line of headers of ``width`` columns into cells, without quotes and marks of comments.
-
-    Of separating blanks, those are chosen that yield ``width`` cells.
-    """
-    if separator:
-        return _split_cells(line, separator)
-    text = line.strip().lstrip(LINE_MARKS)
-    if '"' in text:
-        return [cell for cell in next(csv.reader([text], delimiter=" ", skipinitialspace=True), []) if cell]
-    splits = [blanks.split(text) for blanks in HEADER_BLANKS]
-    return next((cells for cells in splits if len(cells) == width), splits[0])
-
-
 def _remove_quoted(line: str) -> str:
     """Remove the quoted parts of a line."""
     return re.sub(r'"[^"]*"', "", line)
@@ -325,7 +245,7 @@ def _remove_quoted(line: str) -> str:
 
 def _is_numeric(line: str, separator: str | None, decimal: str, thousands: str | None) -> bool:
     """Check if all cells of a line are numbers or empty, and at least one is not empty."""
-    cells = _split_cells(line, separator)
+    cells = split_cells(line, separator)
     if thousands:
         cells = [cell.replace(thousands, "") for cell in cells]
     return any(cells) and all(not cell or is_number(cell.replace(decimal, ".")) for cell in cells)
@@ -355,7 +275,7 @@ def _make_content(
     ]
     for number in used:
         header, column = headers[number], columns[number].astype(float)
-        name, unit = _split_header(header)
+        name, unit = split_header(header)
         group, _, own_name = name.rpartition("/")
         key = normalize(own_name)
         is_first = number == used[0] and len(used) > 1
@@ -386,14 +306,6 @@ def _make_content(
     return Content(channels, times, rates, speeds, units, other_speed)
 
 
-def _split_header(header: str) -> tuple[str, str]:
-    """Split the header of a column into its name and its unit, "" without."""
-    match = NAME_AND_UNIT.match(header)
-    if match is None or match["unit"] not in HEADER_UNITS or header in UNITS:
-        match = TIME_UNIT.match(header) or HEADER.match(header)
-    return (match["name"], match["unit"] or "") if match else (header, "")
-
-
 def _is_empty(column: np.ndarray) -> bool:
     """Check if a column has rows, but no number."""
     return len(column) > 0 and bool(np.all(np.isnan(column.astype(float))))
@@ -401,7 +313,7 @@ def _is_empty(column: np.ndarray) -> bool:
 
 def _are_row_numbers(header: str, column: np.ndarray) -> bool:
     """Check if the values of a column increase by 1, and its header has no unit and is not that of a time."""
-    name, unit = _split_header(header)
+    name, unit = split_header(header)
     is_time = normalize(name.rpartition("/")[2]) in TIME_NAMES
     return not is_time and not unit and len(column) > 1 and bool(np.all(np.diff(column.astype(float)) == 1.0))
 

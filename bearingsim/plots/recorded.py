@@ -178,9 +178,9 @@ def check_passband(option: str, limits: tuple[float, float], *jobs: Job) -> None
 
 def check_rate(signal: Signal, highest: float) -> None:
     """Raise PlotError for a measured signal that is sampled too slowly for frequencies up to ``highest`` (Hz)."""
-    from bearingsim.study.measured_signals import SAME
+    from bearingsim.study.measured_signals import RATE_TOLERANCE
 
-    if signal.source and highest > PASSBAND * signal.rate * (1.0 + SAME):
+    if signal.source and highest > PASSBAND * signal.rate * (1.0 + RATE_TOLERANCE):
         end = f"{PASSBAND * signal.rate:g} Hz, {PASSBAND:g} of the rate of {signal.source}"
         raise PlotError(f"the band ends at {highest:g} Hz, above {end}: show a `band` within it")
 

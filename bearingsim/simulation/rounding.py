@@ -8,9 +8,9 @@ from bearingsim.core import layout as lay
 
 PEAK_TO_PEAK = 6.0  # of a motion within rounding, relative to the bound of its RMS: three standard deviations
 NEGLIGIBLE = 1e-5
-"""Share of the RMS below which rounding is left out of comparisons, since every error bound of a step contains it
+"""Fraction of the RMS below which rounding is left out of comparisons: every error bound of a step contains it
 (``step_check.FIXED_STEP_BOUNDS``)."""
-RING_CELLS = (lay.X, lay.Y, lay.X_I, lay.Y_I)
+RING_CENTRES = (lay.X, lay.Y, lay.X_I, lay.Y_I)
 SENSOR_CELLS = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
 
 
@@ -29,7 +29,7 @@ class Rounding(NamedTuple):
         """Return the bound (C,) of each recorded cell (C,): 0 for cells other than the motion of rings."""
         bounds = np.zeros(len(cells))
         for block, sensor_cell, bound in zip(lay.BLOCKS, SENSOR_CELLS, self, strict=True):
-            bounds[np.isin(cells, [*(block + cell for cell in RING_CELLS), sensor_cell])] = bound
+            bounds[np.isin(cells, [*(block + cell for cell in RING_CENTRES), sensor_cell])] = bound
         return bounds
 
 

@@ -5,14 +5,15 @@ from typing import TYPE_CHECKING
 from bearingsim.config import FEATURES
 from bearingsim.config.names import QUANTITIES, QUIET_LINE, STEP_ACCURACY
 from bearingsim.store.spread import is_line
+from bearingsim.study.goal import HEALTHY_SUFFIX
 
 if TYPE_CHECKING:
     import pandas as pd
 
 UNITS = (*QUANTITIES.values(), "N")
 EXTREME_RATIO = 3.0  # largest value of a motion within rounding, relative to the bound of its RMS
-SAME = 1e-7  # relative difference of two values that are equal: that of the passes of a periodic record
-HEALTHY = "-healthy"
+EQUALITY_TOLERANCE = 1e-7
+"""Relative difference up to which two values are equal: that of the passes of a periodic record."""
 
 
 def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -21,11 +22,11 @@ def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     It is the motion that rounding alone can produce (columns such as `velocity.rounding`). For a line it is also
     ``STEP_ACCURACY`` of ``QUIET_LINE`` of the RMS, the error that the step check accepts in a quiet line. A line
     of displacement or acceleration is zero if that of the velocity is. For a change from healthy it is also
-    ``SAME`` of the value.
+    ``EQUALITY_TOLERANCE`` of the value.
     """
     import pandas as pd
 
-    base = feature.removesuffix(HEALTHY)
+    base = feature.removesuffix(HEALTHY_SUFFIX)
     bounds = pd.Series(0.0, rows.index)
     unit = FEATURES[feature].unit if feature in FEATURES else ""
     if unit not in UNITS or base.endswith(("-scatter", ".rounding")):
@@ -41,7 +42,7 @@ def zero_bounds(rows: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         bounds += STEP_ACCURACY * QUIET_LINE * rows[f"{quantity}.rms"].fillna(0.0)
     bounds = (ratio * bounds).fillna(0.0)
     if base != feature and base in rows:
-        bounds += SAME * rows[base].abs().fillna(0.0)
+        bounds += EQUALITY_TOLERANCE * rows[base].abs().fillna(0.0)
     return bounds
 
 

@@ -23,7 +23,7 @@ from bearingsim.config.fields import Path, Section
 from bearingsim.measured import MeasuredError, StudyRequest
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.study.measured_table import table_rows
-from bearingsim.study.measured_values import SAME, MeasuredPoint, MeasuredSet, listed, same
+from bearingsim.study.measured_values import MATCH_TOLERANCE, MeasuredPoint, MeasuredSet, listed, same
 from bearingsim.study.paths import dimension, value_at
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, parse, show, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
@@ -357,7 +357,7 @@ def _is_within(value: float | str, swept: Sequence[float | str]) -> bool:
     numbers = [number for number in swept if not isinstance(number, str)]
     if isinstance(value, str) or not numbers:
         return any(same(value, other) for other in swept)
-    margin = SAME * max(map(abs, numbers))
+    margin = MATCH_TOLERANCE * max(map(abs, numbers))
     return min(numbers) - margin <= value <= max(numbers) + margin
 
 

@@ -29,7 +29,7 @@ MIN_MEDIAN_RATIO = 4.0
 MIN_RATIO = 1.2
 """Minimum ratio of the measured to the simulated sampling rate at which the low-pass of the simulated record is
 applied; its stop band begins at 0.6 of that record's rate."""
-SAME = 1e-3
+RATE_TOLERANCE = 1e-3
 """Relative difference up to which sampling rates are equal."""
 MIN_PASSES = 20
 """Ball passes below which a remark is made, because level and lines then depend on where the record begins."""
@@ -74,7 +74,7 @@ def signal_point(
     quantity, channel, series, fs = _series(path, recording, request)
     signal = MeasuredSignal(quantity, QUANTITIES[quantity], channel, series, fs, Lines.of(parts, shaft))
     remarks = list(recording.remarks)
-    if signal.fs < sampling * (1.0 - SAME):
+    if signal.fs < sampling * (1.0 - RATE_TOLERANCE):
         remarks.append(
             f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {sampling:g} Hz: "
             "their RMS, peak, shape and envelopes without a band are not comparable"

@@ -44,14 +44,14 @@ class MeasuredSet:
     remarks: tuple[str, ...] = ()
 
 
-SAME = 1e-6
+MATCH_TOLERANCE = 1e-6
 """Relative difference up to which a measured parameter equals that of a case, because tables are rounded."""
 
 
 def same(value: Any, other: float | str) -> bool:
     """Check if two parameters are equal, up to the rounding of a table."""
     if isinstance(value, int | float) and isinstance(other, int | float):
-        return isclose(value, other, rel_tol=SAME, abs_tol=1e-12)
+        return isclose(value, other, rel_tol=MATCH_TOLERANCE, abs_tol=1e-12)
     return str(value).lower() == str(other).lower()
 
 

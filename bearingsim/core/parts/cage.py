@@ -12,7 +12,7 @@ from math import hypot
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import absent, generic
+from bearingsim.core.jit import absent, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -146,6 +146,17 @@ def _add_land_contact_rollers(guide, omega_cage, omega_i, y):
     return None
 
 
+@jit
+def cage_motion_in_land(guide, y):
+    """Return position (m, m) and velocity (m/s, m/s) of the cage's centre relative to that of the guiding ring."""
+    outer, inner = guide.outer, 1.0 - guide.outer  # 1 for the guiding ring, 0 for the other
+    e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
+    e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
+    v_x = y[lay.VELOCITY + lay.X_C] - outer * y[lay.VELOCITY + lay.X] - inner * y[lay.VELOCITY + lay.X_I]
+    v_y = y[lay.VELOCITY + lay.Y_C] - outer * y[lay.VELOCITY + lay.Y] - inner * y[lay.VELOCITY + lay.Y_I]
+    return e_x, e_y, v_x, v_y
+
+
 @add_land_contact.register(RingGuided)
 def _add_land_contact_ring(guide, omega_cage, omega_i, y):
     """Compute the contact of cage and land, which closes when the eccentricity of cage and ring exceeds the play.
@@ -153,10 +164,7 @@ def _add_land_contact_ring(guide, omega_cage, omega_i, y):
     The point of contact lies on the line through both centres.
     """
     outer, inner = guide.outer, 1.0 - guide.outer  # 1 for the guiding ring, 0 for the other
-    e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
-    e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
-    v_x = y[lay.VELOCITY + lay.X_C] - outer * y[lay.VELOCITY + lay.X] - inner * y[lay.VELOCITY + lay.X_I]
-    v_y = y[lay.VELOCITY + lay.Y_C] - outer * y[lay.VELOCITY + lay.Y] - inner * y[lay.VELOCITY + lay.Y_I]
+    e_x, e_y, v_x, v_y = cage_motion_in_land(guide, y)
     eccentricity = max(hypot(e_x, e_y), 1e-30)
     c, s = e_x / eccentricity, e_y / eccentricity
     N = normal_force(guide.law, eccentricity - guide.play, v_x * c + v_y * s)

@@ -19,6 +19,7 @@ from bearingsim.core.parts.cage import (
     OilDrag,
     RingGuided,
     RollerGuided,
+    cage_motion_in_land,
     radial_stop,
 )
 
@@ -272,10 +273,7 @@ def add_land_column(
     e_0 and e_90; d_cage_omega, d_ring_omega: changes of the speeds of cage and ring (rad/s).
     """
     outer, inner = guide.outer, 1.0 - guide.outer  # 1 for the guiding ring, 0 for the other
-    e_x = y[lay.POSITION + lay.X_C] - outer * y[lay.POSITION + lay.X] - inner * y[lay.POSITION + lay.X_I]
-    e_y = y[lay.POSITION + lay.Y_C] - outer * y[lay.POSITION + lay.Y] - inner * y[lay.POSITION + lay.Y_I]
-    v_x = y[lay.VELOCITY + lay.X_C] - outer * y[lay.VELOCITY + lay.X] - inner * y[lay.VELOCITY + lay.X_I]
-    v_y = y[lay.VELOCITY + lay.Y_C] - outer * y[lay.VELOCITY + lay.Y] - inner * y[lay.VELOCITY + lay.Y_I]
+    e_x, e_y, v_x, v_y = cage_motion_in_land(guide, y)
     eccentricity = max(hypot(e_x, e_y), 1e-30)
     c, s = e_x / eccentricity, e_y / eccentricity
     rate, v_t = v_x * c + v_y * s, v_y * c - v_x * s
