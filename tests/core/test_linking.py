@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from llvmlite.binding import parse_assembly
 from numba import typeof
-from numba.core.codegen import JitEngine, ll
+from numba.core.codegen import JitEngine
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.linking import HAS_INTERNALS, Compiler, defer_signals, is_linked, is_shorter_than
@@ -148,5 +149,5 @@ def test_ignored_signals_stay_ignored() -> None:
 
 def test_instructions_of_all_functions_of_a_module_count() -> None:
     function = "define i64 @{}(i64 %x) {{ %y = add i64 %x, 1\n ret i64 %y }}\n"
-    module = ll.parse_assembly("".join(map(function.format, ("f", "g"))))
+    module = parse_assembly("".join(map(function.format, ("f", "g"))))
     assert [is_shorter_than(count, module) for count in (4, 5)] == [False, True]
