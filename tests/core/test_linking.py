@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from llvmlite.binding import parse_assembly
+from llvmlite.binding import parse_assembly  # type: ignore[import-untyped]
 from numba import typeof
 from numba.core.codegen import JitEngine
 
