@@ -179,6 +179,7 @@ def map_unordered(function: Callable, arguments: Iterable[tuple], workers: int) 
 def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
+    _ignore_replaced_workers()
     initargs = (os.getpid(), flag_for_workers())
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=initargs):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
@@ -200,6 +201,7 @@ def map_in_new_processes(function: Callable, arguments: Iterable[tuple], workers
     """
     from joblib.externals.loky import ProcessPoolExecutor, as_completed
 
+    _ignore_replaced_workers()
     identity = (os.getpid(), flag_for_workers())
     with defer_signals():
         with check_shared_memory(), ignore_signals():
@@ -217,6 +219,14 @@ def map_in_new_processes(function: Callable, arguments: Iterable[tuple], workers
             for call in calls:
                 call.cancel()
             pool.shutdown()
+
+
+def _ignore_replaced_workers() -> None:
+    """Ignore loky's warning that it replaces a worker whose memory has grown, which loses no result.
+
+    Where warnings are errors, it would end the thread that collects results, and the pool would wait forever.
+    """
+    warnings.filterwarnings("ignore", message="A worker stopped while some jobs", category=UserWarning)
 
 
 def _until_stop(arguments: Iterable[tuple]) -> Iterator[tuple]:

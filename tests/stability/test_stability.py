@@ -1,6 +1,5 @@
 """`bearingsim stability`: classification of runs, rows, figures, messages of wrong commands."""
 
-import os
 import subprocess
 import sys
 from itertools import pairwise, product
@@ -13,7 +12,6 @@ from matplotlib.text import Text
 
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.plots import stability as maps
-from bearingsim.runner.pool import map_in_new_processes, map_unordered
 from bearingsim.stability import classification, mapping, matrix, references
 from bearingsim.stability.classification import CLASSES, Reference, make_reference
 from bearingsim.stability.scene import DEFECTS, SAMPLE_INTERVAL, SAMPLES, STEEL_STIFFNESS, TIMES, Scene, scene_case
@@ -198,18 +196,6 @@ def test_a_whole_map_is_of_the_models_of_its_help_text():
 def test_each_model_that_can_be_mapped_has_each_defect(model):
     cases = [scene_case(Scene(model, defect, STEEL_STIFFNESS, 0.1, 0.0)) for defect in DEFECTS]
     assert [len(case.defects) for case in cases] == [0, 3, 3, 3]
-
-
-def test_units_are_spread_over_processes():
-    paths = map_unordered(os.path.join, [("a", "b"), ("c", "d")], workers=2)
-    assert sorted(paths) == ["a/b", "c/d"]
-
-
-def test_code_is_compiled_in_processes_that_end():
-    """Only the end of a process frees the memory of the compiler."""
-    processes = [list(map_in_new_processes(os.getpid, [()] * 3, workers=2)) for _ in range(2)]
-    assert [len(pids) for pids in processes] == [3, 3]
-    assert set(processes[0]).isdisjoint({*processes[1], os.getpid()})
 
 
 def test_interrupted_map_keeps_its_rows(small, monkeypatch):
