@@ -18,7 +18,6 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import islice
 from typing import Any
 
 from bearingsim.garbage import rare_collections
@@ -67,14 +66,9 @@ With 500 a step of `planar` takes 14 % longer, with 0 one of `ring` with `rk4` 1
 
 
 def is_shorter_than(count: int, module: Any) -> bool:
-    """Check if an LLVM module has fewer than ``count`` instructions."""
-    instructions = (
-        instruction
-        for function in module.functions
-        for block in function.blocks
-        for instruction in block.instructions
-    )
-    return next(islice(instructions, count - 1, None), None) is None
+    """Check if an LLVM module has fewer than ``count`` instructions, each a line of its text indented by two
+    spaces; the few lines of a list of cases count as instructions."""
+    return str(module).count("\n  ") < count
 
 
 OPTIONS: dict[str, Any] = {}
