@@ -24,8 +24,8 @@ from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.friction.curves import Frictionless
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.models.equilibrium import solve_equilibrium, solve_in_cpu_time, solve_initial_equilibrium
 from bearingsim.core.models.interface import ModelKind
+from bearingsim.core.models.mean_equilibrium import solve_at
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.spatial_equilibrium import solve_spatial_equilibrium
 from bearingsim.core.models.static import Static
@@ -246,12 +246,8 @@ def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = F
 
     The solution starts from the equilibrium in ``y`` unless ``from_scratch`` is true.
     """
-    residual = solve_in_cpu_time(
-        solve_initial_equilibrium if from_scratch else solve_equilibrium, static_model(model), t, y
-    )
-    return (
-        solve_spatial_equilibrium(without_damping(model), t, y) if isinstance(model, Spatial) else float(residual)
-    )
+    residual = solve_at(static_model(model), t, y, from_scratch)
+    return solve_spatial_equilibrium(without_damping(model), t, y) if isinstance(model, Spatial) else residual
 
 
 def without_damping(model: Any) -> Any:

@@ -10,7 +10,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.defects.excitations import Envelope
 from bearingsim.core.defects.pairs import pack_defects
 from bearingsim.core.laws.damping.undamped import Undamped
-from bearingsim.core.models.equilibrium import solve_in_cpu_time, solve_initial_equilibrium
+from bearingsim.core.models.mean_equilibrium import solve_at
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.spatial_equilibrium import MeanSpatialEquilibrium, mean_spatial_equilibrium
 from bearingsim.core.parameters import Support
@@ -54,5 +54,5 @@ def equilibrium_in_space(case: Case) -> MeanSpatialEquilibrium:
         cage_z=space.build_cage_in_space(case),
     )
     y = lay.make_buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
-    solve_in_cpu_time(solve_initial_equilibrium, static_model(model), 0.0, y)
+    solve_at(static_model(model), 0.0, y)
     return mean_spatial_equilibrium(model, y)

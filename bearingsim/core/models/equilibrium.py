@@ -301,11 +301,7 @@ def solve_initial_equilibrium(model, t, y):
 
 
 def solve_in_cpu_time(solve, model, t, y):
-    """Call ``solve`` (``solve_equilibrium`` or ``solve_initial_equilibrium``) from Python within the job's CPU
-    time.
-
-    Raises ``OutOfCpuTime`` when this time is used up.
-    """
+    """Call ``solve``, compiled, from Python within the job's CPU time. Raises ``OutOfCpuTime`` when it is used up."""
 
     def solve_until(end):
         y[lay.CPU_END] = end

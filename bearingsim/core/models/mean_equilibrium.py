@@ -1,6 +1,6 @@
 """Static equilibria over a ball pass: mean position, stiffness and damping of the rollers."""
 
-from math import pi
+from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,6 @@ from bearingsim.core.models.equilibrium import (
     load_magnitude,
     ring_stiffness,
     solve_equilibrium,
-    solve_in_cpu_time,
     solve_initial_equilibrium,
 )
 from bearingsim.core.parts.bending import Bending, NoSprings, supported_position
@@ -58,17 +57,18 @@ def ring_damping(Z, outer, inner, y):
 
 
 @jit
-def fill_equilibria(model, springs, times, tolerance, y, rows):
+def fill_equilibria(model, springs, times, from_scratch, tolerance, y, rows):
     """Find the static equilibrium at each of ``times`` (n,) s, each with the previous one as initial guess.
 
-    Fills a row of ``rows`` (n, 7) for each: the position of the body supported by the bracket (m, m), the
-    stiffness of the rollers for the ring along x and y (N/m), the forces of outer and inner race on the most
-    loaded roller (N), and the sum of the approaches of its contacts (m). Ends at the first residual above
-    ``tolerance`` (N). Returns the last residual (N).
+    The initial guess of the first is the equilibrium in ``y`` unless ``from_scratch`` is true. Fills a row of
+    ``rows`` (n, 7) for each: the position of the body supported by the bracket (m, m), the stiffness of the
+    rollers for the ring along x and y (N/m), the forces of outer and inner race on the most loaded roller (N),
+    and the sum of the approaches of its contacts (m). Ends at the first residual above ``tolerance`` (N). Returns
+    the last residual (N).
     """
     residual = 0.0
     for n in range(len(times)):
-        if n == 0:
+        if n == 0 and from_scratch:
             residual = solve_initial_equilibrium(model, times[n], y)
         else:
             residual = solve_equilibrium(model, times[n], y)
@@ -86,19 +86,39 @@ def fill_equilibria(model, springs, times, tolerance, y, rows):
     return residual
 
 
+def solve_in_turn(model, times, y, from_scratch=True, tolerance=inf):
+    """Run ``fill_equilibria`` within the job's CPU time; return the last residual (N) and the rows (n, 7).
+
+    All equilibria in the plane are computed by this function, so that only one is compiled for a static model.
+    Raises ``OutOfCpuTime`` when the time is used up.
+    """
+    rows = np.empty((len(times), 7))
+    springs = model.bending.springs if isinstance(model.bending, Bending) else NoSprings()
+
+    def fill_until(end):
+        y[lay.CPU_END] = end
+        return fill_equilibria(model, springs, times, from_scratch, tolerance, y, rows)
+
+    return float(cpu_time.bounded(fill_until)), rows
+
+
+def solve_at(model, t, y, from_scratch=True):
+    """Find the static equilibrium at ``t`` (s) into ``y``; return the residual (N).
+
+    The initial guess is the equilibrium in ``y`` unless ``from_scratch`` is true. Raises ``OutOfCpuTime``.
+    """
+    residual, _ = solve_in_turn(model, np.array([t]), y, from_scratch)
+    return residual
+
+
 def equilibria(model, times, y):
     """Return the rows (n, 7) of ``fill_equilibria`` at ``times`` (n,) s.
 
     Raises ``NoEquilibrium`` if a residual is over ``MAX_RESIDUAL``.
     """
-    load, rows = load_magnitude(model), np.empty((len(times), 7))
-    springs = model.bending.springs if isinstance(model.bending, Bending) else NoSprings()
-
-    def fill_until(end):
-        y[lay.CPU_END] = end
-        return fill_equilibria(model, springs, times, MAX_RESIDUAL * load, y, rows)
-
-    refuse_unbalanced(cpu_time.bounded(fill_until), load)
+    load = load_magnitude(model)
+    residual, rows = solve_in_turn(model, times, y, tolerance=MAX_RESIDUAL * load)
+    refuse_unbalanced(residual, load)
     return rows
 
 
@@ -143,8 +163,7 @@ def mean_ring_damping(model, outer, inner, y, samples=32):
     Z = model.bearing.Z
     dampings = []
     for n, t in enumerate(times_of_pass(model, samples).tolist()):
-        residual = solve_in_cpu_time(solve_initial_equilibrium if n == 0 else solve_equilibrium, model, t, y)
-        refuse_unbalanced(residual, load_magnitude(model))
+        refuse_unbalanced(solve_at(model, t, y, from_scratch=n == 0), load_magnitude(model))
         dampings.append(ring_damping(Z, outer, inner, y))
     c_x, c_y = np.mean(dampings, axis=0)
     return float(c_x), float(c_y)
