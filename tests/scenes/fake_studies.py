@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import cpu_time, store
-from bearingsim.runner import Engine, Interrupted, run
+from bearingsim.runner import Engine
 
 ENGINE = Engine(
     "tests.scenes.fake_studies:simulate",
@@ -220,6 +220,8 @@ def store_jobs(root: Path, study: Any, jobs: list[Any] | None = None) -> list[Pa
 
 def main(out: str, jobs: str, count: str, seconds: str) -> None:
     """Run a study of ``count`` cases: what the tests start as another process, to kill it."""
+    from bearingsim.runner import Interrupted, run  # here, because workers import this module for every pool
+
     study: Any = FakeStudy([1e-3 * (i + 1) for i in range(int(count))], seconds=float(seconds))
     try:
         run(study, out, jobs=int(jobs), progress=False, engine=ENGINE)
