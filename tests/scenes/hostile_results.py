@@ -14,13 +14,23 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+# modules that commands import when they need them are imported once here, not by the process of each attack
 import h5py
+import joblib  # noqa: F401
 import matplotlib.backends.backend_agg  # noqa: F401
 import numpy as np
 import pandas.io.formats.csvs  # type: ignore[import-not-found]  # noqa: F401
 import rich.table  # noqa: F401
 from typer.testing import CliRunner
 
+import bearingsim.cli.exporting
+import bearingsim.cli.sensitivity
+import bearingsim.cli.tables
+import bearingsim.plots.series
+import bearingsim.report.headline
+import bearingsim.runner.findings
+import bearingsim.runner.running
+import bearingsim.simulation  # noqa: F401
 from bearingsim.cli.app import app
 from bearingsim.runner import Engine
 from bearingsim.store import sealed
