@@ -8,8 +8,8 @@ A model provides, in the order of the calls:
     accelerate_roller   acceleration of one roller
 
 The first of the two loops over rollers also updates positions (``drift``), before the forces; the second also
-updates velocities (``kick``), after the accelerations. The argument ``motion`` is the method, whose
-type selects both updates, so they need no loops of their own; ``NoUpdate`` omits them.
+updates velocities (``kick``), after the accelerations. The type of the argument ``method`` selects both updates,
+so they need no loops of their own; ``NoUpdate`` omits them.
 """
 
 from typing import Any, NamedTuple
@@ -59,27 +59,27 @@ class NoUpdate(NamedTuple):
 
 
 @generic(inline="late", absent=None)
-def drift(motion: Any, y: np.ndarray, i: int) -> None:
+def drift(method: Any, y: np.ndarray, i: int) -> None:
     """Advance position and velocity of cell ``i`` of the state to the point of evaluation."""
 
 
 @generic(inline="late", absent=None)
-def kick(motion: Any, y: np.ndarray, i: int) -> None:
+def kick(method: Any, y: np.ndarray, i: int) -> None:
     """Update the velocity of cell ``i`` with its acceleration."""
 
 
-def evaluate_at_once(model, motion, t, y):
+def evaluate_at_once(model, method, t, y):
     """Implement ``evaluate`` for a model that computes all its ``accelerations`` in one call."""
     n = state_width(model)
     for i in range(n):
-        drift(motion, y, i)
+        drift(method, y, i)
     accelerations(model, t, y)
     for i in range(n):
-        kick(motion, y, i)
+        kick(method, y, i)
 
 
 @generic(inline="late", otherwise=evaluate_at_once)
-def evaluate(model: Any, motion: Any, t: float, y: np.ndarray) -> None:
+def evaluate(model: Any, method: Any, t: float, y: np.ndarray) -> None:
     """Apply ``drift``, fill the rows that ``accelerations`` fills at time ``t`` (s), and apply ``kick``."""
 
 
@@ -88,83 +88,83 @@ COORDINATE_ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 
 
 @inlined
-def drift_roller(motion, roller_dof, y, j):
+def drift_roller(method, roller_dof, y, j):
     """Apply ``drift`` to the ``roller_dof`` (0, 1, 3 or 6) coordinates of roller ``j``, unrolled because a loop
     over rows prevents vectorisation."""
     if roller_dof > 0:
-        drift(motion, y, COORDINATE_ROWS[0] + j)
+        drift(method, y, COORDINATE_ROWS[0] + j)
     if roller_dof > 1:
-        drift(motion, y, COORDINATE_ROWS[1] + j)
-        drift(motion, y, COORDINATE_ROWS[2] + j)
+        drift(method, y, COORDINATE_ROWS[1] + j)
+        drift(method, y, COORDINATE_ROWS[2] + j)
     if roller_dof > 3:
-        drift(motion, y, COORDINATE_ROWS[3] + j)
-        drift(motion, y, COORDINATE_ROWS[4] + j)
-        drift(motion, y, COORDINATE_ROWS[5] + j)
+        drift(method, y, COORDINATE_ROWS[3] + j)
+        drift(method, y, COORDINATE_ROWS[4] + j)
+        drift(method, y, COORDINATE_ROWS[5] + j)
 
 
 @inlined
-def kick_roller(motion, roller_dof, y, j):
+def kick_roller(method, roller_dof, y, j):
     """Apply ``kick`` to the ``roller_dof`` (0, 1, 3 or 6) coordinates of roller ``j``."""
     if roller_dof > 0:
-        kick(motion, y, COORDINATE_ROWS[0] + j)
+        kick(method, y, COORDINATE_ROWS[0] + j)
     if roller_dof > 1:
-        kick(motion, y, COORDINATE_ROWS[1] + j)
-        kick(motion, y, COORDINATE_ROWS[2] + j)
+        kick(method, y, COORDINATE_ROWS[1] + j)
+        kick(method, y, COORDINATE_ROWS[2] + j)
     if roller_dof > 3:
-        kick(motion, y, COORDINATE_ROWS[3] + j)
-        kick(motion, y, COORDINATE_ROWS[4] + j)
-        kick(motion, y, COORDINATE_ROWS[5] + j)
+        kick(method, y, COORDINATE_ROWS[3] + j)
+        kick(method, y, COORDINATE_ROWS[4] + j)
+        kick(method, y, COORDINATE_ROWS[5] + j)
 
 
 @inlined
-def drift_harmonics(model, motion, y):
+def drift_harmonics(model, method, y):
     """Apply ``drift`` to the amplitudes of a flexible outer ring."""
     for i in range(harmonics(model)):
-        drift(motion, y, lay.MODES_C + i)
+        drift(method, y, lay.MODES_C + i)
     for i in range(harmonics(model)):
-        drift(motion, y, lay.MODES_S + i)
+        drift(method, y, lay.MODES_S + i)
 
 
 @inlined
-def kick_harmonics(model, motion, y):
+def kick_harmonics(model, method, y):
     """Apply ``kick`` to the amplitudes of a flexible outer ring."""
     for i in range(harmonics(model)):
-        kick(motion, y, lay.MODES_C + i)
+        kick(method, y, lay.MODES_C + i)
     for i in range(harmonics(model)):
-        kick(motion, y, lay.MODES_S + i)
+        kick(method, y, lay.MODES_S + i)
 
 
 @inlined
-def load_rollers(model, motion, common, y, n):
+def load_rollers(model, method, common, y, n):
     """Run the first loop over rollers: drift and loads."""
     roller_dof, _ = degrees_of_freedom(model)
     for j in range(n):
-        drift_roller(motion, roller_dof, y, j)
+        drift_roller(method, roller_dof, y, j)
         load_roller(model, common, y, j)
 
 
 @inlined
-def accelerate_rollers(model, motion, common, body_acceleration, y, n):
+def accelerate_rollers(model, method, common, body_acceleration, y, n):
     """Run the second loop over rollers: accelerations and kick."""
     roller_dof, _ = degrees_of_freedom(model)
     for j in range(n):
         accelerate_roller(model, common, body_acceleration, y, j)
-        kick_roller(motion, roller_dof, y, j)
+        kick_roller(method, roller_dof, y, j)
 
 
-def evaluate_by_roller(model, motion, t, y):
+def evaluate_by_roller(model, method, t, y):
     """Implement ``evaluate`` for a model that has the four functions of the module's docstring."""
     n, (_, shared_dof) = lanes(model.bearing), degrees_of_freedom(model)
     for k in range(shared_dof):
-        drift(motion, y, lay.shared_cell(k))
-    drift_harmonics(model, motion, y)
+        drift(method, y, lay.shared_cell(k))
+    drift_harmonics(model, method, y)
     common = shared_quantities(model, t, y)
-    load_rollers(model, motion, common, y, n)
+    load_rollers(model, method, common, y, n)
     body_acceleration = accelerate_shared(model, common, t, y)
     for k in range(shared_dof):
-        kick(motion, y, lay.shared_cell(k))
-    kick_harmonics(model, motion, y)
-    accelerate_rollers(model, motion, common, body_acceleration, y, n)
+        kick(method, y, lay.shared_cell(k))
+    kick_harmonics(model, method, y)
+    accelerate_rollers(model, method, common, body_acceleration, y, n)
 
 
 def accelerations_by_roller(model, t, y):

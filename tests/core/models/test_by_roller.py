@@ -129,13 +129,13 @@ def test_one_pass_over_the_rollers_equals_separate_loops(name: str, method: Any)
 
 
 @needs_vectors
-@pytest.mark.parametrize("motion", [Verlet(4e-7), NoUpdate()])
+@pytest.mark.parametrize("method", [Verlet(4e-7), NoUpdate()])
 @pytest.mark.parametrize("name", ["ring", "rollers", "planar", "beads"])
-def test_both_loops_over_rollers_keep_their_lanes(name: str, motion: Any) -> None:
+def test_both_loops_over_rollers_keep_their_lanes(name: str, method: Any) -> None:
     model, y = beads() if name == "beads" else model_and_state(name)
     common, body_acceleration, n = shared_quantities(model, 0.0, y), 0.0, lanes(model.bearing)
-    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, common, y, n)
+    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, method, common, y, n)
     if name != "ring":  # whose rollers have no mass
         assert keeps_lanes(
-            compiled(by_roller.accelerate_rollers.py_func), model, motion, common, body_acceleration, y, n
+            compiled(by_roller.accelerate_rollers.py_func), model, method, common, body_acceleration, y, n
         )

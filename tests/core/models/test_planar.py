@@ -115,8 +115,8 @@ def test_no_line_at_shaft_frequency_without_unbalance():
 )
 def test_loops_over_rollers_keep_their_lanes(fields):
     model = assemble.model(case(**fields))
-    y, n, motion = assemble.empty_buffer(model), lanes(model.bearing), Verlet(1e-7)
+    y, n, method = assemble.empty_buffer(model), lanes(model.bearing), Verlet(1e-7)
     common = by_roller.shared_quantities(model, 0.0, y)
-    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, common, y, n)
-    assert keeps_lanes(compiled(by_roller.accelerate_rollers.py_func), model, motion, common, 0.0, y, n)
+    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, method, common, y, n)
+    assert keeps_lanes(compiled(by_roller.accelerate_rollers.py_func), model, method, common, 0.0, y, n)
     assert keeps_lanes(compiled(plane.fill_roller_directions.py_func), 0.3, y, n)
