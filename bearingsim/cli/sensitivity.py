@@ -83,9 +83,11 @@ def _json_entry(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, An
             path: {name: _interval(estimate, index) for name, estimate in influence.columns(analysis).items()}
             for index, path in enumerate(blocks.paths)
         },
-        "says": influence.verdict(blocks, analysis),
+        "verdict": influence.verdict(blocks, analysis),
     }
-    return entries | ({"together": _interval(analysis.interaction, 0)} if isinstance(analysis, Indices) else {})
+    return entries | (
+        {"interactions": _interval(analysis.interaction, 0)} if isinstance(analysis, Indices) else {}
+    )
 
 
 def _interval(estimate: "Estimate", index: int) -> dict[str, float]:

@@ -62,8 +62,8 @@ def test_json_has_indices_with_intervals_and_draws_nothing(tmp_path):
             estimate = analysis["parameters"][path][name]
             assert estimate["low"] <= share <= estimate["high"]
             assert estimate["value"] == pytest.approx(share, abs=0.05)
-    assert analysis["together"]["value"] == pytest.approx(0.0, abs=0.05)
-    assert analysis["says"].startswith("One parameter clearly dominates")
+    assert analysis["interactions"]["value"] == pytest.approx(0.0, abs=0.05)
+    assert analysis["verdict"].startswith("One parameter clearly dominates")
     assert not (results / "figures").exists()
 
 
