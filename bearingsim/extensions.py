@@ -103,7 +103,7 @@ def raise_if_broken() -> None:
     noun = "extension" if len(BROKEN) == 1 else "extensions"
     if BROKEN.keys() <= {entry.name for entry in enabled()}:
         names = ",".join(sorted(skipped() | BROKEN.keys()))
-        advice = f"Correct the {noun}, or skip the {noun}: {SKIP}={names}"
+        advice = f"Fix the {noun}, or set {SKIP}={names} to run without the {noun}"
     else:
-        advice = f"Correct or uninstall the {noun}."
+        advice = f"Fix or uninstall the {noun}."
     raise BrokenExtension("\n".join([*BROKEN.values(), advice]))

@@ -127,7 +127,7 @@ def test_no_job_is_computed_without_a_broken_extension(write, monkeypatch) -> No
     install(monkeypatch, "flawed")
     extensions.record_failure("mine", "it is broken")
     extensions.record_failure("mine", "in two ways")
-    advice = "Correct the extension, or skip the extension: BEARINGSIM_SKIP_EXTENSIONS=mine,other"
+    advice = "Fix the extension, or set BEARINGSIM_SKIP_EXTENSIONS=mine,other to run without the extension"
     message = f"^it is broken\n{advice}$"
     with pytest.raises(extensions.BrokenExtension, match=message):
         load_study(write("study: own\n"))
@@ -143,7 +143,7 @@ def test_code_of_another_package_cannot_be_skipped(monkeypatch) -> None:
     assert extensions.owner("features:rms") == "features"
     extensions.record_failure("mine", "a")
     extensions.record_failure("features", "b")
-    with pytest.raises(extensions.BrokenExtension, match=r"^a\nb\nCorrect or uninstall the extensions\.$"):
+    with pytest.raises(extensions.BrokenExtension, match=r"^a\nb\nFix or uninstall the extensions\.$"):
         extensions.raise_if_broken()
 
 

@@ -247,7 +247,7 @@ def test_study_without_the_extension_runs(broken: Path) -> None:
         assert (code, stderr) == (0, f"{REASON} (skipped)\n" if words != ("--help",) else ""), words
         assert stdout, words
     for words in COMPUTING:
-        advice = "Correct the extension, or skip the extension: BEARINGSIM_SKIP_EXTENSIONS=toys"
+        advice = "Fix the extension, or set BEARINGSIM_SKIP_EXTENSIONS=toys to run without the extension"
         assert outputs[words] == (2, "", f"{REASON}\n{advice}\n"), words
 
 

@@ -214,7 +214,10 @@ def test_a_scan_with_small_regions_only_is_refused(tmp_path: Path) -> None:
     [
         (bowl()[:, 20:], "there is no undamaged border"),
         (bowl()[:, 15:46], "there is no "),
-        (0.0 * bowl(), "no defect exceeds the noise"),
+        (
+            0.0 * bowl(),
+            "within the noise (0 um, 3 standard deviations of the border) (scan the area of the defect",
+        ),
         (bowl(noise=40.0), "no"),
         (-bowl(), "name the column `height`"),
     ],

@@ -51,11 +51,11 @@ REFUSED = {
     ),
     "too few diameters": (
         {"rollers": {"diameter": ["1 um", "0 um"]}},
-        "2 diameters for 13 rollers (give one deviation for each roller)",
+        "2 diameter deviations, but the bearing has 13 rollers (give 13 deviations, one per roller)",
     ),
     "no diameters": (
         {"rollers": {"diameter": []}},
-        "0 diameters for 13 rollers (give one deviation for each roller)",
+        "0 diameter deviations, but the bearing has 13 rollers (give 13 deviations, one per roller)",
     ),
     "many large waves": (
         {"outer": {"harmonics": [{"order": order, "amplitude": "90 um"} for order in range(2, 202)]}},

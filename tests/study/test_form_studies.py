@@ -170,7 +170,11 @@ REFUSED = {
     "a class": ("outer: {class: P5}", "class", "tolerance classes are not supported"),
     "a class of rollers": ("rollers: {class: G10}", "class", "tolerance classes are not supported"),
     "roughness": ("outer: {roughness: 0.1 um}", "roughness", "roughness is not modelled"),
-    "one diameter": ("rollers: {diameter: [1 um]}", "[1 um]", "1 diameter for 13 rollers (give one deviation"),
+    "one diameter": (
+        "rollers: {diameter: [1 um]}",
+        "[1 um]",
+        "1 diameter deviation, but the bearing has 13 rollers (give 13",
+    ),
     "a diameter without unit": (f"rollers: {{diameter: [1, {', 0 um' * 12}]}}".replace(", ,", ","), "1", "length"),
     "a missing roller": (
         "rollers: {harmonics: [{order: 2, amplitude: 1 um, roller: 14}]}",

@@ -37,8 +37,9 @@ def _roller_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     deviations = surface.diameter.deviations if surface.diameter else None
     if deviations is not None and len(deviations) != count:
         paths: tuple[Path, ...] = (("surfaces", "rollers", "diameter"), ("bearing", "rollers"))
-        message = f"{len(deviations)} diameter{'s' * (len(deviations) != 1)} for {count} rollers"
-        yield Conflict("diameters", paths, message, "give one deviation for each roller")
+        plural = "s" * (len(deviations) != 1)
+        message = f"{len(deviations)} diameter deviation{plural}, but the bearing has {count} rollers"
+        yield Conflict("diameters", paths, message, f"give {count} deviations, one per roller")
     for index, harmonic in enumerate(surface.harmonics):
         if harmonic.roller is not None and harmonic.roller > count:
             path: Path = ("surfaces", "rollers", "harmonics", index, "roller")

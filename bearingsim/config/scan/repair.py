@@ -178,7 +178,9 @@ def _level(grid: Grid) -> Grid:
     depth = grid.depth - surface
     defect_depth, burr_height = float(depth.max()), -float(depth.min())
     if max(defect_depth, burr_height) <= max(NOISE_LIMIT * deviation, 1e-12):
-        raise ScanError(f"no defect exceeds the noise of the surrounding race ({_format_um(deviation)})")
+        limit = f"{_format_um(NOISE_LIMIT * deviation)}, {NOISE_LIMIT:g} standard deviations of the border"
+        message = f"no defect: all depths are within the noise ({limit})"
+        raise ScanError(message, "scan the area of the defect, or reduce the noise of the scan")
     if burr_height > defect_depth:
         drop = _format_um(max(defect_depth, 0.0))
         message = f"the surface rises {_format_um(burr_height)} above the race and drops {drop} below it"
