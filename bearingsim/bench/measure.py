@@ -35,7 +35,7 @@ def compute_rows(run: Run) -> list[Row]:
     """Compute a run; return its row, and for the automatic choice also one of its method as a ``FULL_RUN``."""
     case = run.case
     if case is None:
-        return [_failed_row(run, "refused", run.refused)]
+        return [_failed_row(run, "refused", run.refusal)]
     if run.role == JOB:
         return _unless_failed(run, lambda: _job_rows(run, case))
     if run.method in external.SOLVERS:

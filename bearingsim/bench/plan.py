@@ -42,7 +42,7 @@ class Plan(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """Timed run. case: None if the model cannot compute the scene; ``refused``: the reason."""
+    """Timed run. case: None if the model cannot compute the scene; refusal: the reason."""
 
     scene: str
     variant: str
@@ -52,12 +52,12 @@ class Run:
     setting: Setting
     line: str
     case: Case | None
-    refused: str = ""
+    refusal: str = ""
 
     @property
     def key(self) -> str:
         """Hash of 16 hex digits of run, code and machine."""
-        problem = identity(self.case) if self.case is not None else self.refused
+        problem = identity(self.case) if self.case is not None else self.refusal
         parts = (self.scene, self.variant, problem, self.role, self.method, *map(repr, self.setting))
         return hashlib.sha256("|".join((*parts, code_version(), processor())).encode()).hexdigest()[:16]
 
@@ -102,7 +102,7 @@ def plan_runs(scene: Scene, quick: bool, peers: Settings | None = None) -> Itera
 def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) -> Iterator[Run]:
     def run(role: str, method: str, setting: Setting) -> Run:
         names = scene.name, variant.name, variant.model
-        return Run(*names, role, method, setting, scene.line, variant.case, variant.refused)
+        return Run(*names, role, method, setting, scene.line, variant.case, variant.refusal)
 
     yield run(JOB, AUTO, Setting())
     if variant.case is None:

@@ -29,13 +29,13 @@ MAX_RECORD = 0.5  # s, longest record
 class Variant:
     """Model, with its number of harmonics or slices, and the case to compute with it.
 
-    case: None if the model cannot compute the scene; refused: the reason, else empty.
+    case: None if the model cannot compute the scene; refusal: the reason, else empty.
     """
 
     name: str
     model: str
     case: Case | None
-    refused: str = ""
+    refusal: str = ""
 
 
 @dataclass(frozen=True)

@@ -194,14 +194,16 @@ def _refine_on_pilots(attempt: choice.Attempt, coarse: Setup, partial_runs: Part
         step_fraction, previous = finer.setup.step_fraction, finer
 
 
-def _refuse_costly(attempt: choice.Attempt, coarse: Setup, refused: Setup, periodic: bool, regular: bool) -> None:
+def _refuse_costly(
+    attempt: choice.Attempt, coarse: Setup, refused_setup: Setup, periodic: bool, regular: bool
+) -> None:
     """Raise ``TooCostly`` if an attempt that continues after a refused step would cost more than its limit.
 
-    refused: setup with this step.
+    refused_setup: setup with this step.
     """
-    step_fraction = attempt.step_fraction * refused.step_fraction / coarse.step_fraction
+    step_fraction = attempt.step_fraction * refused_setup.step_fraction / coarse.step_fraction
     if attempt.at_step(step_fraction, periodic).cost > attempt.limit:
-        raise TooCostly(f"{refused.case.method} needs a shorter step", step_fraction, periodic, regular)
+        raise TooCostly(f"{refused_setup.case.method} needs a shorter step", step_fraction, periodic, regular)
 
 
 def _is_last(finer: Setup, check: StepCheck) -> bool:

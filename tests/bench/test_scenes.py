@@ -137,10 +137,10 @@ def test_variants_are_of_the_case_of_their_reference(write):
 def test_a_model_refused_for_one_case_computes_the_others(write):
     scenes = variants_of(write(f"{STUDY}load: 150 N\nsweep: {{rig.ring.bends: [false, true]}}\n"))
     assert [variants["ring"].case is None for variants in scenes] == [False, True]
-    assert "cannot do this" in scenes[1]["ring"].refused
+    assert "cannot do this" in scenes[1]["ring"].refusal
 
 
 def test_refusal_with_accuracy_is_not_that_of_the_keys(write):
     bent = "rig: {ring: {harmonics: 20}}\naccuracy: {within: 2 %, of: [velocity.rms]}\n"
     (variants,) = variants_of(write(f"{STUDY}load: 150 N\n{bent}"))
-    assert variants["ring"].refused == "the model cannot compute this case"
+    assert variants["ring"].refusal == "the model cannot compute this case"
