@@ -187,7 +187,7 @@ def build_bending(ring: RingParameters) -> core.Bending:
         shapes=np.ascontiguousarray(at_rollers[:, : modes.mode_count]),
         transposed_shapes=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : ring.bearing.rollers]),
         breathing_index=modes.mode_count - 1,
-        mobility=mobility(ring, modes, angles),
+        accelerance=largest_accelerance(ring, modes, angles),
         max_stiffness=max_stiffness,
         max_damping=max_damping,
         sensor_x=cos(alpha) * on_ring,
@@ -197,9 +197,8 @@ def build_bending(ring: RingParameters) -> core.Bending:
     )
 
 
-def mobility(ring: RingParameters, modes: Harmonics, angles: np.ndarray) -> float:
-    """Compute the largest eigenvalue (1/kg) of the matrix that maps the forces at all rollers to the accelerations
-    of the race there.
+def largest_accelerance(ring: RingParameters, modes: Harmonics, angles: np.ndarray) -> float:
+    """Compute the largest eigenvalue (1/kg) of the race's accelerance matrix at the rollers.
 
     The rollers are evenly spaced, so the matrix is circulant and its eigenvalues are the Fourier transform of a
     row.

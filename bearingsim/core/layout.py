@@ -113,15 +113,15 @@ SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", FLEXIBLE_RING, 
 
 # JACOBIAN_WORK: rows of one call of ``linearise``, also used by models without an analytic Jacobian
 JACOBIAN_WORK, JACOBIAN_WORK_ROWS = WORK + WORK_ROWS * ROW, 86
-# MOBILITY: acceleration per unit of force or torque, radial, of a roller's angle, of its spin, and (cells) of the
+# ACCELERANCE: acceleration per unit of force or torque, of a roller's radius, angle and spin, and (cells) of the
 # shared coordinates X to Y_I. D: changes per unit of a coordinate, of a roller's position and velocity relative to
 # a body along e_r and e_theta, of force and torque on the roller, and of its loads on these shared coordinates (a
 # row each)
 linearise_rows = partial(rows, owners="linearise", lifetime="linearise")
-MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = linearise_rows(
+ACCELERANCE_R, ACCELERANCE_T, ACCELERANCE_SPIN, ACCELERANCE_SHARED = linearise_rows(
     JACOBIAN_WORK + FIRST_LANE, "1/kg, 1/(kg m), 1/(kg m^2), 1/kg"
 )
-D_POSITION_R, D_POSITION_T, D_VELOCITY_R, D_VELOCITY_T = linearise_rows(MOBILITY_SHARED + ROW, "m, m, m/s, m/s")
+D_POSITION_R, D_POSITION_T, D_VELOCITY_R, D_VELOCITY_T = linearise_rows(ACCELERANCE_SHARED + ROW, "m, m, m/s, m/s")
 D_FORCE_R, D_FORCE_T, D_TORQUE = linearise_rows(D_VELOCITY_T + ROW, "N, N, N m")
 D_FORCE_SHARED = linearise_rows(D_TORQUE + ROW, "N", count=FIRST_LANE)[0]
 # rows of contacts: ``parts/races.py``, ``parts/cage_derivatives.py``
@@ -261,8 +261,8 @@ KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = side_rows(
     RELATIVE + 30 * ROW, "N s/m, N s, N m s, N, N m, N"
 )
 KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z = side_rows(RELATIVE + 36 * ROW, "N s, N s/m, N s/m, N s/m")
-# changes of the slips within the lag; state of a defect near the current slice (values: ``defects/on_slices.py``)
-SLIP_CHANGE, SLIP_CHANGE_Z, DEFECT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
+# changes of the slips within the lag; position of a slice relative to a defect (values: ``defects/on_slices.py``)
+SLIP_CHANGE, SLIP_CHANGE_Z, DEFECT_STATE = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
 # defect at the current slice: drop; tangent of the normal's tilt, and 1 - cosine of the tilt; lost fraction of the
 # stiffness; 1 if the defect is on the roller, else 0
 ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, ROLLER_DEFECT = side_rows(

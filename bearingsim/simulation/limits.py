@@ -179,8 +179,8 @@ def _with_defects(case: Case, limits_at_rest: Limits, K: float, C: float) -> tup
     mass_ratio = max(1.0, model.bearing.m_r / model.bearing.m_o)  # the rates are those of the lighter body
     _, K_impact, C_impact = (mass_ratio * max(values) for values in zip(*impacts, strict=True))
     if case.rig.ring is not None:  # the flexible race deflects as well
-        mobility_factor = 1.0 + model.bearing.m_r * model.bending.mobility
-        K_impact, C_impact = mobility_factor * K_impact, mobility_factor * C_impact
+        accelerance_factor = 1.0 + model.bearing.m_r * model.bending.accelerance
+        K_impact, C_impact = accelerance_factor * K_impact, accelerance_factor * C_impact
     approach_bound, energy_bound = motion_bounds(case, model, limits_at_rest)
     limits = replace(
         limits_at_rest,

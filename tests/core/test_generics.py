@@ -77,9 +77,9 @@ from bearingsim.core.parts.shaft import (
     FixedRing,
     RigidShaft,
     TorsionSpring,
+    accelerance,
     accelerate_inner_ring,
     accelerate_ring_rotation,
-    mobility,
 )
 
 Registry = dict[Any, frozenset[type]]
@@ -272,7 +272,7 @@ def test_new_type_needs_all_generics_of_its_family() -> None:
     ("generic", "other"),
     [
         (normal_force, derivatives),
-        (mobility, accelerate_ring_rotation),
+        (accelerance, accelerate_ring_rotation),
         (count_crossings, linearise),
         (elastic, as_power),
     ],

@@ -25,8 +25,8 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.jit import jit
 
-# values of row DEFECT_REACH: a defect may act on some slice of the roller; a defect acts on the current slice
-ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
+# values of row DEFECT_STATE: some slice of the roller may be over a defect; the current slice is over a defect
+ROLLER_NEAR_DEFECT, SLICE_OVER_DEFECT = 1.0, 2.0
 
 
 @jit
@@ -64,11 +64,11 @@ def roller_near_defect(model, d, t, y):
 
 @jit
 def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
-    """Mark each side of a roller of which a slice may be over a defect; return the number of pairs in reach."""
+    """Mark each side of a roller of which a slice may be over a defect; return the number of such pairs."""
     defects, b = model.defects, model.bearing
     pitch_radius = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
-        y[lay.OUTER_SIDE + lay.DEFECT_REACH + j], y[lay.INNER_SIDE + lay.DEFECT_REACH + j] = 0.0, 0.0
+        y[lay.OUTER_SIDE + lay.DEFECT_STATE + j], y[lay.INNER_SIDE + lay.DEFECT_STATE + j] = 0.0, 0.0
     count = 0
     for d in range(len(defects.head)):
         head = defects.head[d]
@@ -76,9 +76,9 @@ def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if outer else (lay.INNER_SIDE, b_z_inner)
         j, s = roller_near_defect(model, d, t, y)
         angle, rho = slice_polar_position(side, pitch_radius, b_z, 0.0, y, j)
-        reach = head[HALF_WIDTH] + head[RADIUS] * model.L_w * abs(y[side + lay.DIRECTION_T + j]) / rho
-        if abs(s + head[RADIUS] * angle) < reach:
-            y[side + lay.DEFECT_REACH + j] = ROLLER_REACHED
+        distance_limit = head[HALF_WIDTH] + head[RADIUS] * model.L_w * abs(y[side + lay.DIRECTION_T + j]) / rho
+        if abs(s + head[RADIUS] * angle) < distance_limit:
+            y[side + lay.DEFECT_STATE + j] = ROLLER_NEAR_DEFECT
             count += 1
     return count
 
@@ -88,8 +88,8 @@ def clear_defect_response(model, y):
     """Set the response rows of all marked rollers to zero, which the previous slice filled."""
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         for j in range(model.bearing.Z):
-            if y[side + lay.DEFECT_REACH + j] > 0.0:
-                y[side + lay.DEFECT_REACH + j] = ROLLER_REACHED
+            if y[side + lay.DEFECT_STATE + j] > 0.0:
+                y[side + lay.DEFECT_STATE + j] = ROLLER_NEAR_DEFECT
                 for row in (
                     lay.ROLLER_DROP,
                     lay.NORMAL_SLOPE,
@@ -118,15 +118,15 @@ def fill_slice_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
         head, group = defects.head[d], defects.groups[d, k]
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if head[SIDE] == OUTER else (lay.INNER_SIDE, b_z_inner)
         j, s = roller_near_defect(model, d, t, y)
-        if y[side + lay.DEFECT_REACH + j] > 0.0:
+        if y[side + lay.DEFECT_STATE + j] > 0.0:
             angle, rho = slice_polar_position(side, pitch_radius, b_z, zeta, y, j)
             s += head[RADIUS] * angle
             if abs(s) < group[GROUP_HALF_WIDTH]:
                 share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
-                is_first = y[side + lay.DEFECT_REACH + j] == ROLLER_REACHED
+                is_first = y[side + lay.DEFECT_STATE + j] == ROLLER_NEAR_DEFECT
                 acting_drop, acting_share = y[side + lay.ROLLER_DROP + j], 1.0 - y[side + lay.STIFFNESS_LOSS + j]
                 if is_first or prevails(h, share, acting_drop, acting_share):
-                    y[side + lay.DEFECT_REACH + j] = SLICE_REACHED
+                    y[side + lay.DEFECT_STATE + j] = SLICE_OVER_DEFECT
                     normal_slope = tilt_factor * slope * head[RADIUS] / rho
                     (
                         y[side + lay.ROLLER_DROP + j],

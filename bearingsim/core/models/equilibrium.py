@@ -25,7 +25,7 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import inner_approach
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.parts.bending import Bending, RigidRing, bend_race, race_bend
+from bearingsim.core.parts.bending import Bending, RigidRing, fill_race_deflection, race_deflection
 from bearingsim.core.parts.form import RECESS_I, RECESS_O, fill_recesses, recess
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
@@ -137,12 +137,12 @@ def balance_rollers(model, t, y):
     locate_defects(model, t, y)
     theta_c, _, _ = kinematic_angles(bearing, t)
     C, S = cos_sin(theta_c)
-    bend_race(model.bending, C, S, bearing.omega_c, y, lanes(bearing))
+    fill_race_deflection(model.bending, C, S, bearing.omega_c, y, lanes(bearing))
     fill_recesses(model.form, bearing, t, y)
     for j in range(bearing.Z):
         c = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
         s = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
-        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s + race_bend(model.bending, y, j)
+        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s + race_deflection(model.bending, y, j)
         recess_i = recess(model.form, RECESS_I, y, j)
         u_r = u_r + recess(model.form, RECESS_O, y, j) + recess_i
         q = roller_balance(model, y, j, u_r, recess_i)

@@ -19,7 +19,7 @@ from bearingsim.core.parts.cage import cage_constraint, orbit_drag
 from bearingsim.core.parts.cage_derivatives import (
     add_guide_derivatives,
     add_pocket_changes,
-    cage_mobility,
+    cage_accelerances,
     fill_pocket_derivatives,
     land_drag_derivative,
     orbit_drag_derivative,
@@ -30,7 +30,7 @@ from bearingsim.core.parts.races import (
     fill_contact_derivatives,
     fill_friction_derivatives,
 )
-from bearingsim.core.parts.shaft import damper_per_mass, mobility, spring_per_mass
+from bearingsim.core.parts.shaft import accelerance, damper_per_mass, spring_per_mass
 from bearingsim.core.sums import sum_addends
 
 RADIAL, ORBIT, SPIN = range(3)  # coordinates of a roller
@@ -53,29 +53,29 @@ def clear_changes(low, high, y, n):
 
 
 @jit
-def fill_mobilities(model, y, n):
-    """Fill the rows MOBILITY_*: inverse masses and inverse moments of inertia of rollers and shared bodies."""
+def fill_accelerances(model, y, n):
+    """Fill the rows ACCELERANCE_*: accelerations of rollers and shared bodies per unit of force or torque."""
     b, cage, m_o = model.bearing, model.cage, model.bearing.m_o
     R_mean, cage_factor = 0.5 * (b.R_o + b.R_i), cage_constraint(cage, 1.0)
     for j in range(n):
         per_mass = y[lay.INVERSE_MASS + j]
-        y[lay.MOBILITY_R + j], y[lay.MOBILITY_T + j] = (
+        y[lay.ACCELERANCE_R + j], y[lay.ACCELERANCE_T + j] = (
             per_mass,
             cage_factor * per_mass / (R_mean + y[lay.RADIAL + j]),
         )
-        y[lay.MOBILITY_SPIN + j] = cage_factor * (b.m_r / b.I_r) * per_mass
-    cage_rotation, cage_translation = cage_mobility(cage)
-    y[lay.MOBILITY_SHARED + lay.X], y[lay.MOBILITY_SHARED + lay.Y], y[lay.MOBILITY_SHARED + lay.PSI] = (
+        y[lay.ACCELERANCE_SPIN + j] = cage_factor * (b.m_r / b.I_r) * per_mass
+    cage_rotation, cage_translation = cage_accelerances(cage)
+    y[lay.ACCELERANCE_SHARED + lay.X], y[lay.ACCELERANCE_SHARED + lay.Y], y[lay.ACCELERANCE_SHARED + lay.PSI] = (
         1.0 / m_o,
         1.0 / m_o,
-        mobility(model.bracket),
+        accelerance(model.bracket),
     )
-    y[lay.MOBILITY_SHARED + lay.PHI_C] = cage_rotation
-    y[lay.MOBILITY_SHARED + lay.X_C] = cage_translation
-    y[lay.MOBILITY_SHARED + lay.Y_C] = cage_translation
-    y[lay.MOBILITY_SHARED + lay.X_I], y[lay.MOBILITY_SHARED + lay.Y_I] = (
-        mobility(model.shaft),
-        mobility(model.shaft),
+    y[lay.ACCELERANCE_SHARED + lay.PHI_C] = cage_rotation
+    y[lay.ACCELERANCE_SHARED + lay.X_C] = cage_translation
+    y[lay.ACCELERANCE_SHARED + lay.Y_C] = cage_translation
+    y[lay.ACCELERANCE_SHARED + lay.X_I], y[lay.ACCELERANCE_SHARED + lay.Y_I] = (
+        accelerance(model.shaft),
+        accelerance(model.shaft),
     )
 
 
@@ -83,13 +83,13 @@ def fill_mobilities(model, y, n):
 def write_roller_column(matrix, i, m_r, y, n):
     """Write the changes of acceleration into the column of the rollers' coordinate ``i``."""
     for j in range(n):
-        y[lay.diagonal_block(matrix, RADIAL, i) + j] = y[lay.MOBILITY_R + j] * y[lay.D_FORCE_R + j]
+        y[lay.diagonal_block(matrix, RADIAL, i) + j] = y[lay.ACCELERANCE_R + j] * y[lay.D_FORCE_R + j]
     for j in range(n):
-        y[lay.diagonal_block(matrix, ORBIT, i) + j] = y[lay.MOBILITY_T + j] * y[lay.D_FORCE_T + j]
+        y[lay.diagonal_block(matrix, ORBIT, i) + j] = y[lay.ACCELERANCE_T + j] * y[lay.D_FORCE_T + j]
     for j in range(n):
-        y[lay.diagonal_block(matrix, SPIN, i) + j] = y[lay.MOBILITY_SPIN + j] * y[lay.D_TORQUE + j]
+        y[lay.diagonal_block(matrix, SPIN, i) + j] = y[lay.ACCELERANCE_SPIN + j] * y[lay.D_TORQUE + j]
     for k in range(SHARED_DOF):
-        scale = m_r * y[lay.MOBILITY_SHARED + k]  # the inverse mass is 0 in a padded lane
+        scale = m_r * y[lay.ACCELERANCE_SHARED + k]  # the inverse mass is 0 in a padded lane
         for j in range(n):
             y[lay.border_row(matrix, k, i) + j] = (
                 scale * y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j]
@@ -103,17 +103,17 @@ def write_shared_column(matrix, m, low, high, m_r, y, n):
     low, high: the accelerations of the shared coordinates range(low, high) depend on it.
     """
     for j in range(n):
-        y[lay.border_column(matrix, RADIAL, m) + j] = y[lay.MOBILITY_R + j] * y[lay.D_FORCE_R + j]
+        y[lay.border_column(matrix, RADIAL, m) + j] = y[lay.ACCELERANCE_R + j] * y[lay.D_FORCE_R + j]
     for j in range(n):
-        y[lay.border_column(matrix, ORBIT, m) + j] = y[lay.MOBILITY_T + j] * y[lay.D_FORCE_T + j]
+        y[lay.border_column(matrix, ORBIT, m) + j] = y[lay.ACCELERANCE_T + j] * y[lay.D_FORCE_T + j]
     for j in range(n):
-        y[lay.border_column(matrix, SPIN, m) + j] = y[lay.MOBILITY_SPIN + j] * y[lay.D_TORQUE + j]
+        y[lay.border_column(matrix, SPIN, m) + j] = y[lay.ACCELERANCE_SPIN + j] * y[lay.D_TORQUE + j]
     for k in range(SHARED_DOF):
         y[lay.corner_block(matrix, k, m)] = 0.0
     for k in range(low, high):
         for j in range(n):
             y[lay.ADDENDS + j] = y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j]
-        y[lay.corner_block(matrix, k, m)] = m_r * y[lay.MOBILITY_SHARED + k] * sum_addends(y, n)
+        y[lay.corner_block(matrix, k, m)] = m_r * y[lay.ACCELERANCE_SHARED + k] * sum_addends(y, n)
 
 
 @jit
@@ -213,21 +213,23 @@ def add_inertial_terms(model, omega_cage, y, n):
         theta_v = omega_cage + y[lay.EPS_V + j]
         mask = b.m_r * y[lay.INVERSE_MASS + j]
         drag, drag_v = orbit_drag(model.drag, r * theta_v), orbit_drag_derivative(model.drag, r * theta_v)
-        coriolis, mobility_r, mobility_t = (
+        coriolis, accelerance_r, accelerance_t = (
             cage_factor * mask * 2.0 / r,
-            y[lay.MOBILITY_R + j],
-            y[lay.MOBILITY_T + j],
+            y[lay.ACCELERANCE_R + j],
+            y[lay.ACCELERANCE_T + j],
         )
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, RADIAL) + j] += mask * theta_v * theta_v
-        y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, ORBIT) + j] += mobility_r * (y[lay.FORCE_T + j] - drag)
-        y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, ORBIT) + j] -= mobility_t * y[lay.FORCE_R + j]
+        y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, ORBIT) + j] += accelerance_r * (
+            y[lay.FORCE_T + j] - drag
+        )
+        y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, ORBIT) + j] -= accelerance_t * y[lay.FORCE_R + j]
         orbital_acceleration_r = (
-            mobility_t * (drag_v * theta_v - y[lay.FORCE_T + j] / r) + coriolis * v * theta_v / r
+            accelerance_t * (drag_v * theta_v - y[lay.FORCE_T + j] / r) + coriolis * v * theta_v / r
         )
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, RADIAL) + j] += orbital_acceleration_r
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, RADIAL, ORBIT) + j] += mask * 2.0 * r * theta_v
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, RADIAL) + j] -= coriolis * theta_v
-        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, ORBIT) + j] += mobility_t * drag_v * r - coriolis * v
+        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, ORBIT) + j] += accelerance_t * drag_v * r - coriolis * v
 
 
 @jit
@@ -238,7 +240,7 @@ def add_support_terms(model, y):
         (lay.X, support.k_b / m_o, support.c_b / m_o),
         (lay.Y, support.k_b / m_o, support.c_b / m_o),
         (lay.PSI, spring_per_mass(model.bracket), damper_per_mass(model.bracket)),
-        (lay.PHI_C, 0.0, -y[lay.MOBILITY_SHARED + lay.PHI_C] * land_drag_derivative(model.drag)),
+        (lay.PHI_C, 0.0, -y[lay.ACCELERANCE_SHARED + lay.PHI_C] * land_drag_derivative(model.drag)),
         (lay.X_I, spring_per_mass(model.shaft), damper_per_mass(model.shaft)),
         (lay.Y_I, spring_per_mass(model.shaft), damper_per_mass(model.shaft)),
     ):
@@ -254,7 +256,7 @@ def fill_planar_jacobian(model, t, y):
     _, rate, _ = kinematic_time(model.motion, t)
     omega_i, spin = b.omega_i * rate, (b.omega_c - b.omega_b) * rate
     omega_cage = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
-    fill_mobilities(model, y, n)
+    fill_accelerances(model, y, n)
     fill_contact_derivatives(OuterSide(), model.outer, y, n)
     fill_contact_derivatives(InnerSide(), model.inner, y, n)
     if len(model.defects.head) > 0:

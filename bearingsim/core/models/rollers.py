@@ -90,7 +90,7 @@ register_roller_model(Rollers)
 @shared_quantities.register(Rollers)
 def _shared_quantities(model, t, y):
     common = ring_motion(model, t, y)
-    bending.bend_race(model.bending, common.C, common.S, model.bearing.omega_c, y, lanes(model.bearing))
+    bending.fill_race_deflection(model.bending, common.C, common.S, model.bearing.omega_c, y, lanes(model.bearing))
     fill_recesses(model.form, model.bearing, t, y)
     return common
 
@@ -103,8 +103,8 @@ def fill_race_approaches(model, common, c, s, y, j):
     docs/form.md.
     """
     gap, r, v, form = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j], model.form
-    delta = r - (common.u_x * c + common.u_y * s) - gap - bending.race_bend(model.bending, y, j)
-    rate = v - (common.w_x * c + common.w_y * s) - bending.race_bend_rate(model.bending, y, j)
+    delta = r - (common.u_x * c + common.u_y * s) - gap - bending.race_deflection(model.bending, y, j)
+    rate = v - (common.w_x * c + common.w_y * s) - bending.race_deflection_rate(model.bending, y, j)
     y[lay.DELTA_O + j], y[lay.V_O + j] = (
         delta - recess(form, RECESS_O, y, j),
         rate - recess(form, RECESS_V_O, y, j),
@@ -171,7 +171,7 @@ interface.update_extremes.register(Rollers)(update_forces)
 
 @interface.bend_at.register(Rollers)
 def _bend_at(model, y, j):
-    return bending.race_bend(model.bending, y, j)
+    return bending.race_deflection(model.bending, y, j)
 
 
 @read_sensor.register(Rollers)

@@ -302,9 +302,9 @@ def _damping_per_mass(model, y, j):
     _, C = contact_stiffness_and_damping(model, y, j)
     supports = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     mounts = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
-    # change of slip at a roller's end per impulse of friction there (1/kg)
-    end_mobility = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t
-    return max(C + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_mobility, supports, mounts)
+    # accelerance of the surface at a roller's end (1/kg): translation, spin and tilt
+    end_accelerance = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t
+    return max(C + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_accelerance, supports, mounts)
 
 
 @interface.degrees_of_freedom.register(Spatial)

@@ -36,8 +36,8 @@ class Bending(NamedTuple):
     """Flexible ring with H harmonics: n = 2, 3, ..., then n = 0, a carrier if any, and padding to a multiple of 8.
 
     harmonic_table: (10, H), rows as named below; shapes: (2, harmonics of the ring, lanes) cos(n phi_j) and
-    sin(n phi_j); transposed_shapes: (2, Z, H), the same; breathing_index: index of harmonic n = 0; mobility:
-    largest eigenvalue (1/kg) of the matrix that maps forces at the rollers to accelerations of the race there;
+    sin(n phi_j); transposed_shapes: (2, Z, H), the same; breathing_index: index of harmonic n = 0; accelerance:
+    largest eigenvalue (1/kg) of the accelerance matrix of the race, from forces to accelerations at the rollers;
     max_stiffness, max_damping: largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring
     with its springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: magnitude of
     the load (N); springs: springs around the ring.
@@ -47,7 +47,7 @@ class Bending(NamedTuple):
     shapes: np.ndarray
     transposed_shapes: np.ndarray
     breathing_index: int
-    mobility: float
+    accelerance: float
     max_stiffness: float
     max_damping: float
     sensor_x: float
@@ -108,7 +108,7 @@ def _harmonics(bending):
 
 
 @generic(inline="late", absent=None)
-def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, lanes: int) -> None:
+def fill_race_deflection(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, lanes: int) -> None:
     """Fill the rows BEND and BEND_V, the displacement of the race at every roller and its rate.
 
     C, S: cosine and sine of the first roller's angle; omega_c: speed of the cage, rad/s; lanes: number of lanes.
@@ -118,13 +118,13 @@ def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, l
 
 
 @generic(inline="late", absent=0.0)
-def race_bend(bending: Any, y: np.ndarray, j: int) -> float:
+def race_deflection(bending: Any, y: np.ndarray, j: int) -> float:
     """Return the outward displacement of the race at roller ``j``, m."""
 
 
 @generic(inline="late", absent=0.0)
-def race_bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
-    """Return the rate of ``race_bend`` along the roller's path, m/s."""
+def race_deflection_rate(bending: Any, y: np.ndarray, j: int) -> float:
+    """Return the rate of ``race_deflection`` along the roller's path, m/s."""
 
 
 @generic(inline="late", absent=None)
@@ -132,7 +132,7 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
     """Fill the accelerations of the amplitudes, and add the springs' forces divided by ``m_o`` (kg) to the ring's
     acceleration.
 
-    Requires the rows Q_O and those filled by ``bend_race``.
+    Requires the rows Q_O and those filled by ``fill_race_deflection``.
 
     Equation (R2) of docs/ring.md.
     """
@@ -198,23 +198,23 @@ def race_damping(bending: Any, c: float) -> float:
 @race_stiffness_bound.register(Bending)
 def _flexible_race_bound(bending, K, inverse_mass, k):
     k = k if inverse_mass > 0.0 else 0.0  # no stiffness in padded lanes
-    race_stiffness = bending.max_stiffness + k * bending.mobility
+    race_stiffness = bending.max_stiffness + k * bending.accelerance
     half = 0.5 * (K - race_stiffness)
-    return 0.5 * (K + race_stiffness) + sqrt(half * half + k * k * bending.mobility * inverse_mass)
+    return 0.5 * (K + race_stiffness) + sqrt(half * half + k * k * bending.accelerance * inverse_mass)
 
 
 @race_damping.register(Bending)
 def _race_damping(bending, c):
-    return bending.max_damping + bending.mobility * c
+    return bending.max_damping + bending.accelerance * c
 
 
-@race_bend.register(Bending)
-def _race_bend_flexible(bending, y, j):
+@race_deflection.register(Bending)
+def _race_deflection_flexible(bending, y, j):
     return y[lay.BEND + j]
 
 
-@race_bend_rate.register(Bending)
-def _race_bend_rate_flexible(bending, y, j):
+@race_deflection_rate.register(Bending)
+def _race_deflection_rate_flexible(bending, y, j):
     return y[lay.BEND_V + j]
 
 
@@ -248,8 +248,8 @@ def rotate_amplitudes(bending, omega_c, y):
         y[lay.AMPLITUDE_V_C + i], y[lay.AMPLITUDE_V_S + i] = a_v * c + b_v * s, b_v * c - a_v * s
 
 
-@bend_race.register(Bending)
-def _bend_race(bending, C, S, omega_c, y, lanes):
+@fill_race_deflection.register(Bending)
+def _fill_race_deflection_flexible(bending, C, S, omega_c, y, lanes):
     fill_phases(bending, C, S, y)
     rotate_amplitudes(bending, omega_c, y)
     for lane in range(0, lanes, lay.VECTOR_WIDTH):

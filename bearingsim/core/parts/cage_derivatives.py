@@ -98,39 +98,39 @@ def _radial_stop_derivatives_rollers(guide, offset, speed):
 
 
 @generic
-def cage_mobility(cage: Any) -> tuple[float, float]:
-    """Return the inverse of the cage's moment of inertia (1/(kg m^2)) and that of its mass (1/kg), each 0 if
-    that motion is prescribed."""
+def cage_accelerances(cage: Any) -> tuple[float, float]:
+    """Return the cage's accelerances: 1/(moment of inertia) (1/(kg m^2)) and 1/mass (1/kg), each 0 if that motion
+    is prescribed."""
 
 
 @generic
-def centre_mobility(guide: Any, m: float) -> float:
-    """Return the inverse (1/kg) of the mass ``m`` (kg) of a cage, 0 if its centre is fixed."""
+def centre_accelerance(guide: Any, m: float) -> float:
+    """Return the accelerance 1/m (1/kg) of the centre of a cage of mass ``m`` (kg), 0 if the centre is fixed."""
 
 
-@centre_mobility.register(Centred)
-def _centre_mobility_fixed(guide, m):
+@centre_accelerance.register(Centred)
+def _centre_accelerance_fixed(guide, m):
     return 0.0
 
 
-@centre_mobility.register(RollerGuided)
-def _centre_mobility_rollers(guide, m):
+@centre_accelerance.register(RollerGuided)
+def _centre_accelerance_rollers(guide, m):
     return 1.0 / m
 
 
-@centre_mobility.register(RingGuided)
-def _centre_mobility_ring(guide, m):
+@centre_accelerance.register(RingGuided)
+def _centre_accelerance_ring(guide, m):
     return 1.0 / m
 
 
-@cage_mobility.register(KinematicCage)
-def _cage_mobility_kinematic(cage):
+@cage_accelerances.register(KinematicCage)
+def _cage_accelerances_kinematic(cage):
     return 0.0, 0.0
 
 
-@cage_mobility.register(FreeCage)
-def _cage_mobility_free(cage):
-    return 1.0 / cage.inertia, centre_mobility(cage.guide, cage.m)
+@cage_accelerances.register(FreeCage)
+def _cage_accelerances_free(cage):
+    return 1.0 / cage.inertia, centre_accelerance(cage.guide, cage.m)
 
 
 # Pockets
@@ -239,7 +239,7 @@ def add_to_corner(matrix, k, m, d_force, y):
 
     d_force: derivative of the force (N) or torque (N m) on coordinate k with respect to coordinate m.
     """
-    y[lay.corner_block(matrix, k, m)] += y[lay.MOBILITY_SHARED + k] * d_force
+    y[lay.corner_block(matrix, k, m)] += y[lay.ACCELERANCE_SHARED + k] * d_force
 
 
 @generic

@@ -80,22 +80,21 @@ def _accelerate_ring_rotation_spring(bracket, y):
 
 
 @generic(absent=0.0)
-def mobility(support: Any) -> float:
-    """Return the inverse of the mass (1/kg) or of the moment of inertia (1/(kg m^2)) of a supported ring.
+def accelerance(support: Any) -> float:
+    """Return the accelerance of a supported ring: 1/mass (1/kg) or 1/(moment of inertia) (1/(kg m^2)).
 
     support: of the inner ring (``RigidShaft``, ``ElasticShaft``) or of the outer ring's rotation (``FixedRing``,
-    ``TorsionSpring``); the result is 0 if it is rigid. A mobility is here an inverse inertia, not a velocity over
-    a force.
+    ``TorsionSpring``); the result is 0 if it is rigid.
     """
 
 
-@mobility.register(ElasticShaft)
-def _mobility_shaft(support):
+@accelerance.register(ElasticShaft)
+def _accelerance_shaft(support):
     return 1.0 / support.m
 
 
-@mobility.register(TorsionSpring)
-def _mobility_torsion(support):
+@accelerance.register(TorsionSpring)
+def _accelerance_torsion(support):
     return 1.0 / support.inertia
 
 
@@ -103,7 +102,7 @@ def _mobility_torsion(support):
 def spring_per_mass(support: Any) -> float:
     """Return the stiffness over the ring's mass, for a bracket over its moment of inertia (1/s^2); 0 if rigid.
 
-    support: as in ``mobility``.
+    support: as in ``accelerance``.
     """
 
 
@@ -111,7 +110,7 @@ def spring_per_mass(support: Any) -> float:
 def damper_per_mass(support: Any) -> float:
     """Return the damping over the ring's mass, for a bracket over its moment of inertia (1/s); 0 if rigid.
 
-    support: as in ``mobility``.
+    support: as in ``accelerance``.
     """
 
 
