@@ -75,7 +75,7 @@ def noisy_copy(case: Case) -> Record:
 class FreeEstimate:
     """Cost estimate of a job that is not computed."""
 
-    cpu_seconds, bytes, most_memory, most_seconds = 1e-3, 3000, 0.0, 1e-3
+    cpu_seconds, bytes, max_memory, max_seconds = 1e-3, 3000, 0.0, 1e-3
 
 
 def free_estimate(case: Case) -> Any:

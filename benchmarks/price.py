@@ -101,7 +101,7 @@ def prices(case: Case, result: dict[str, Any]) -> dict[str, float]:
     price = time_grid.estimate(case)
     if result["repeats"]:
         return {"seconds": price.cpu_seconds, "bytes": PROGRAM_BYTES + price.memory}
-    return {"seconds": price.most_seconds, "bytes": PROGRAM_BYTES + price.most_memory}
+    return {"seconds": price.max_seconds, "bytes": PROGRAM_BYTES + price.max_memory}
 
 
 def case_of(fields: dict[str, Any]) -> Case:
@@ -114,7 +114,7 @@ def draw_affordable(rng: random.Random, most: float) -> dict[str, Any]:
     while True:
         fields = draw(rng)
         try:
-            if time_grid.estimate(case_of(fields)).most_seconds < most:
+            if time_grid.estimate(case_of(fields)).max_seconds < most:
                 return fields
         except ValueError:
             continue

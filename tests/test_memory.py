@@ -66,7 +66,7 @@ def long_case(**changes: Any) -> Case:
 
 def test_job_exceeding_memory_is_refused_before_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     case = long_case(duration="300 s", sampling="50 kHz")
-    needed = time_grid.estimate(case).most_memory
+    needed = time_grid.estimate(case).max_memory
     monkeypatch.setattr(memory, "limit", lambda: 0.5 * needed)
     with pytest.raises(Refused, match=r"may need .* GB of memory, and .* GB are available") as error_info:
         time_grid.estimate(case)

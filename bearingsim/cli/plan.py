@@ -69,7 +69,7 @@ class Plan:
 
         estimates = [priced.estimate for priced in self.priced_jobs]
         return [
-            Cost(price.cpu_seconds, price.bytes, price.most_memory, most_seconds=price.most_seconds)
+            Cost(price.cpu_seconds, price.bytes, price.max_memory, max_seconds=price.max_seconds)
             for price in estimates
         ]
 
@@ -124,7 +124,7 @@ class Plan:
     @property
     def most_cpu_seconds(self) -> float:
         """Estimated CPU time (s) of all jobs if no response is periodic and no record ends early."""
-        return self.scale * sum(priced.estimate.most_seconds for priced in self.priced_jobs)
+        return self.scale * sum(priced.estimate.max_seconds for priced in self.priced_jobs)
 
     @property
     def wall_seconds(self) -> float:

@@ -51,7 +51,7 @@ LIMIT_ROWS: tuple[Row, ...] = (
 )
 """Step limits, and the contact properties that determine them."""
 COST_ROW: Row = ("CPU time per job (s)", lambda p: p.estimate.cpu_seconds)
-MEMORY_ROW: Row = ("memory per job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
+MEMORY_ROW: Row = ("memory per job, at most (MB)", lambda p: 1e-6 * p.estimate.max_memory)
 STEP_CHECK_ROW: Row = ("of which step check (s)", lambda p: p.estimate.check_seconds)
 FRICTION_ROWS: tuple[Row, ...] = (
     ("largest friction at rest (N)", lambda p: p.friction_scale[0]),

@@ -215,14 +215,14 @@ def periodic_jobs(plan: Plan) -> Iterator[str]:
     from bearingsim.simulation.repetition import may_repeat
 
     short_jobs = [
-        priced for priced in plan.priced_jobs if priced.estimate.most_seconds > priced.estimate.cpu_seconds
+        priced for priced in plan.priced_jobs if priced.estimate.max_seconds > priced.estimate.cpu_seconds
     ]
     repeating = [priced for priced in short_jobs if may_repeat(resolve(priced.job.case))]
     early_ends = [priced for priced in short_jobs if priced not in repeating]
     texts = (repeating, "responses may be periodic", "is"), (early_ends, "records may end early", "does")
     for jobs, text, verb in texts:
         if jobs:
-            extra_seconds = sum(priced.estimate.most_seconds - priced.estimate.cpu_seconds for priced in jobs)
+            extra_seconds = sum(priced.estimate.max_seconds - priced.estimate.cpu_seconds for priced in jobs)
             longest = duration(plan.cpu_seconds + plan.scale * extra_seconds)
             yield f"{len(jobs)} of {len(plan.priced_jobs)} {text}; CPU time if none {verb}: {longest}"
 

@@ -23,7 +23,7 @@ UNIT_BYTES = 64e6  # bytes; a unit is complete when its series reach this size
 class Cost(NamedTuple):
     """Estimated cost of a job: CPU time in s, size of its series in bytes, and peak memory in bytes.
 
-    spent: CPU time in s of the estimate itself; most_seconds: CPU time in s if the response is not periodic or the
+    spent: CPU time in s of the estimate itself; max_seconds: CPU time in s if the response is not periodic or the
     record does not end early, although ``seconds`` assumes so.
     """
 
@@ -31,7 +31,7 @@ class Cost(NamedTuple):
     bytes: float
     memory: float = 0.0
     spent: float = 0.0
-    most_seconds: float = 0.0
+    max_seconds: float = 0.0
 
 
 NOTABLE_RATIO = 1.1  # smallest ratio of largest to expected CPU time of a study at which both are reported
@@ -47,7 +47,7 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     """
     expected, largest = (
         [scale * sum(seconds), max(max(seconds, default=0.0), scale * sum(seconds) / workers)]
-        for seconds in ([cost.seconds for cost in costs], [max(cost.seconds, cost.most_seconds) for cost in costs])
+        for seconds in ([cost.seconds for cost in costs], [max(cost.seconds, cost.max_seconds) for cost in costs])
     )
     workers_text = f"on {workers} worker{'s' * (workers > 1)}"
     if largest[0] < NOTABLE_RATIO * expected[0]:
@@ -55,7 +55,7 @@ def cost_text(cases: Sequence[Any], costs: Sequence[Cost], workers: int, scale: 
     has_until = [
         getattr(case, "until", None) is not None
         for case, cost in zip(cases, costs, strict=True)
-        if cost.most_seconds > cost.seconds
+        if cost.max_seconds > cost.seconds
     ]
     condition = " and ".join(text for value, text in CONDITIONS.items() if value in has_until)
     return (
@@ -203,5 +203,5 @@ def _estimate_cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) ->
         return Cost(inf, 0.0)
     except ValueError:
         return Cost(0.0, 0.0)
-    quantities = float(estimated.cpu_seconds), float(estimated.bytes), float(estimated.most_memory)
-    return Cost(*quantities, spent=cpu_time.now() - start, most_seconds=float(estimated.most_seconds))
+    quantities = float(estimated.cpu_seconds), float(estimated.bytes), float(estimated.max_memory)
+    return Cost(*quantities, spent=cpu_time.now() - start, max_seconds=float(estimated.max_seconds))

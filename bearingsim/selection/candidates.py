@@ -183,6 +183,6 @@ def _slice_candidates(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
 def estimated_cpu_time(case: Case) -> float:
     """Estimate the CPU time (s) of a case if its response is not periodic; infinite if the case is refused."""
     try:
-        return estimate(case).most_seconds
+        return estimate(case).max_seconds
     except ValueError:
         return float("inf")

@@ -216,17 +216,17 @@ SMALL_ARRAYS = 8e6  # bytes of all small arrays
 class OperationCounts(NamedTuple):
     """Numbers of operations on a run, with a coefficient for each in ``prices.csv``.
 
-    kept_value: recorded values, one per row and step; kept_pass: ball passes; tap: multiplications of the
-    low-pass; line_sample: fine samples from which lines are read; turning_sample: those read with a slipping cage
+    recorded_value: recorded values, one per row and step; recorded_pass: ball passes; tap: multiplications of the
+    low-pass; line_sample: fine samples from which lines are read; varying_sample: those read with a slipping cage
     or on a ramp; ramp_sample: those on a ramp; band_sample: fine samples of the record, for each band feature;
     sample: samples of the record's series, and of rows picked at its instants; written: numbers written.
     """
 
-    kept_value: float
-    kept_pass: float
+    recorded_value: float
+    recorded_pass: float
     tap: float
     line_sample: float
-    turning_sample: float
+    varying_sample: float
     ramp_sample: float
     band_sample: float
     sample: float
@@ -300,11 +300,11 @@ def count_operations(case: Case, size: RecordSize) -> OperationCounts:
     has_ramp = case.ramp is not None
     inspections = INSPECTED_LENGTH if case.until is not None else 0.0
     return OperationCounts(
-        kept_value=size.rows * size.steps * (size.computed + size.checked),
-        kept_pass=recorded_passes,
+        recorded_value=size.rows * size.steps * (size.computed + size.checked),
+        recorded_pass=recorded_passes,
         tap=taps * (filtered + inspections * 2.0 * size.read),
         line_sample=size.read * (1.0 + inspections),
-        turning_sample=size.read if has_free_cage(case) or has_ramp else 0.0,
+        varying_sample=size.read if has_free_cage(case) or has_ramp else 0.0,
         ramp_sample=size.read if has_ramp else 0.0,
         band_sample=size.total * _band_count(case),
         sample=float(size.samples * (size.requested + (size.rows if channels.stores_raw_values(case) else 0))),

@@ -80,7 +80,7 @@ and 2.5). Calibrated on random scenes and tested on others (docs/evidence/step_c
 SECOND_PILOT = 4.0  # length of the longer pilot over that of the first, used if the result of that is doubtful
 ORBIT_CRITERION = PeriodCriterion(1e-5, 1e-5, pass_count=1)
 """Criterion of a periodic motion for a run that is compared on one period."""
-MOST_FINER_PASSES = 4, 16  # limit of the finer run: factor on the passes of the run, and passes added
+MAX_FINER_PASSES = 4, 16  # limit of the finer run: factor on the passes of the run, and passes added
 FEW_PASSES = 120
 """Number of passes up to which the finer run may cost more than the run.
 
@@ -258,7 +258,7 @@ def max_finer_passes(raw: RawRecord) -> int:
     """
     computed = raw.repetition.computed
     max_passes = max(FEW_PASSES, round(computed / sqrt(5.0)))
-    return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], max_passes)
+    return min(MAX_FINER_PASSES[0] * computed + MAX_FINER_PASSES[1], max_passes)
 
 
 def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:

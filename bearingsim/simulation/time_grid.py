@@ -53,16 +53,16 @@ class Estimate:
     """Estimate of a job: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
 
     check_seconds: part of ``cpu_seconds`` for the step check; memory: peak bytes, without those of the program;
-    most_seconds, most_memory: CPU seconds and peak bytes if the response is not periodic.
+    max_seconds, max_memory: CPU seconds and peak bytes if the response is not periodic.
     """
 
     cpu_seconds: float
     bytes: int
     steps: int
     check_seconds: float = 0.0
-    most_seconds: float = 0.0
+    max_seconds: float = 0.0
     memory: float = 0.0
-    most_memory: float = 0.0
+    max_memory: float = 0.0
 
 
 def requested_step(case: Case) -> float:
@@ -155,8 +155,8 @@ def estimate(case: Case) -> Estimate:
     grid = make_grid(case)
     costs = estimate_cost(case, grid.step, grid.passes)
     expected, non_periodic_size = _sizes(case, grid, costs)
-    memory_expected, most_memory = _memory(case, grid, costs)
-    _refuse_too_large(most_memory)
+    memory_expected, max_memory = _memory(case, grid, costs)
+    _refuse_too_large(max_memory)
     unchecked_size = expected._replace(checked=0.0)
     seconds, unchecked, longest = (
         pricing.count_operations(case, size).seconds for size in (expected, unchecked_size, non_periodic_size)
@@ -166,9 +166,9 @@ def estimate(case: Case) -> Estimate:
         bytes=4 * expected.columns * expected.samples,
         steps=costs.passes * grid.steps_per_pass,
         check_seconds=costs.check + seconds - unchecked,
-        most_seconds=coefficient("job") + costs.non_periodic + longest,
+        max_seconds=coefficient("job") + costs.non_periodic + longest,
         memory=memory_expected,
-        most_memory=most_memory,
+        max_memory=max_memory,
     )
 
 
@@ -202,9 +202,9 @@ def refuse_too_large(case: Case, grid: Grid) -> None:
     _refuse_too_large(_memory(case, grid, estimate_cost(case, grid.step, grid.passes))[1])
 
 
-def _refuse_too_large(most_memory: float) -> None:
-    """Raise ``Refused`` if ``most_memory`` (bytes) and the program need more memory than is available."""
-    needed, available = PROGRAM_BYTES + most_memory, memory.limit()
+def _refuse_too_large(max_memory: float) -> None:
+    """Raise ``Refused`` if ``max_memory`` (bytes) and the program need more memory than is available."""
+    needed, available = PROGRAM_BYTES + max_memory, memory.limit()
     if needed > available:
         raise Refused(
             f"a job may need {needed / 1e9:.2g} GB of memory, and {available / 1e9:.2g} GB are available",

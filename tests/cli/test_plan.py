@@ -63,7 +63,7 @@ def test_healthy_baseline_has_no_drop_into_a_defect(write: Write) -> None:
 def test_run_takes_an_even_share_of_all_jobs_or_the_longest(
     seconds: list[float], count: int, cpu_s: float, wall_s: float
 ) -> None:
-    estimates = [SimpleNamespace(cpu_seconds=s, bytes=0.0, most_memory=0.0, most_seconds=3.0 * s) for s in seconds]
+    estimates = [SimpleNamespace(cpu_seconds=s, bytes=0.0, max_memory=0.0, max_seconds=3.0 * s) for s in seconds]
     priced: Any = tuple(SimpleNamespace(estimate=estimate) for estimate in estimates)
     jobs: Any = (None,) * count
     plan = Plan(SimpleNamespace(), jobs, priced, (), (), (), requested_workers=2)  # type: ignore[arg-type]
@@ -73,7 +73,7 @@ def test_run_takes_an_even_share_of_all_jobs_or_the_longest(
 
 def test_refused_jobs_of_a_sample_count_for_its_share_of_all_jobs() -> None:
     """Of eight jobs four are in the sample: three priced, one refused. The others are expected to be like them."""
-    estimate = SimpleNamespace(cpu_seconds=1.0, bytes=10.0, most_memory=0.0, most_seconds=3.0)
+    estimate = SimpleNamespace(cpu_seconds=1.0, bytes=10.0, max_memory=0.0, max_seconds=3.0)
     priced: Any = (SimpleNamespace(estimate=estimate),)
     jobs: Any = (None,) * 8
     refusals: Any = ((None, "a step of 2 us"),)

@@ -102,15 +102,15 @@ def test_expensive_jobs_are_reported_and_skipped(tmp_path: Path, capsys: pytest.
 @pytest.mark.parametrize(
     ("until", "costs", "text"),
     [
-        ([None, None], [Cost(1.0, 0.0), Cost(2.0, 0.0, most_seconds=2.1)], "3 s of CPU time, 2 s on 2 workers"),
+        ([None, None], [Cost(1.0, 0.0), Cost(2.0, 0.0, max_seconds=2.1)], "3 s of CPU time, 2 s on 2 workers"),
         (
             [None, None],
-            [Cost(1.0, 0.0, most_seconds=12.0), Cost(1.0, 0.0)],
+            [Cost(1.0, 0.0, max_seconds=12.0), Cost(1.0, 0.0)],
             "2 s of CPU time if the responses are periodic, up to 13 s if not; 1 s to 12 s on 2 workers",
         ),
         (
             [0.01, None],
-            [Cost(1.0, 0.0, most_seconds=4.0), Cost(1.0, 0.0, most_seconds=4.0)],
+            [Cost(1.0, 0.0, max_seconds=4.0), Cost(1.0, 0.0, max_seconds=4.0)],
             "2 s of CPU time if the responses are periodic and the records end early, up to 8 s if not; 1 s to 4 s"
             " on 2 workers",
         ),
@@ -140,7 +140,7 @@ def test_job_that_exceeds_its_cpu_limit_fails(tmp_path: Path) -> None:
 
 
 def cheap(case: Any) -> Any:
-    return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "most_memory": 0.0, "most_seconds": 0.0})
+    return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "max_memory": 0.0, "max_seconds": 0.0})
 
 
 def test_cpu_time_of_the_estimate_counts_for_the_job(tmp_path: Path) -> None:

@@ -118,8 +118,8 @@ def estimate(case: FakeCase) -> SimpleNamespace:
     return SimpleNamespace(
         cpu_seconds=max(case.seconds, 0.001),
         bytes=8 * case.duration * case.sampling,
-        most_memory=0.0,
-        most_seconds=0.0,
+        max_memory=0.0,
+        max_seconds=0.0,
     )
 
 

@@ -158,7 +158,7 @@ def simulate(case: Case) -> SimpleNamespace:
 
 
 def estimate(case: Case) -> SimpleNamespace:
-    return SimpleNamespace(cpu_seconds=0.01, bytes=0.0, most_memory=0.0, most_seconds=0.01)
+    return SimpleNamespace(cpu_seconds=0.01, bytes=0.0, max_memory=0.0, max_seconds=0.01)
 
 
 def warm(cases: Sequence[Case], on_compile: Any = None) -> None:

@@ -303,10 +303,10 @@ def test_cost_of_a_periodic_job_counts_the_expected_passes() -> None:
     full = time_grid.estimate(test_case.model_copy(update={"duration": 20.0, "periodic": False}))
     assert long.steps == short.steps
     assert short.cpu_seconds < long.cpu_seconds < 0.05 * full.cpu_seconds  # its series are longer
-    assert short.memory < long.memory < full.memory < full.most_memory
-    assert full.most_memory == long.most_memory < 1.3 * full.memory  # passes are stored during integration only
+    assert short.memory < long.memory < full.memory < full.max_memory
+    assert full.max_memory == long.max_memory < 1.3 * full.memory  # passes are stored during integration only
     assert (
-        full.cpu_seconds < long.most_seconds == full.most_seconds
+        full.cpu_seconds < long.max_seconds == full.max_seconds
     )  # the step check uses the period, if there is one
     assert 0.0 < long.check_seconds < long.cpu_seconds
 

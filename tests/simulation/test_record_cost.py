@@ -165,8 +165,8 @@ def test_memory_of_a_long_period_search_is_estimated() -> None:
     slow = PERIODIC | {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "periodic": False}
     test_case = case(**slow)
     priced = time_grid.estimate(test_case)
-    assert priced.memory < 0.95 * priced.most_memory
-    assert 0.6 * priced.most_memory < largest_memory(test_case) < priced.most_memory
+    assert priced.memory < 0.95 * priced.max_memory
+    assert 0.6 * priced.max_memory < largest_memory(test_case) < priced.max_memory
 
 
 def test_record_of_the_period_search_is_freed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -158,7 +158,7 @@ def test_batch_error_includes_correlation(correlation: float) -> None:
 
 
 def mean_under_hann(values: np.ndarray) -> np.ndarray:
-    """Means of rows under Hann's window."""
+    """Means of rows under a Hann window."""
     weights = np.sin(np.pi * (np.arange(values.shape[-1]) + 0.5) / values.shape[-1]) ** 2
     return values @ weights / weights.sum()
 
@@ -208,7 +208,7 @@ def test_price_of_a_record_that_may_end_early() -> None:
     early, full = (estimate(case(**FREE_CAGE, duration="1 s", **options)) for options in ({"until": "1 %"}, {}))
     assert early.cpu_seconds < 0.5 * full.cpu_seconds
     assert early.check_seconds < 0.6 * full.check_seconds
-    assert early.most_seconds > early.cpu_seconds  # if it is never accurate enough
+    assert early.max_seconds > early.cpu_seconds  # if it is never accurate enough
 
 
 def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
