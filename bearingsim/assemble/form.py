@@ -19,7 +19,7 @@ from bearingsim.config.sections.surfaces import RaceSurface, RollerSurface, Roun
 from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.laws import hertz
 from bearingsim.core.layout import VECTOR_WIDTH
-from bearingsim.core.parts.form import OUT_OF_REACH, Form, Race, Smooth, UnequalRollers, WavyRollers
+from bearingsim.core.parts.form import PADDING_RECESS, Form, Race, Smooth, UnequalRollers, WavyRollers
 
 PIECES_PER_UNDULATION = 24
 """Cubic pieces per shortest undulation: the largest errors of its height and slope are 1.2e-5 and 1.4e-4 of their
@@ -213,7 +213,7 @@ def build_race(amplitudes: np.ndarray, Z: int) -> Race:
     by_sector = cubic_pieces(amplitudes, per_sector * Z).reshape(Z, per_sector, 4)
     columns = (np.arange(1 + Z + _lanes(Z)) - 1) % Z
     table = np.ascontiguousarray(by_sector[columns].transpose(1, 2, 0))
-    return Race(table, table.ravel(), np.where(np.arange(_lanes(Z)) < Z, 0.0, OUT_OF_REACH))
+    return Race(table, table.ravel(), np.where(np.arange(_lanes(Z)) < Z, 0.0, PADDING_RECESS))
 
 
 def build_rollers(amplitudes: np.ndarray) -> UnequalRollers | WavyRollers:

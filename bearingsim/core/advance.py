@@ -15,9 +15,9 @@ from bearingsim.core.jit import absent, generic, jit
 from bearingsim.core.methods.interface import prepare, reach, stability_ratio, step
 from bearingsim.core.models.interface import (
     begin,
-    bend_at,
     damping_per_mass,
     monitored_bodies,
+    race_deflection_at,
     read_sensor,
     stiffness_per_mass,
     update_extremes,
@@ -102,7 +102,7 @@ def fill_approaches(model, y, n):
     for j in range(n):
         c, s, r = y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j]
         y[lay.APPROACH_NOW + j] = max(
-            r - (u_x * c + u_y * s) - gap - bend_at(model, y, j), i_x * c + i_y * s - gap - r
+            r - (u_x * c + u_y * s) - gap - race_deflection_at(model, y, j), i_x * c + i_y * s - gap - r
         )
 
 

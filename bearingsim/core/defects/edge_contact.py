@@ -146,10 +146,10 @@ def _defect_response_edge_contact(excitation, group, s, R):
     if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
     wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
-    reach = max(b, INFLUENCE_HEIGHTS * wall)
-    rim = group[GROUP_HALF_WIDTH] - reach
-    h, slope = roller_drop(group, abs(s) + reach, R + rho)
-    _, centre_slope = roller_drop(group, reach, R + rho)  # of the path on one edge, at the centre
+    influence = max(b, INFLUENCE_HEIGHTS * wall)
+    rim = group[GROUP_HALF_WIDTH] - influence
+    h, slope = roller_drop(group, abs(s) + influence, R + rho)
+    _, centre_slope = roller_drop(group, influence, R + rho)  # of the path on one edge, at the centre
     x = rim - abs(s)
     f = one_edge(x, b, wall, rho, R) if wall > 0.0 else ridge(x, x - group[X_E], b, rho, R)
     f = min(f, (group[DEPTH] - h) / excitation.scaled_load)
@@ -216,7 +216,7 @@ def remaining_share_derivative(f, b, D, exponent):
 
 
 @jit
-def wall_and_reach(group, b):
+def wall_and_influence(group, b):
     """Return the height (m) of a vertical wall, 0 for a sloping one, and the distance (m) before the rim from
     which the edge deflects."""
     wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
@@ -226,8 +226,8 @@ def wall_and_reach(group, b):
 @jit
 def one_edge_contact(group, distance, b, rho, R):
     """Return f on the nearer edge at ``distance`` (m) from the defect's centre, and its derivative (1/m)."""
-    wall, reach = wall_and_reach(group, b)
-    x = group[GROUP_HALF_WIDTH] - reach - distance
+    wall, influence = wall_and_influence(group, b)
+    x = group[GROUP_HALF_WIDTH] - influence - distance
     if wall > 0.0:
         return one_edge(x, b, wall, rho, R), -one_edge_derivative(x, b, wall, rho, R)
     return ridge(x, x - group[X_E], b, rho, R), -ridge_derivative(x, x - group[X_E], b, rho, R)
@@ -237,11 +237,11 @@ def one_edge_contact(group, distance, b, rho, R):
 def two_edge_contact(group, distance, b, rho, R, D, scaled_load):
     """Return f on both edges and its derivative (1/m); inf, 0 if the roller touches floor or wall at the
     centre."""
-    wall, reach = wall_and_reach(group, b)
-    _, centre_slope = roller_drop(group, reach, R + rho)
+    wall, influence = wall_and_influence(group, b)
+    _, centre_slope = roller_drop(group, influence, R + rho)
     if centre_slope >= 0.0:
         return inf, 0.0
-    f_centre = two_edges(2.0 * min(group[GROUP_HALF_WIDTH] - reach, group[X_E]), b, wall, rho, R, D)
+    f_centre = two_edges(2.0 * min(group[GROUP_HALF_WIDTH] - influence, group[X_E]), b, wall, rho, R, D)
     return f_centre - centre_slope * distance / scaled_load, -centre_slope / scaled_load
 
 
@@ -255,7 +255,7 @@ def edge_softening(excitation, group, distance, R):
         excitation.rho,
         excitation.scaled_load,
     )
-    h, h_derivative = roller_drop(group, distance + wall_and_reach(group, b)[1], R + rho)
+    h, h_derivative = roller_drop(group, distance + wall_and_influence(group, b)[1], R + rho)
     f, f_derivative = one_edge_contact(group, distance, b, rho, R)
     f_floor = (group[DEPTH] - h) / scaled_load
     if f_floor < f:
@@ -271,7 +271,7 @@ def _defect_response_gradient_edge_contact(excitation, group, s, R):
     b = contact_half_width(excitation, R)
     f, f_derivative = edge_softening(excitation, group, abs(s), R)
     share_derivative = remaining_share_derivative(f, b, excitation.D, excitation.exponent) * f_derivative
-    curvature = roller_drop_curvature(group, abs(s) + wall_and_reach(group, b)[1], R + excitation.rho)
+    curvature = roller_drop_curvature(group, abs(s) + wall_and_influence(group, b)[1], R + excitation.rho)
     return (share_derivative if s > 0.0 else -share_derivative), curvature
 
 

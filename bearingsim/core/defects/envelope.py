@@ -18,7 +18,7 @@ import numpy as np
 from bearingsim.core.defects.profile import Profile
 from bearingsim.core.jit import jit
 
-RACE_REACH = 1.0  # m: extent of the race on either side
+RACE_EXTENT = 1.0  # m: extent of the race on either side
 ROUNDING_DEPTH = 1e-15  # m: smaller depths are rounding errors
 BINS_PER_PIECE, MAX_BINS = 2, 4096
 
@@ -51,7 +51,7 @@ def touchable_parts(profile: Profile, R: float) -> np.ndarray:
 
     A piece more concave than the roller contributes only its two ends.
     """
-    parts, previous_end = [], -RACE_REACH
+    parts, previous_end = [], -RACE_EXTENT
     for t_0, t_1, p_0, m, c in profile.pieces.tolist():
         if t_0 > previous_end:
             parts.append(_make_part(previous_end, t_0, 0.0, 0.0, 0.0, R))
@@ -61,7 +61,7 @@ def touchable_parts(profile: Profile, R: float) -> np.ndarray:
             x = t_1 - t_0
             parts += [_make_corner(t_0, p_0), _make_corner(t_1, p_0 + x * (m + x * c / 2.0))]
         previous_end = t_1
-    return np.array([*parts, _make_part(previous_end, RACE_REACH, 0.0, 0.0, 0.0, R)])
+    return np.array([*parts, _make_part(previous_end, RACE_EXTENT, 0.0, 0.0, 0.0, R)])
 
 
 def _make_part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
@@ -136,7 +136,7 @@ def crossover_within(left, right, low, high, R):
     Uses the parabola of the excess at ``high``.
     """
     difference, slope = excess(left, right, high, R)
-    midpoint = max(0.5 * (low + high), high - RACE_REACH)
+    midpoint = max(0.5 * (low + high), high - RACE_EXTENT)
     curvature = part_curvature(left, midpoint, R) - part_curvature(right, midpoint, R)
     denominator = slope + sqrt(max(slope * slope - 2.0 * curvature * difference, 0.0))
     if difference == 0.0 or denominator == 0.0:
@@ -178,7 +178,7 @@ def trace_path(profile: Profile, R: float) -> Path:
         for s in dict.fromkeys((start, part[LOW], part[HIGH]))
         if s == start or start < s < end
     ]
-    begin, end_of_path = min(touched[0][HIGH], *starts[1:], RACE_REACH), max(touched[-1][LOW], starts[-1])
+    begin, end_of_path = min(touched[0][HIGH], *starts[1:], RACE_EXTENT), max(touched[-1][LOW], starts[-1])
     path_rows = [row for row in rows if begin <= row[S] < end_of_path]
     return Path(np.array(path_rows), float(end_of_path)) if path_rows else FLAT
 

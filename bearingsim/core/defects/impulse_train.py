@@ -14,7 +14,7 @@ stiffness k = n q/delta in that of the ring. The terms in kappa subtract this sh
 (with K_x = K_y = inf they vanish). For a fully unloaded roller P = 1/(1 - kappa), 1.45 for an NF308 without
 clearance. A defect as long as the roller, much wider than sqrt(2 R delta) and deeper than delta, gives J = P q
 w/v, the force P q over the time of crossing; a shorter, narrower or shallower defect gives less. The impulse acts
-at the middle of the crossing, which is accurate for frequencies far below v/w.
+at the midpoint of the crossing, which is accurate for frequencies far below v/w.
 
 Neglected: inertia during the crossing, the impact of the returning roller (its impulse is almost only that of the
 load, because the roller is light), and slip.

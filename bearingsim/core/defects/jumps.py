@@ -68,7 +68,7 @@ def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[floa
         0.0,
         float(group[GROUP_HALF_WIDTH]),
         float(group[GROUP_HALF_WIDTH] - group[X_E]),
-        full_depth_reach(excitation, group, R),
+        full_depth_half_width(excitation, group, R),
     }
     jumps = []
     for position in {
@@ -89,7 +89,7 @@ def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[floa
     return jumps
 
 
-def full_depth_reach(excitation: Any, group: np.ndarray, R: float) -> float:
+def full_depth_half_width(excitation: Any, group: np.ndarray, R: float) -> float:
     """Return the largest distance (m) from the centre at which a group acts with its full depth; -1 if there is
     none."""
     if defect_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
@@ -150,7 +150,7 @@ def spacing(defects, d, Z):
 
 
 def next_jump_without_slip(model, t, y):
-    """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip.
+    """Implement ``next_jump`` for rollers that are evenly spaced and roll without slip.
 
     The time is exact, so the stored time is valid until it is passed.
     """

@@ -183,7 +183,7 @@ def roller_at_defect(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, 
 
 
 def roller_at_defect_without_slip(model, d, t, y):
-    """Implement ``roller_at_defect`` for rollers that are evenly spaced and turn without slip."""
+    """Implement ``roller_at_defect`` for rollers that are evenly spaced and roll without slip."""
     theta_c, theta_i, roll = kinematic_angles(model.bearing, t)
     return nearest_roller(model.defects, d, theta_c, theta_i, roll, model.bearing.Z)
 

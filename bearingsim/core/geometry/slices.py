@@ -33,15 +33,15 @@ def slice_edges(L_w: float, defects: Iterable[tuple[float, float]], n: int) -> n
     than ``n`` slices. Raises ValueError if there are more than ``MAX_SLICES``.
     """
     inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in defects]
-    borders = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for defect in inside for end in defect)], 12))
-    centres, lengths = (borders[1:] + borders[:-1]) / 2.0, np.diff(borders)
+    edges = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for defect in inside for end in defect)], 12))
+    centres, lengths = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges)
     densities = [DEFECT_DENSITY if any(a < centre < b for a, b in inside) else 1.0 for centre in centres]
     target_counts = n * lengths * densities / np.sum(lengths * densities)
     counts = np.maximum(1, np.ceil(target_counts - 1e-9)).astype(int)
     if counts.sum() > MAX_SLICES:
         raise ValueError(f"{counts.sum()} slices, at most {MAX_SLICES}")
-    parts = [np.linspace(a, b, m + 1)[:-1] for a, b, m in zip(borders[:-1], borders[1:], counts, strict=True)]
-    return np.append(np.concatenate(parts), borders[-1])
+    parts = [np.linspace(a, b, m + 1)[:-1] for a, b, m in zip(edges[:-1], edges[1:], counts, strict=True)]
+    return np.append(np.concatenate(parts), edges[-1])
 
 
 def make_slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:

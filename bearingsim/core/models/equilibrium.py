@@ -38,8 +38,8 @@ STEPS_PER_CHECK = 16  # steps between two checks of the CPU time and of the roun
 ROUNDING = 1e-14  # rounding error of a net force, relative to the largest contact force
 LONGEST_STEP = 1e-5  # m, of the ring in an iteration
 FIRST_APPROACH = 1e-8  # m: initial approach of an unloaded roller to the outer race
-FIRST_REACH = 1e-6  # m: largest first step outwards, doubled until the root is bracketed
-STEP_TOLERANCE = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far closer
+FIRST_STEP_LIMIT = 1e-6  # m: largest first step outwards, doubled until the root is bracketed
+STEP_TOLERANCE = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far below it
 
 
 class NoEquilibrium(ArithmeticError):
@@ -78,7 +78,7 @@ def roller_balance(model, y, j, u_r, recess_i):
     - ``recess_i``, with ``recess_i`` (m) at the inner contact.
 
     Uses Newton's method, started at the position of a massless roller over undamaged races. Outward steps are
-    limited to a reach that doubles until the outer race supports the roller; then a step is replaced by bisection
+    limited to a length that doubles until the outer race supports the roller; then a step is replaced by bisection
     if it leaves the bracket or does not shrink fast. The rows PAIR and DISTANCE give the roller's position over
     defects.
     """
@@ -92,7 +92,7 @@ def roller_balance(model, y, j, u_r, recess_i):
         q = -gap - inner_approach(model.outer.stiffness, model.inner.stiffness, approach)
         if undamaged and model.bearing.m_r == 0.0:
             return q
-    low, high, reach, second_last_step, last_step = q_touch, inf, FIRST_REACH, inf, inf
+    low, high, step_limit, second_last_step, last_step = q_touch, inf, FIRST_STEP_LIMIT, inf, inf
     for _ in range(MAX_STEPS):
         excess, stiffness = excess_force(model, y, j, q_touch, q, recess_i)
         if excess > 0.0:
@@ -101,8 +101,8 @@ def roller_balance(model, y, j, u_r, recess_i):
             low = q
         target = q - excess / max(stiffness, 1e-300)
         if high == inf:
-            target = min(target, q + reach)
-            reach *= 2.0
+            target = min(target, q + step_limit)
+            step_limit *= 2.0
         elif not low <= target <= high or abs(target - q) > 0.5 * second_last_step:
             target = 0.5 * (low + high)
         second_last_step, last_step = last_step, abs(target - q)
@@ -278,10 +278,10 @@ def force_along(model, t, y, x):
 @jit
 def balance_along_load_line(model, t, y):
     """Move the ring along the load line to the zero of ``force_along``, by bisection to a nanometre."""
-    reach = 1e-7 + 2.0 * abs(model.bearing.gap)
-    while force_along(model, t, y, -reach) < 0.0:
-        reach *= 2.0
-    low, high = -reach, reach
+    half_range = 1e-7 + 2.0 * abs(model.bearing.gap)
+    while force_along(model, t, y, -half_range) < 0.0:
+        half_range *= 2.0
+    low, high = -half_range, half_range
     while high - low > 1e-9:
         midpoint = 0.5 * (low + high)
         if force_along(model, t, y, midpoint) > 0.0:

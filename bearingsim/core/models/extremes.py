@@ -1,8 +1,8 @@
 """Running maxima of the rollers' forces, updated once per step; the stages of a method within a step do not count.
 
-The steps of an adaptive method are so long that a force may peak between their ends. The peak is then taken from
-the parabola through the step's start, middle and end, if the force is smooth and near the largest one of the ball
-pass. Only the largest force of all rollers therefore includes all peaks, not that of each roller.
+The steps of an adaptive method are so long that a force may peak between their ends. The peak is then computed by
+the parabola through the step's start, midpoint and end, if the force is smooth and near the largest force of the
+ball pass. Only the largest force of all rollers therefore includes all peaks, not that of each roller.
 """
 
 from bearingsim.core import layout as lay
@@ -43,8 +43,9 @@ def may_peak_within(y, n):
     """Check if a force within a step may exceed the largest of any roller in this ball pass.
 
     No force is assumed to do so if all forces at both ends are at most PEAK_RATIO of the largest. The parabola's
-    top is at most 1/SMOOTH_RATIO times either end. A middle above 1/PEAK_RATIO times both ends requires a step of
-    about two thirds of a contact's duration (half a sine); the runs of docs/evidence/speed.md have none.
+    top is at most 1/SMOOTH_RATIO times either end. A force at the midpoint above 1/PEAK_RATIO times both ends
+    requires a step of about two thirds of a contact's duration (half a sine); the runs of docs/evidence/speed.md
+    have none.
 
     LARGEST_AT_ENDS is updated. It does not depend on recorded instants, so recording does not change which steps
     are evaluated.
@@ -70,18 +71,18 @@ def may_peak_within(y, n):
 
 
 @jit
-def largest_within(start, middle, end):
+def largest_within(start, midpoint, end):
     """Return the maximum of three evenly spaced values, or the top of the parabola through them if it lies
     between and the values are smooth."""
-    curvature, difference = 2.0 * middle - start - end, end - start
-    top = middle + difference * difference / (8.0 * max(curvature, 1e-300))
-    is_smooth = min(min(start, end), middle) > SMOOTH_RATIO * top
-    return top if is_smooth and abs(difference) < 2.0 * curvature else max(max(start, end), middle)
+    curvature, difference = 2.0 * midpoint - start - end, end - start
+    top = midpoint + difference * difference / (8.0 * max(curvature, 1e-300))
+    is_smooth = min(min(start, end), midpoint) > SMOOTH_RATIO * top
+    return top if is_smooth and abs(difference) < 2.0 * curvature else max(max(start, end), midpoint)
 
 
 @jit
 def update_forces_within(y, n):
-    """Update the running maxima for a step, with the forces of its middle in the force rows and of its ends in
+    """Update the running maxima for a step, with the forces of its midpoint in the force rows and of its ends in
     FORCES_AT_START and FORCES_AT_END."""
     start, end = lay.FORCES_AT_START, lay.FORCES_AT_END
     for j in range(n):

@@ -47,7 +47,7 @@ def update_extremes(model: Any, y: np.ndarray) -> None:
 
 
 @generic(inline="late", otherwise=0.0)
-def bend_at(model: Any, y: np.ndarray, j: int) -> float:
+def race_deflection_at(model: Any, y: np.ndarray, j: int) -> float:
     """Return the outward displacement (m) of a flexible outer race at roller ``j``."""
 
 

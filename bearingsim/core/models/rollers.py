@@ -169,8 +169,8 @@ def _begin(model, t, y):
 interface.update_extremes.register(Rollers)(update_forces)
 
 
-@interface.bend_at.register(Rollers)
-def _bend_at(model, y, j):
+@interface.race_deflection_at.register(Rollers)
+def _race_deflection_at(model, y, j):
     return bending.race_deflection(model.bending, y, j)
 
 

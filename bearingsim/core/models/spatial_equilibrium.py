@@ -2,8 +2,9 @@
 
 The unknowns are q_j and tilt_j of every roller, the outer ring's x and y, and axial position and tilt of each ring
 on an elastic mount. Friction and damping are absent. Geometry and contacts are those of ``models/spatial.py`` at
-zero velocity, so that misalignment and roller profiles act as in the motion. Rollers do not skew, stay centred in
-their pockets and between the flanges, and a defect exerts no tangential force (as in ``models/equilibrium.py``).
+zero velocity, so that misalignment and roller profiles act as in the dynamic model. Rollers do not skew, stay
+centred in their pockets and between the flanges, and a defect exerts no tangential force (as in
+``models/equilibrium.py``).
 
 The residuals are minus the gradient of an energy that is convex except for the normals' tilt, a share of 1e-6. For
 fixed rings the two equations of each roller are solved separately. The rings are then found by Newton's method on

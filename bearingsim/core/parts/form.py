@@ -32,7 +32,7 @@ RACE_O, RACE_SLOPE_O, ROLLER_O, ROLLER_SLOPE_O, RATE_O, RACE_I, RACE_SLOPE_I, RO
     lay.rows(lay.JACOBIAN_WORK + lay.FIRST_LANE, "m, m, m, m, m/s", "planar spatial", "evaluation", count=2)
 )
 REVOLUTION = 2.0 * pi  # rad
-OUT_OF_REACH = 1.0  # m, recess in padded lanes, where no contact may close
+PADDING_RECESS = 1.0  # m, recess in padded lanes, where no contact may close
 
 
 @absent
@@ -45,7 +45,7 @@ class Race(NamedTuple):
 
     pieces: (M, 4, 1 + Z + lanes), coefficients of 1, x, x^2, x^3 (m) in piece m of each sector, x from 0 to 1 on
     the piece; sector s is in columns s + 1, s + 1 + Z ..., and the last one also in column 0. table: the same,
-    flat. padding: (lanes,), ``OUT_OF_REACH`` in padded lanes, whose columns contain further sectors, else 0.
+    flat. padding: (lanes,), ``PADDING_RECESS`` in padded lanes, whose columns contain further sectors, else 0.
     """
 
     pieces: np.ndarray

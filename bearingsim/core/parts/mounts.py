@@ -79,8 +79,8 @@ def accelerate_mounted_ring(
 ) -> float:
     """Write the axial acceleration of the ring and that of its axis, under a force (N) and a moment (N m).
 
-    z, tilt_x, tilt_y: as in ``set_mounted_ring``. Returns the torque (N m) due to the axis' precession, which does
-    not accelerate the ring's angle.
+    z, tilt_x, tilt_y: as in ``set_mounted_ring``. Returns the torque (N m) due to precession of the axis, which
+    does not accelerate the ring's angle.
     """
 
 
