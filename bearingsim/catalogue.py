@@ -188,9 +188,9 @@ _M, _S, _C, _A = (
 DESCRIPTIONS = {
     "impulse": "model: a train of impulses excites the outer ring",
     "static": "model: equilibrium of the outer ring at each instant, without inertia",
-    "ring": "model: the outer ring moves on massless rollers; the cage turns at its kinematic speed",
-    "rollers": "model: rollers move radially, the outer ring in the plane; the cage turns at its kinematic speed, "
-    "without slip",
+    "ring": "model: the outer ring moves on massless rollers; the cage rotates at its kinematic speed",
+    "rollers": "model: rollers move radially, the outer ring in the plane; the cage rotates at its kinematic "
+    "speed, without slip",
     "planar": "model: rollers, cage and outer ring move in the plane, with slip if there is friction",
     "spatial": "model: as planar, with sliced rollers that tilt and skew",
     "palmgren": "contact stiffness: force of a steel line contact, k δ^(10/9) (Palmgren)",

@@ -18,7 +18,7 @@ Schema = dict[str, Any]
 MIN_MAGNITUDE, MAX_MAGNITUDE = 1e-30, 1e30
 """Bounds of the magnitude of nonzero quantities (SI), far beyond measured values; their powers are finite."""
 FULL_TURN = 2.0 * math.pi * (1.0 + 1e-5)
-"""rad; largest angle: a full turn, with a tolerance so that 6.2832 rad is accepted."""
+"""rad; largest angle: one revolution, with a tolerance so that 6.2832 rad is accepted."""
 MAX_EXPONENT = 10.0
 """Largest exponent of a contact law. Contacts have up to 3; with larger ones the constants overflow."""
 

@@ -23,7 +23,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "elements are cylindrical rollers or balls; no model has tapered, spherical or toroidal rollers"
     ),
     ("outer_speed", "outer_ring_speed", "speed_outer"): (
-        "only the inner ring turns, at `speed`; `bearingsim freq --outer-speed` takes that of the outer ring, too"
+        "only the inner ring rotates, at `speed`; `bearingsim freq --outer-speed` accepts that of the outer ring"
     ),
     (
         "torque",

@@ -7,7 +7,7 @@ the motion is chaotic.
     error = |d| + t s,   s^2 = 2/N var(d_w)
 
 with the difference d_w in each of the W = N - 1 pairs of the N revolutions, and t of Student's distribution at
-97.5 % with W - 1 degrees of freedom. (Under Hann's window the variance of a mean over N revolutions is 2/N of that
+97.5 % with W - 1 degrees of freedom. (Under a Hann window the variance of a mean over N revolutions is 2/N of that
 over two revolutions.) For the largest force, d_w is the difference in each revolution, and s^2 its variance.
 """
 

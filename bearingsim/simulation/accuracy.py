@@ -62,8 +62,8 @@ def _error_from_samples(
 ) -> float:
     """Estimate the relative standard error of the amplitude at BPFO without other lines, from all samples.
 
-    The amplitude is then a plain mean. An impact at the boundary of two passes adds to one what the other lacks,
-    so the scatter of whole passes would overestimate the error of their mean several times.
+    The amplitude is then a plain mean. An impact at the boundary of two passes adds to one pass what the other
+    lacks, so the scatter of whole passes would overestimate the error of their mean several times.
     """
     M, n, start = segments.M, len(segments.index), segments.start
     velocity, Z_theta_0 = (

@@ -159,7 +159,7 @@ def pass_contributions(phase: np.ndarray, passes: int, series: np.ndarray) -> np
     """Return the contribution (passes,) of each ball pass to the complex amplitude of a line, in the series' unit.
 
     series: (passes * M + 1,) fine samples, M per pass; phase: phase angles (rad) of the line at these samples.
-    Hann's window covers all passes.
+    A Hann window covers all passes.
     """
     window = np.hanning(len(phase))
     kernel = 2.0 * window * np.exp(-1j * phase) / window.sum()

@@ -2,8 +2,8 @@
 
 Two effects bound the velocity. A velocity below eps |u|/(2 h) changes the ring's displacement u in a step h by
 less than the rounding error of u, so the ring does not follow it. Rounding of the contact forces, at most eps
-times their sum, kicks a ring of mass m at every step. The kicks are independent and decay at the rate sigma of
-the slowest mode, so their root mean square is eps sum(Q)/m sqrt(h/(4 sigma)).
+times their sum, is a random force on a ring of mass m, independent from step to step. The resulting velocity
+decays at the rate sigma of the slowest mode, so its root mean square is eps sum(Q)/m sqrt(h/(4 sigma)).
 
 In 18 preloaded bearings whose rings are at rest but for rounding (`ring`, `rollers`, `planar`; 0.1 N to 10 kN;
 0.02 to 1 us) the RMS velocity was 0.02 to 0.5 of the sum. An adaptive or implicit method moves such a ring by its

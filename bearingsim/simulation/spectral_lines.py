@@ -143,7 +143,7 @@ def has_unequal_passes(case: Case) -> bool:
 def amplitudes_by_pass(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Return the complex amplitudes (harmonics, passes) of the harmonics of BPFO in each ball pass, by quantity.
 
-    In a record that also has other lines, each is computed over two passes (``signals.lines_across_borders``).
+    In a record that also has other lines, each is computed over two passes (``lines.amplitudes_by_pass_pair``).
     Empty if the record is too short for that, or for passes of unequal duration.
     """
     return (_amplitudes_at_equal_angles if has_unequal_passes(case) else _amplitudes_at_equal_times)(

@@ -28,7 +28,7 @@ from bearingsim.simulation.trial import defect_revolution_time
 PARTS = 4  # quarters of a record, from whose changes the decay is extrapolated
 PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
 RESOLVED_REVOLUTIONS = 2.0
-"""Revolutions of a defect below which a record shows no scatter, and Hann's window does not separate lines one
+"""Revolutions of a defect below which a record shows no scatter, and a Hann window does not separate lines one
 rotation frequency apart."""
 DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
@@ -62,7 +62,7 @@ class RecordedMotion(NamedTuple):
     velocity: (n M,) unfiltered velocity along the sensor (m/s); recorded: (n M,) the same as recorded, that is
     low-passed with `antialias`; phases: (L, n M) phase angles (rad) of the defects' lines; forces: (n,) largest
     outer force (N) of each pass; has_neighbours: whether there are other lines that a mean over ball passes does
-    not remove, so that amplitudes are computed under Hann's window.
+    not remove, so that amplitudes are computed under a Hann window.
     """
 
     velocity: np.ndarray

@@ -32,7 +32,7 @@ from bearingsim.simulation.spectral_lines import (
 
 MIN_BATCHES = 4  # smallest number, chosen for at least three degrees of freedom of Student's t
 HANN_VARIANCE_RATIO, HANN_POWER_VARIANCE_RATIO = 3.0 / 2.0, 35.0 / 18.0
-"""Variances, for white noise, of a mean weighted by Hann's window and of one weighted by its square (mean square
+"""Variances, for white noise, of a mean weighted by a Hann window and of one weighted by its square (mean square
 of a windowed series), over that of a plain mean."""
 
 
@@ -165,7 +165,7 @@ def variance_ratio(case: Case, name: str) -> float:
     """Return the variance of a feature (for an RMS, of its square) over that of a plain mean.
 
     Only the RMS of the record and, in a record without other lines, harmonics of BPFO are plain means. All other
-    lines, those of an envelope, and the RMS of a band are computed under Hann's window over the record.
+    lines, those of an envelope, and the RMS of a band are computed under a Hann window over the record.
     """
     band_feature = read_band(name)
     if band_feature is not None and not band_feature.line:

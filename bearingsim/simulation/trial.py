@@ -1,7 +1,7 @@
 """Trial: the first ball passes of a run, on which models are compared in the requested features.
 
 The amplitude of a line is a windowed mean, as is the square of an RMS. Both are computed over the whole trial and
-over every pair of successive revolutions of the slowest defect (Hann's window over two revolutions removes the
+over every pair of successive revolutions of the slowest defect (a Hann window over two revolutions removes the
 period of a revolution). Between pairs the difference of two models scatters if the motion is chaotic, and hardly
 at all otherwise.
 """
@@ -39,7 +39,7 @@ INSPECTION_REVOLUTIONS = 2
 """Revolutions of the cage after which a trial may end because it is far from the reference."""
 ROUNDING_MARGIN = 1e-9  # s, margin for rounding in a duration that must contain a number of passes
 MAIN_LOBE, NEAR_DISTANCE = 2.0, 4.0
-"""Half width of the main lobe of Hann's window, and distance beyond which its response is under 0.6 %, in cycles
+"""Half width of the main lobe of a Hann window, and distance beyond which its response is under 0.6 %, in cycles
 over the window. The amplitudes of lines closer than ``NEAR_DISTANCE`` are solved for jointly."""
 LARGEST_FORCE = "outer_force.max"
 MIN_OVERLAP_EIGENVALUE = 0.1
@@ -329,7 +329,7 @@ def line_amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slic
 
 
 def solve_lines(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
-    """Solve for the complex amplitudes (1 + L,) of lines (SI) under Hann's window; NaN if not resolved."""
+    """Solve for the complex amplitudes (1 + L,) of lines (SI) under a Hann window; NaN if not resolved."""
     carriers, x = np.exp(-1j * angles[:, span]), series[span]
     weights = hann(len(x))
     overlap = (carriers * weights) @ carriers.conj().T
@@ -340,11 +340,11 @@ def solve_lines(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarr
 
 
 def mean_square(series: np.ndarray) -> float:
-    """Return the mean square about the mean, under Hann's window."""
+    """Return the mean square about the mean, under a Hann window."""
     weights = hann(len(series))
     return float(weights @ (series - weights @ series) ** 2)
 
 
 def hann(n: int) -> np.ndarray:
-    """Return Hann's window (n,), normalised to a sum of 1."""
+    """Return a Hann window (n,), normalised to a sum of 1."""
     return np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 * 2.0 / n

@@ -82,7 +82,7 @@ def test_an_impact_at_the_border_of_passes_is_not_divided(k: int, position: floa
         assert amplitude * np.exp(1j * phase) == pytest.approx(value, abs=0.01 * abs(value))
 
 
-def test_lines_across_borders_do_not_leak() -> None:
+def test_amplitudes_of_pass_pairs_do_not_leak() -> None:
     series = 3.0 + periodic(5, 0.4, LINES)
     lines, derivatives = amplitudes_by_pass_pair(series, M, 159.0, HARMONICS, 5, 0.4)
     assert lines.shape == derivatives.shape == (5, PASSES - 1)

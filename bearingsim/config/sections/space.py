@@ -38,7 +38,7 @@ class Profile(Section):
     drop: Length | None = None
     """Reduction of the radius at the ends of a `crowned` roller."""
     straight_length: LengthOrZero | None = None
-    """Length of the straight middle part of a `crowned` roller. Default: 0."""
+    """Length of the straight central part of a `crowned` roller. Default: 0."""
 
     @model_validator(mode="after")
     def _check_parameters(self) -> "Profile":
