@@ -1,6 +1,6 @@
-"""What `step: auto` costs in accuracy over narrow pits at high speed, where the damping force jumps within a step.
+"""Error of `step: auto` over narrow defects at high speed, where the damping force jumps within a step.
 
-    python docs/evidence/scripts/narrow_pits.py [--scenes 20]
+    python docs/evidence/scripts/narrow_defects.py [--scenes 20]
 
 Seeded random scenes of `rollers` for each method: 2000-12 000 rpm, 100-1000 N, full-length slots of 0.1-0.4 mm,
 chi 20-100 s/m; `auto` against a sixteenth of the crossing's fiftieth. Prints the largest and the median relative
