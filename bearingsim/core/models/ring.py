@@ -117,21 +117,21 @@ TINY = 1e-300  # added to denominators (SI): without damping, each contact has h
 
 
 @generic(inline="late")
-def outer_rate_part(rate_division: Any, model: Ring, outer: float, inner: float) -> float:
-    """Return the outer contact's part of a roller's closing rate: c_i/(c_o + c_i), for equal damping forces.
+def outer_rate_fraction(rate_division: Any, model: Ring, outer: float, inner: float) -> float:
+    """Return the outer contact's fraction of a roller's closing rate: c_i/(c_o + c_i), for equal damping forces.
 
-    outer, inner: approaches (m) of the two contacts to undamaged races under the same elastic force. The part is
-    exact for damping proportional to the rate, and 1/2 for equal laws.
+    outer, inner: approaches (m) of the two contacts to undamaged races under the same elastic force. The fraction
+    is exact for damping proportional to the rate, and 1/2 for equal laws.
     """
 
 
-@outer_rate_part.register(HalfRates)
+@outer_rate_fraction.register(HalfRates)
 def _half_rate(rate_division, model, outer, inner):
     return 0.5
 
 
-@outer_rate_part.register(DampedRates)
-def _damped_rate_part(rate_division, model, outer, inner):
+@outer_rate_fraction.register(DampedRates)
+def _damped_rate_fraction(rate_division, model, outer, inner):
     c_o = damping_bound(model.outer, max(outer, 0.0), 0.0) + TINY
     c_i = damping_bound(model.inner, max(inner, 0.0), 0.0) + TINY
     return c_i / (c_o + c_i)
@@ -149,8 +149,8 @@ def divide_approach(model, common, c, s, y, j):
     rate = -(common.w_x * c + common.w_y * s) - recess(form, RECESS_V_O, y, j) - recess(form, RECESS_V_I, y, j)
     inner = inner_approach(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
-    part = outer_rate_part(model.rate_division, model, delta - inner, inner)
-    y[lay.V_O + j], y[lay.V_I + j] = part * rate, (1.0 - part) * rate
+    fraction = outer_rate_fraction(model.rate_division, model, delta - inner, inner)
+    y[lay.V_O + j], y[lay.V_I + j] = fraction * rate, (1.0 - fraction) * rate
 
 
 @load_roller.register(Ring)
@@ -163,8 +163,8 @@ def _load_roller(model, common, y, j):
 
 
 @jit
-def outer_rate_part_over_defect(model, d_i, s_i, inner):
-    """Return ``outer_rate_part`` of a roller in roller-defect pair ``d_i`` of the inner race (-1: none).
+def outer_rate_fraction_over_defect(model, d_i, s_i, inner):
+    """Return ``outer_rate_fraction`` of a roller in roller-defect pair ``d_i`` of the inner race (-1: none).
 
     s_i: distance (m) from the centre of the defect; inner: approach (m) to the undamaged inner race. The mean
     approach of the inner contact is that of an undamaged race if the defect is as long as the roller.
@@ -172,7 +172,7 @@ def outer_rate_part_over_defect(model, d_i, s_i, inner):
     _, _, mean = elastic_over_defect(model.inner.stiffness, model.defects, d_i, s_i, inner)
     share = inner_approach(model.outer.stiffness, model.inner.stiffness, 2.0 * mean)
     outer = mean * ((2.0 * mean - share) / max(share, TINY))
-    return outer_rate_part(model.rate_division, model, outer, mean)
+    return outer_rate_fraction(model.rate_division, model, outer, mean)
 
 
 @jit
@@ -188,22 +188,22 @@ def correct_for_defect(model, y, j):
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = outer, inner
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
-    part = outer_rate_part_over_defect(model, d_i, s_i, inner)
+    fraction = outer_rate_fraction_over_defect(model, d_i, s_i, inner)
     if d >= 0:
         if d_i >= 0:
             rate -= mean_drop_rate(
                 model.inner.stiffness, defects, d_i, s_i, passing_speed(defects, d_i, bearing), inner
             )
-        speed = part * passing_speed(defects, d, bearing)
+        speed = fraction * passing_speed(defects, d, bearing)
         y[lay.Q_O + j], _, y[lay.DELTA_O + j], y[lay.V_O + j] = force_over_defect(
-            model.outer, defects, d, s, speed, outer, part * rate
+            model.outer, defects, d, s, speed, outer, fraction * rate
         )
     else:
-        speed = (1.0 - part) * passing_speed(defects, d_i, bearing)
+        speed = (1.0 - fraction) * passing_speed(defects, d_i, bearing)
         y[lay.Q_O + j], _, y[lay.DELTA_I + j], y[lay.V_I + j] = force_over_defect(
-            model.inner, defects, d_i, s_i, speed, inner, (1.0 - part) * rate
+            model.inner, defects, d_i, s_i, speed, inner, (1.0 - fraction) * rate
         )
-        y[lay.V_O + j] = y[lay.V_I + j] * (part / max(1.0 - part, TINY))
+        y[lay.V_O + j] = y[lay.V_I + j] * (fraction / max(1.0 - fraction, TINY))
 
 
 @inlined
@@ -280,24 +280,25 @@ def fill_derivatives_in_series(model, y, n):
     """Fill tangent stiffness and damping of every roller over undamaged races, with two contacts in series.
 
     By the elastic balance E_o(delta_o) = E_i(delta_i) the outer contact has the share E_i'/(E_o' + E_i') of a
-    change in approach, and by equal damping forces the part ``outer_rate_part`` of one in the rate. These forces
-    remain equal as the approach changes, so K is the mean of the two contacts' values, weighted by their parts.
+    change in approach, and by equal damping forces the ``outer_rate_fraction`` of a change in the rate. These
+    forces remain equal as the approach changes, so K is the mean of the two contacts' values, weighted by their
+    fractions.
     """
     for j in range(n):
-        part = outer_rate_part(model.rate_division, model, y[lay.DELTA_O + j], y[lay.DELTA_I + j])
+        fraction = outer_rate_fraction(model.rate_division, model, y[lay.DELTA_O + j], y[lay.DELTA_I + j])
         K_o, C = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         K_i, _ = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
         k_o = tangent(model.outer.stiffness, max(y[lay.DELTA_O + j], 0.0))
         k_i = tangent(model.inner.stiffness, max(y[lay.DELTA_I + j], 0.0))
-        y[K_RING + j] = (part * K_o * k_i + (1.0 - part) * K_i * k_o) / max(k_o + k_i, TINY)
-        y[C_RING + j] = part * C
+        y[K_RING + j] = (fraction * K_o * k_i + (1.0 - fraction) * K_i * k_o) / max(k_o + k_i, TINY)
+        y[C_RING + j] = fraction * C
 
 
 @jit
 def derivatives_over_defect_in_series(model, y, j):
     """Return tangent stiffness (N/m) and damping (N s/m) of a roller with a contact over a defect.
 
-    Equations as in ``correct_for_defect``, with a fixed ``outer_rate_part``.
+    Equations as in ``correct_for_defect``, with a fixed ``outer_rate_fraction``.
     """
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
@@ -305,22 +306,22 @@ def derivatives_over_defect_in_series(model, y, j):
     outer, inner, rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j] + y[lay.V_I + j]
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
-    part = outer_rate_part_over_defect(model, d_i, s_i, inner)
+    fraction = outer_rate_fraction_over_defect(model, d_i, s_i, inner)
     k_o = stiffness_over_defect(model.outer.stiffness, defects, d, s, outer)
     k_i = stiffness_over_defect(model.inner.stiffness, defects, d_i, s_i, inner)
     share = k_i / max(k_o + k_i, TINY)
     if d < 0:
-        speed = (1.0 - part) * passing_speed(defects, d_i, bearing)
-        K, C = derivatives_over_defect(model.inner, defects, d_i, s_i, speed, inner, (1.0 - part) * rate)
-        return (1.0 - share) * K, (1.0 - part) * C
+        speed = (1.0 - fraction) * passing_speed(defects, d_i, bearing)
+        K, C = derivatives_over_defect(model.inner, defects, d_i, s_i, speed, inner, (1.0 - fraction) * rate)
+        return (1.0 - share) * K, (1.0 - fraction) * C
     drop_derivative = 0.0  # of the drop rate over the inner defect with respect to the inner approach (1/s)
     if d_i >= 0:
         speed, stiffness = passing_speed(defects, d_i, bearing), model.inner.stiffness
         rate -= mean_drop_rate(stiffness, defects, d_i, s_i, speed, inner)
         drop_derivative = mean_drop_rate_derivative(stiffness, defects, d_i, s_i, speed, inner)
-    speed = part * passing_speed(defects, d, bearing)
-    K, C = derivatives_over_defect(model.outer, defects, d, s, speed, outer, part * rate)
-    return share * K - (1.0 - share) * drop_derivative * part * C, part * C
+    speed = fraction * passing_speed(defects, d, bearing)
+    K, C = derivatives_over_defect(model.outer, defects, d, s, speed, outer, fraction * rate)
+    return share * K - (1.0 - share) * drop_derivative * fraction * C, fraction * C
 
 
 @interface.linearise.register(Ring)
