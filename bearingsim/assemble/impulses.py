@@ -14,7 +14,7 @@ from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
-from bearingsim.core.sampling import RESAMPLE_REACH
+from bearingsim.core.sampling import RESAMPLE_HALF_LENGTH
 
 EXTRA_PASSES = 4  # ball passes of the train beyond record and filters, for the last steps of a run
 MIN_SETTLING_TIME = 0.05  # s, minimum settling time, used while `settle: auto` has not been resolved
@@ -27,7 +27,7 @@ def build_model(case: Case, support: Support) -> Impulse:
     """
     equilibrium, b = healthy_equilibrium(case), geometry.build_bearing(case)
     c_x, c_y = healthy_damping(case)
-    filter_time = RESAMPLE_REACH / case.sampling
+    filter_time = RESAMPLE_HALF_LENGTH / case.sampling
     settle = case.settle if isinstance(case.settle, float) else MIN_SETTLING_TIME
     end = settle + case.duration + filter_time + EXTRA_PASSES / case.bearing.ball_pass_frequency(case.speed)
     pairs = defects.pair_defects(case)

@@ -18,7 +18,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.adaptive import LENGTH_SCALE
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, update_extremes
-from bearingsim.core.sampling import DECIMATION_REACH
+from bearingsim.core.sampling import DECIMATION_HALF_LENGTH
 from bearingsim.simulation.differentiation import MOTION_ROWS, differentiate
 from bearingsim.simulation.features import compute_features
 from bearingsim.simulation.recording import Recording
@@ -167,7 +167,7 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
     """Compute the features of a run from its states at the instants of the record."""
     grid, model = setup.grid, setup.model
     recording = Recording(setup.case, grid, model.bearing.Z, y)
-    steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
+    steps, tail = grid.steps_per_pass, 2 * DECIMATION_HALF_LENGTH * grid.decimation
     times = grid.step * np.arange(1, grid.passes * steps + 1)
     window = np.empty((len(recording.cells), tail + steps))
     window[:] = y[recording.cells][:, np.newaxis]

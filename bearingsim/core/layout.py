@@ -92,8 +92,8 @@ NORMAL_O_R, NORMAL_O_T, RHO_O, TANGENTIAL_V_O = rows(WORK + 4 * ROW, "1, 1, m, m
 NORMAL_I_R, NORMAL_I_T, RHO_I, TANGENTIAL_V_I = rows(WORK + 8 * ROW, "1, 1, m, m/s", PLANE, "evaluation")
 # force on a roller along e_r and e_theta, torque about its axis
 FORCE_R, FORCE_T, TORQUE = rows(WORK + 12 * ROW, "N, N, N m", f"{PLANE} spatial", "evaluation")
-# outward displacement of a flexible outer race at each roller, and its rate along the roller's path
-BEND, BEND_V = rows(WORK + 7 * ROW, "m, m/s", FLEXIBLE_RING, "evaluation")
+# outward deflection of a flexible outer race at each roller, and its rate along the roller's path
+DEFLECTION, DEFLECTION_V = rows(WORK + 7 * ROW, "m, m/s", FLEXIBLE_RING, "evaluation")
 # friction at the two contacts; rates of RHO_O, RHO_I of rollers over a defect
 FRICTION_O, FRICTION_I, RHO_V_O, RHO_V_I = rows(WORK + 15 * ROW, "N, N, m/s, m/s", PLANE, "evaluation")
 # forces and torques on outer ring, cage and inner ring, in the plane and out of it; M_INNER: torque on the inner

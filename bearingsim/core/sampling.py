@@ -17,26 +17,28 @@ from bearingsim.core.vectors import dot
 # fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, the band of the second stage (0.6 of a
 # sampling rate that is at most a quarter of the fine rate); attenuation of 85 dB above 0.85, which aliases into
 # this band
-DECIMATION_REACH = 4
-RESAMPLE_REACH = 13  # samples on each side: flat to 0.4 of the sampling rate, attenuation of 80 dB above 0.6
-INTERPOLATION_REACH = 6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the remaining band
+DECIMATION_HALF_LENGTH = 4
+RESAMPLE_HALF_LENGTH = 13  # samples on each side: flat to 0.4 of the sampling rate, attenuation of 80 dB above 0.6
+INTERPOLATION_HALF_LENGTH = (
+    6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the remaining band
+)
 KERNEL_ENTRIES = 1024  # entries of the interpolation kernel per fine sample
 
 
-def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> np.ndarray:
+def kaiser_sinc(t: np.ndarray, cutoff: float, half_length: float, decibels: float) -> np.ndarray:
     """Return the kernel of a low-pass at ``t`` (in sample periods), with ``cutoff`` in cycles per period, zero
-    beyond ``reach``."""
+    beyond ``half_length``."""
     beta = 0.1102 * (decibels - 8.7)
-    inside = np.clip(1.0 - (t / reach) ** 2, 0.0, None)
-    window = np.where(np.abs(t) <= reach, np.i0(beta * np.sqrt(inside)) / np.i0(beta), 0.0)
+    inside = np.clip(1.0 - (t / half_length) ** 2, 0.0, None)
+    window = np.where(np.abs(t) <= half_length, np.i0(beta * np.sqrt(inside)) / np.i0(beta), 0.0)
     return 2.0 * cutoff * np.sinc(2.0 * cutoff * t) * window
 
 
 @lru_cache(maxsize=64)
 def decimation_kernel(D: int) -> np.ndarray:
-    """Return the taps (2 D DECIMATION_REACH + 1,) of the first stage for decimation by D; their sum is 1."""
-    t = np.arange(-D * DECIMATION_REACH, D * DECIMATION_REACH + 1) / D
-    taps = kaiser_sinc(t, 0.5, DECIMATION_REACH, 88.0)
+    """Return the taps (2 D DECIMATION_HALF_LENGTH + 1,) of the first stage for decimation by D; their sum is 1."""
+    t = np.arange(-D * DECIMATION_HALF_LENGTH, D * DECIMATION_HALF_LENGTH + 1) / D
+    taps = kaiser_sinc(t, 0.5, DECIMATION_HALF_LENGTH, 88.0)
     return taps / taps.sum()
 
 
@@ -44,8 +46,8 @@ def decimation_kernel(D: int) -> np.ndarray:
 def sampling_kernel(ratio: float) -> np.ndarray:
     """Return the taps (odd) of the second stage, at ``ratio`` (4 or more) fine samples per sample; their sum is
     1."""
-    reach = int(np.ceil(RESAMPLE_REACH * ratio))
-    taps = kaiser_sinc(np.arange(-reach, reach + 1) / ratio, 0.5, RESAMPLE_REACH, 80.0)
+    half_length = int(np.ceil(RESAMPLE_HALF_LENGTH * ratio))
+    taps = kaiser_sinc(np.arange(-half_length, half_length + 1) / ratio, 0.5, RESAMPLE_HALF_LENGTH, 80.0)
     return taps / taps.sum()
 
 
@@ -53,8 +55,8 @@ def sampling_kernel(ratio: float) -> np.ndarray:
 def interpolation_kernel() -> np.ndarray:
     """Return one half of the third stage's symmetric kernel, with KERNEL_ENTRIES per fine sample and a final
     zero."""
-    t = np.arange(INTERPOLATION_REACH * KERNEL_ENTRIES + 2) / KERNEL_ENTRIES
-    return kaiser_sinc(t, 0.5, INTERPOLATION_REACH, 120.0)
+    t = np.arange(INTERPOLATION_HALF_LENGTH * KERNEL_ENTRIES + 2) / KERNEL_ENTRIES
+    return kaiser_sinc(t, 0.5, INTERPOLATION_HALF_LENGTH, 120.0)
 
 
 @jit
@@ -89,20 +91,23 @@ def low_pass(fine, taps, out, begin, end):
 def interpolate(fine, origin, ratio, kernel, weights, out, begin, end):
     """Interpolate values out[:, n] at positions origin + n ratio of ``fine`` (C, m), begin <= n < end.
 
-    fine: without content above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) workspace. The weights are
-    normalised, so a constant is preserved.
+    fine: without content above 0.15 of its rate; weights: (2 INTERPOLATION_HALF_LENGTH,) workspace. The weights
+    are normalised, so a constant is preserved.
     """
     for n in range(begin, end):
         position = origin + n * ratio
-        low = int(np.floor(position)) - INTERPOLATION_REACH + 1
+        low = int(np.floor(position)) - INTERPOLATION_HALF_LENGTH + 1
         total = 0.0
-        for k in range(2 * INTERPOLATION_REACH):
+        for k in range(2 * INTERPOLATION_HALF_LENGTH):
             distance = abs(low + k - position) * KERNEL_ENTRIES
             i = int(distance)
             weights[k] = kernel[i] + (distance - i) * (kernel[i + 1] - kernel[i])
             total += weights[k]
         for c in range(out.shape[0]):
-            out[c, n] = dot(weights, fine[c, low : low + 2 * INTERPOLATION_REACH], 2 * INTERPOLATION_REACH) / total
+            out[c, n] = (
+                dot(weights, fine[c, low : low + 2 * INTERPOLATION_HALF_LENGTH], 2 * INTERPOLATION_HALF_LENGTH)
+                / total
+            )
 
 
 @jit

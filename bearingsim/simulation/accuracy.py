@@ -41,8 +41,8 @@ def estimate_standard_errors(
     """
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
-    samples, reach = recorded_samples(case, raw)
-    segments = pass_segments(case, grid, raw, reach)
+    samples, margin = recorded_samples(case, raw)
+    segments = pass_segments(case, grid, raw, margin)
     M, n = segments.M, len(segments.index)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)

@@ -22,7 +22,7 @@ MOTION_ROWS = (
     ),
 )
 """Rows of position, velocity, acceleration in a recording: of the ring, and at the sensor on a flexible ring."""
-STENCIL_REACH = 4  # columns on each side of the centre of a finite difference
+STENCIL_HALF_LENGTH = 4  # columns on each side of the centre of a finite difference
 
 
 def derives_velocity(case: Case) -> bool:
@@ -31,24 +31,27 @@ def derives_velocity(case: Case) -> bool:
 
 
 def differentiate(values: np.ndarray, motion_rows: tuple[slice, slice, slice], column: int, h: float) -> None:
-    """Write velocity and acceleration as differences of positions, from column ``column`` - STENCIL_REACH on.
+    """Write velocity and acceleration as differences of positions, from ``column`` - STENCIL_HALF_LENGTH on.
 
     values: (C, n) recorded rows in SI, at intervals of ``h`` s; motion_rows: an element of ``MOTION_ROWS``;
-    column: at least 2 STENCIL_REACH.
+    column: at least 2 STENCIL_HALF_LENGTH.
 
     An adaptive method takes several steps between recorded instants, and a model without a method has an impulse
     or a cusp between them. If the velocity jumps, the mean of its samples is wrong, whereas differences of
     positions sum to the displacement. The differences are of eighth order: the velocity is accurate to 1e-3 up to
-    0.15 of the column rate, the upper limit of the fine samples' pass band. The last STENCIL_REACH columns, which
-    lack neighbours, have differences of lower order, and are overwritten in the next pass.
+    0.15 of the column rate, the upper limit of the fine samples' pass band. The last STENCIL_HALF_LENGTH columns,
+    which lack neighbours, have differences of lower order, and are overwritten in the next pass.
     """
     position, velocity, acceleration = (values[rows] for rows in motion_rows)
     n = values.shape[1]
-    central = slice(column - STENCIL_REACH, n - STENCIL_REACH), STENCIL_REACH
-    for columns, reach in central, *((slice(n - 1 - r, n - r), r) for r in range(STENCIL_REACH - 1, 0, -1)):
-        first_weights, second_weights = difference_weights(reach)
+    central = slice(column - STENCIL_HALF_LENGTH, n - STENCIL_HALF_LENGTH), STENCIL_HALF_LENGTH
+    for columns, half_length in (
+        central,
+        *((slice(n - 1 - r, n - r), r) for r in range(STENCIL_HALF_LENGTH - 1, 0, -1)),
+    ):
+        first_weights, second_weights = difference_weights(half_length)
         velocity[:, columns], acceleration[:, columns] = 0.0, 0.0
-        for k in range(1, reach + 1):
+        for k in range(1, half_length + 1):
             centre, after, before = (position[:, columns.start + m : columns.stop + m] for m in (0, k, -k))
             velocity[:, columns] += first_weights[k - 1] / h * (after - before)
             acceleration[:, columns] += second_weights[k - 1] / h**2 * ((after - centre) - (centre - before))
@@ -57,14 +60,14 @@ def differentiate(values: np.ndarray, motion_rows: tuple[slice, slice, slice], c
 
 
 @cache
-def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return weights of u(k h) - u(-k h) in h u', and of u(k h) - 2 u(0) + u(-k h) in h^2 u''; k: 1 to ``reach``.
+def difference_weights(half_length: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return weights of u(k h) - u(-k h) in h u', and of u(k h) - 2 u(0) + u(-k h) in h^2 u''.
 
-    The order of accuracy is 2 ``reach``. Source: Fornberg 1988.
+    k: 1 to ``half_length``. The order of accuracy is 2 ``half_length``. Source: Fornberg 1988.
     """
     coefficients = [
-        (-1) ** (k + 1) * factorial(reach) ** 2 / (factorial(reach - k) * factorial(reach + k))
-        for k in range(1, reach + 1)
+        (-1) ** (k + 1) * factorial(half_length) ** 2 / (factorial(half_length - k) * factorial(half_length + k))
+        for k in range(1, half_length + 1)
     ]
     return tuple(s / k for k, s in enumerate(coefficients, 1)), tuple(
         2.0 * s / k**2 for k, s in enumerate(coefficients, 1)

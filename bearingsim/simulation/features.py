@@ -73,14 +73,14 @@ Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
 
 def _raw_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
     """Return the motion along the sensor at the samples of the record, unfiltered."""
-    passes = len(pass_segments(case, grid, raw, reach=0).index)
+    passes = len(pass_segments(case, grid, raw, margin=0).index)
     raw_values = raw.raw_values[:, : round(passes / grid.rate * case.sampling)]
     return lambda quantity: (sensor_series(case, raw_values, quantity), None)
 
 
 def _low_passed_motion(case: Case, grid: Grid, raw: RawRecord) -> Motion:
     """Return the low-passed motion along the sensor over the distinct passes of the record."""
-    segments, filtered = pass_segments(case, grid, raw, reach=raw.reach), raw.low_passed
+    segments, filtered = pass_segments(case, grid, raw, margin=raw.half_length), raw.low_passed
     count, weights = segments.distinct * segments.M, segments.weights
     multiplicities = np.repeat(weights, segments.M) if np.any(weights > 1) else None
     return lambda quantity: (sensor_samples(case, filtered, quantity, segments.start, count), multiplicities)
@@ -110,7 +110,7 @@ def compute_cage_and_load_zone(case: Case, model: Any, grid: Grid, raw: RawRecor
 
     NaN if the model does not compute them.
     """
-    segments, entry = pass_segments(case, grid, raw, reach=0), MODELS[case.model]
+    segments, entry = pass_segments(case, grid, raw, margin=0), MODELS[case.model]
     start, M = segments.start, segments.M
     slip, loaded_rollers = np.empty(segments.distinct * M), 0.0
     for begin, end in block_ranges(len(slip)):
@@ -133,7 +133,7 @@ def compute_cage_and_load_zone(case: Case, model: Any, grid: Grid, raw: RawRecor
 def compute_band_features(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, float]:
     """Compute the band features over the whole ball passes of a record; NaN if it has no whole pass."""
     requested = {name: feature for name in case.features if (feature := read_band(name)) is not None}
-    segments = pass_segments(case, grid, raw, reach=0)
+    segments = pass_segments(case, grid, raw, margin=0)
     start, count = segments.start, len(segments.index) * segments.M
     if not requested or not count:
         return dict.fromkeys(requested, nan)

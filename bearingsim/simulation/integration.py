@@ -20,9 +20,9 @@ from bearingsim.core.advance import NoSamples, Samples, advance_and_sample, prep
 from bearingsim.core.defects.crossings import count_missed_crossings, relative_passages
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
-from bearingsim.core.sampling import DECIMATION_REACH
+from bearingsim.core.sampling import DECIMATION_HALF_LENGTH
 from bearingsim.simulation import channels
-from bearingsim.simulation.differentiation import MOTION_ROWS, STENCIL_REACH, derives_velocity, differentiate
+from bearingsim.simulation.differentiation import MOTION_ROWS, STENCIL_HALF_LENGTH, derives_velocity, differentiate
 from bearingsim.simulation.recording import RawRecord, Recording, extend_back, pop_peaks
 from bearingsim.simulation.repetition import (
     RECORD_CRITERION,
@@ -288,17 +288,17 @@ def _ball_passes(
     The same array is yielded every time. The CPU time of the integrator is added to ``pace``.
     """
     case, grid = setup.case, setup.grid
-    steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
+    steps, tail = grid.steps_per_pass, 2 * DECIMATION_HALF_LENGTH * grid.decimation
     pass_values = np.empty((len(cells), tail + steps))
     pass_values[:] = y[cells][:, np.newaxis]
     motions = (MOTION_ROWS if case.rig.ring is not None else MOTION_ROWS[:1]) if derives_velocity(case) else ()
     _warm_up(setup, samples, y, cells)
     if MODELS[case.model].memoryless:
         # the motion does not start from rest, so samples before t = 0 are computed as well
-        lead_in = pass_values[:, steps - 2 * STENCIL_REACH :]
+        lead_in = pass_values[:, steps - 2 * STENCIL_HALF_LENGTH :]
         _record_steps(setup, NoSamples(), -lead_in.shape[1], y, cells, lead_in, pace)
         for motion in motions:
-            differentiate(lead_in, motion, 2 * STENCIL_REACH, grid.step)
+            differentiate(lead_in, motion, 2 * STENCIL_HALF_LENGTH, grid.step)
         pop_peaks(y)
     for p in range(grid.passes):
         pass_values[:, :tail] = pass_values[:, steps:].copy()

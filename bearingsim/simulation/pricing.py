@@ -20,7 +20,7 @@ from bearingsim.catalogue import EXPLICIT, METHODS, MODELS
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.names import read_band
 from bearingsim.config.rules.completion import slice_count
-from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
+from bearingsim.core.sampling import DECIMATION_HALF_LENGTH, RESAMPLE_HALF_LENGTH
 from bearingsim.simulation import channels, ending
 from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
 from bearingsim.simulation.pilot import make_pilot
@@ -202,7 +202,7 @@ VARYING_BLOCK_VALUES = 180.0  # values per fine sample of a block while lines ar
 STEADY_LINE_VALUES, VARYING_LINE_VALUES = 6.0, 16.0
 """Values per fine sample of the record while lines are read, at constant and at varying speed."""
 BAND_VALUES = 14.0  # values per fine sample of the record while band features are read
-PILOT_COPIES = 3.0  # copies of a pilot's rows: unfiltered, filtered, and extended by the reach of filters
+PILOT_COPIES = 3.0  # copies of a pilot's rows: unfiltered, filtered, and extended by the half length of filters
 COMPARED_VALUES = 6.0  # values per fine sample stored of a pilot
 SERIES_VALUES = 3.0  # values per sample of a series: filtered, in double and in single precision
 INSPECTED_LENGTH = 5.0
@@ -293,7 +293,7 @@ def make_record_size(case: Case, fine_per_pass: int, decimation: int, computed: 
 def count_operations(case: Case, size: RecordSize) -> OperationCounts:
     """Count the operations on a run of a given size."""
     recorded_passes = size.computed + CHECKED_PASS_RATIO * size.checked
-    taps = 2.0 * ceil(RESAMPLE_REACH * size.total / max(1, size.samples)) + 1.0
+    taps = 2.0 * ceil(RESAMPLE_HALF_LENGTH * size.total / max(1, size.samples)) + 1.0
     series_samples = size.total if size.read == size.total else size.computed * size.fine
     filtered = size.rows * CHECKED_PASS_RATIO * size.checked * size.fine
     filtered += SENSOR_ROWS * size.read + size.requested * series_samples if case.antialias else 0.0
@@ -320,8 +320,8 @@ def peak_memory(case: Case, size: RecordSize) -> float:
         if is_varying
         else STEADY_LINE_VALUES * size.read
     )
-    lead = RESAMPLE_REACH * size.total / max(1, size.samples)
-    pass_values = size.rows * (size.steps + 2 * DECIMATION_REACH * size.steps / size.fine)
+    lead = RESAMPLE_HALF_LENGTH * size.total / max(1, size.samples)
+    pass_values = size.rows * (size.steps + 2 * DECIMATION_HALF_LENGTH * size.steps / size.fine)
     raw_values = float(size.rows * size.samples) if channels.stores_raw_values(case) else 0.0
     recording = size.rows * (size.computed * size.fine + lead) + raw_values
     bands = BAND_VALUES * size.total if _band_count(case) else 0.0

@@ -12,9 +12,9 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import NoSamples, Samples
 from bearingsim.core.sampling import (
-    DECIMATION_REACH,
-    INTERPOLATION_REACH,
-    RESAMPLE_REACH,
+    DECIMATION_HALF_LENGTH,
+    INTERPOLATION_HALF_LENGTH,
+    RESAMPLE_HALF_LENGTH,
     decimate,
     decimation_kernel,
     interpolate,
@@ -24,7 +24,7 @@ from bearingsim.core.sampling import (
     sampling_kernel,
 )
 from bearingsim.simulation import channels
-from bearingsim.simulation.differentiation import STENCIL_REACH, derives_velocity
+from bearingsim.simulation.differentiation import STENCIL_HALF_LENGTH, derives_velocity
 from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, rotated_rows
 from bearingsim.simulation.time_grid import Grid, sample_count
 
@@ -53,7 +53,7 @@ class RawRecord:
     y: np.ndarray
 
     @property
-    def reach(self) -> int:
+    def half_length(self) -> int:
         """Number of fine samples on each side on which a low-passed sample depends."""
         return len(self.taps) // 2
 
@@ -118,11 +118,13 @@ class RawRecord:
 
     @cached_property
     def _filtered_passes(self) -> "RawRecord":
-        """Computed passes of a periodic motion, and the following ones within reach of the filter, low-passed."""
-        reach, computed = self.reach, self.repetition.computed + ceil(len(self.taps) / self.M)
-        fine = LowPassed(self).read(reach - self.zero, self.lead + computed * self.M - reach)
+        """Computed passes of a periodic motion, and those within half the filter's length after, low-passed."""
+        half_length, computed = self.half_length, self.repetition.computed + ceil(len(self.taps) / self.M)
+        fine = LowPassed(self).read(half_length - self.zero, self.lead + computed * self.M - half_length)
         repetition = self.repetition._replace(computed=computed)
-        return replace(self, fine=fine, lead=self.lead - reach, zero=self.zero - reach, repetition=repetition)
+        return replace(
+            self, fine=fine, lead=self.lead - half_length, zero=self.zero - half_length, repetition=repetition
+        )
 
 
 MULTIPLICATIONS = 1 << 28
@@ -137,8 +139,8 @@ class LowPassed:
 
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Return filtered fine samples, as ``RawRecord.read``."""
-        taps, reach = self.raw.taps, self.raw.reach
-        extended = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
+        taps, half_length = self.raw.taps, self.raw.half_length
+        extended = np.ascontiguousarray(self.raw.read(start - half_length, count + 2 * half_length, rows))
         out = np.empty((len(extended), count))
         block = max(1, MULTIPLICATIONS // (len(taps) * max(1, len(extended))))
         for begin in range(0, count, block):
@@ -182,22 +184,22 @@ def whole_passes(case: Case, grid: Grid) -> int:
 
 
 def recorded_samples(case: Case, raw: RawRecord) -> tuple["RawRecord | LowPassed", int]:
-    """Return the fine samples, low-passed with `antialias`, and the reach of the filter (fine samples)."""
-    return (raw.low_passed, raw.reach) if case.antialias else (raw, 0)
+    """Return the fine samples, low-passed with `antialias`, and the half length of the filter (fine samples)."""
+    return (raw.low_passed, raw.half_length) if case.antialias else (raw, 0)
 
 
-def pass_segments(case: Case, grid: Grid, raw: RawRecord, reach: int) -> Segments:
+def pass_segments(case: Case, grid: Grid, raw: RawRecord, margin: int) -> Segments:
     """Return the complete ball passes of the record as segments.
 
-    reach: number of fine samples beyond both ends of a segment on which its values depend.
+    margin: number of fine samples beyond both ends of a segment on which its values depend.
     """
     count, M, start = whole_passes(case, grid), grid.fine_per_pass, first_sample(case, grid)
     if raw.end is not None:  # the computed samples may end before the record
-        count = min(count, (raw.end - reach - start) // M)
+        count = min(count, (raw.end - margin - start) // M)
     numbers = np.arange(count)
     if raw.periodic_from is None:
         return Segments(start, M, numbers, 0)
-    onset, period = max(0, ceil((raw.periodic_from + reach - start) / M)), raw.repetition.period
+    onset, period = max(0, ceil((raw.periodic_from + margin - start) / M)), raw.repetition.period
     return Segments(start, M, np.where(numbers < onset, numbers, onset + (numbers - onset) % period), period)
 
 
@@ -208,7 +210,9 @@ class Recording:
         """Allocate the arrays. y: the buffer at t = 0, whose values are also used for all earlier times."""
         self.case, self.grid, self.Z = case, grid, Z
         self.cells = channels.recorded_cells(self.case)
-        self.lead = ceil(RESAMPLE_REACH * self.grid.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
+        self.lead = (
+            ceil(RESAMPLE_HALF_LENGTH * self.grid.fine_rate / self.case.sampling) + INTERPOLATION_HALF_LENGTH + 1
+        )
         self.taps = decimation_kernel(self.grid.decimation)
         self.fine = np.empty((len(self.cells), self.lead + self.grid.passes * self.grid.fine_per_pass))
         self.fine[:, : self.lead] = y[self.cells][:, np.newaxis]
@@ -248,7 +252,7 @@ class Recording:
             cells=self.cells,
             fine=self.fine[:, : self.lead + passes * M],
             lead=self.lead,
-            zero=self.lead + DECIMATION_REACH - 1,
+            zero=self.lead + DECIMATION_HALF_LENGTH - 1,
             M=M,
             Z=self.Z,
             repetition=repetition,
@@ -298,10 +302,11 @@ def _sample_pass(case: Case, grid: Grid, p: int, pass_values: np.ndarray, raw_va
     """Fill in the raw values at the sampling instants within ball pass ``p``; return them (C, k).
 
     The end of the pass is included, its start only in pass 0. If velocities are differences of positions, they are
-    accurate up to ``STENCIL_REACH`` steps before the end, so the instants after that are read with the next pass.
+    accurate up to ``STENCIL_HALF_LENGTH`` steps before the end, so the instants after that are read with the next
+    pass.
     """
     steps, tail = grid.steps_per_pass, pass_values.shape[1] - grid.steps_per_pass
-    missing = STENCIL_REACH if derives_velocity(case) else 0
+    missing = STENCIL_HALF_LENGTH if derives_velocity(case) else 0
     ratio = 1.0 / (case.sampling * grid.step)  # steps per sample
     start = case.settle_s / grid.step
     begin, end = (max(0, floor((q * steps - missing - start) / ratio) + 1) for q in (p, p + 1))
@@ -336,13 +341,13 @@ def _low_passed(case: Case, grid: Grid, raw: RawRecord, rows: np.ndarray) -> np.
     if len(rows) == 0:
         return out
     ratio, kernel = grid.fine_rate / case.sampling, interpolation_kernel()
-    filtered, weights = raw.low_passed, np.empty(2 * INTERPOLATION_REACH)
+    filtered, weights = raw.low_passed, np.empty(2 * INTERPOLATION_HALF_LENGTH)
     block = max(1, int(BLOCK / ratio))
     start = case.settle_s * grid.fine_rate
     for n in range(0, out.shape[1], block):
         cpu_time.check()
         end = min(n + block, out.shape[1])
-        begin = floor(start + n * ratio) - INTERPOLATION_REACH
-        count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
+        begin = floor(start + n * ratio) - INTERPOLATION_HALF_LENGTH
+        count = ceil((end - n) * ratio) + 2 * INTERPOLATION_HALF_LENGTH + 1
         interpolate(filtered.read(begin, count, rows), start - begin, ratio, kernel, weights, out, n, end)
     return out

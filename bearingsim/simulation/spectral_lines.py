@@ -153,7 +153,7 @@ def amplitudes_by_pass(case: Case, model: Any, grid: Grid, raw: RawRecord) -> di
 
 def _amplitudes_at_equal_times(case: Case, model: Any, grid: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Return the amplitudes of ``amplitudes_by_pass`` for passes of equal duration."""
-    segments = pass_segments(case, grid, raw, reach=1)
+    segments = pass_segments(case, grid, raw, margin=1)
     M, start = segments.M, segments.start
     position, speed = (
         sensor_samples(case, raw, quantity, start, segments.distinct * M + 1) for quantity in MOTION[:2]
@@ -263,7 +263,7 @@ def _amplitudes_at_constant_speed(
     case: Case, model: Any, grid: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
-    segments = pass_segments(case, grid, raw, reach=0)
+    segments = pass_segments(case, grid, raw, margin=0)
     M, start = segments.M, segments.start
     count = min(len(segments.index), length // M)
     segment_count = min(segments.distinct, count)

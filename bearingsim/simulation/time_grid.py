@@ -7,7 +7,7 @@ from bearingsim import assemble, memory
 from bearingsim.assemble.scales import full_speed_case
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, read_band
-from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
+from bearingsim.core.sampling import DECIMATION_HALF_LENGTH, INTERPOLATION_HALF_LENGTH, RESAMPLE_HALF_LENGTH
 from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.simulation import pricing
@@ -28,7 +28,7 @@ class Grid:
     """Time grid of a case.
 
     rate: ball passes per second (Hz); step: s; fine_per_pass: fine samples per ball pass; decimation: steps per
-    fine sample; passes: ball passes of settling, the record, and the reach of the filter beyond it.
+    fine sample; passes: ball passes of settling, the record, and half the filter's length beyond it.
     """
 
     rate: float
@@ -140,8 +140,9 @@ def make_grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> G
             f"{name} would take about {hours:.2g} h of CPU time, over {limit / 3600.0:.2g} h",
             "use a shorter `duration`, lower `contact.damping`" + (other if adaptive else ", or set `step`"),
         )
-    filter_reach = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
-    passes = ceil((case.settle_s + case.duration + filter_reach) * rate)
+    fine_samples = DECIMATION_HALF_LENGTH + INTERPOLATION_HALF_LENGTH + 2
+    filter_time = RESAMPLE_HALF_LENGTH / case.sampling + fine_samples / (rate * fine)
+    passes = ceil((case.settle_s + case.duration + filter_time) * rate)
     return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)
 
 

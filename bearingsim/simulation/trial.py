@@ -143,7 +143,7 @@ def defect_revolution_time(case: Case) -> float:
 def last_pass(setup: Setup, passes: int) -> int:
     """Return the number of ball passes to compute so that ``passes`` after settling can be read."""
     case, grid = setup.case, setup.grid
-    beyond = grid.passes - floor((case.settle_s + case.duration) * grid.rate)  # for the reach of filters
+    beyond = grid.passes - floor((case.settle_s + case.duration) * grid.rate)  # for the half length of filters
     return min(grid.passes, ceil(case.settle_s * grid.rate) + passes + beyond)
 
 

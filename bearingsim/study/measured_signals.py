@@ -169,8 +169,8 @@ def _apply_low_pass(signal: MeasuredSignal, sampling: float) -> np.ndarray:
     if ratio < MIN_RATIO:
         return signal.series
     taps = sampling_kernel(ratio)
-    reach = len(taps) // 2
-    extended = np.pad(signal.series, reach, mode="reflect")
+    half_length = len(taps) // 2
+    extended = np.pad(signal.series, half_length, mode="reflect")
     return np.convolve(extended, taps, mode="valid")
 
 

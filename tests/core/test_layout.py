@@ -87,7 +87,7 @@ def test_relative_row_without_its_side_raises() -> None:
 
 def test_free_rows_have_no_common_owner(declared_rows: list[Rows]) -> None:
     free = lay.free_rows("rollers")
-    assert 7 not in free["WORK"]  # BEND
+    assert 7 not in free["WORK"]  # DEFLECTION
     assert 12 not in free["WORK"]  # RECESS_V_I
     assert 13 in free["WORK"]  # of `planar` and `spatial`
     assert lay.free_rows("planar")["WORK"] == []

@@ -5,8 +5,8 @@ import pytest
 from scipy.signal import firwin, kaiser_beta
 
 from bearingsim.core.sampling import (
-    DECIMATION_REACH,
-    INTERPOLATION_REACH,
+    DECIMATION_HALF_LENGTH,
+    INTERPOLATION_HALF_LENGTH,
     decimate,
     decimation_kernel,
     interpolate,
@@ -22,9 +22,9 @@ RATIOS = (4.0, 4.0001, 64 / 1024 * 159.0, 3.0 * np.pi, 40.25)
 
 def decimate_rows(raw: np.ndarray, D: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the fine samples of a recording (C, n), and the columns at their centres."""
-    out = np.empty((len(raw), (raw.shape[1] - 2 * DECIMATION_REACH * D) // D))
+    out = np.empty((len(raw), (raw.shape[1] - 2 * DECIMATION_HALF_LENGTH * D) // D))
     decimate(raw, decimation_kernel(D), D, out)
-    return out, (np.arange(out.shape[1]) + 1 + DECIMATION_REACH) * D - 1
+    return out, (np.arange(out.shape[1]) + 1 + DECIMATION_HALF_LENGTH) * D - 1
 
 
 def resample_rows(fine: np.ndarray, ratio: float, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
@@ -32,8 +32,8 @@ def resample_rows(fine: np.ndarray, ratio: float, count: int = 40) -> tuple[np.n
     taps = sampling_kernel(ratio)
     low = np.empty((len(fine), fine.shape[1] - len(taps) + 1))
     low_pass(fine, taps, low, 0, low.shape[1])
-    start, out = INTERPOLATION_REACH + 1.3, np.empty((len(fine), count))
-    interpolate(low, start, ratio, interpolation_kernel(), np.empty(2 * INTERPOLATION_REACH), out, 0, count)
+    start, out = INTERPOLATION_HALF_LENGTH + 1.3, np.empty((len(fine), count))
+    interpolate(low, start, ratio, interpolation_kernel(), np.empty(2 * INTERPOLATION_HALF_LENGTH), out, 0, count)
     return out, start + len(taps) // 2 + ratio * np.arange(count)
 
 
@@ -45,7 +45,7 @@ def waves(frequency: float, positions: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("D", [2, 3, 50])
 def test_the_first_stage_is_scipys_kaiser_filter(D: int) -> None:
     kernel = decimation_kernel(D)
-    expected = firwin(2 * DECIMATION_REACH * D + 1, 1.0 / D, window=("kaiser", kaiser_beta(88.0)))
+    expected = firwin(2 * DECIMATION_HALF_LENGTH * D + 1, 1.0 / D, window=("kaiser", kaiser_beta(88.0)))
     assert kernel == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
 

@@ -7,7 +7,7 @@ import pytest
 import scipy.signal
 import scipy.stats
 
-from bearingsim.core.sampling import RESAMPLE_REACH, kaiser_sinc
+from bearingsim.core.sampling import RESAMPLE_HALF_LENGTH, kaiser_sinc
 from bearingsim.signals import (
     amplitude_at,
     amplitudes_at,
@@ -256,8 +256,10 @@ def test_envelope_spectrum_has_no_aliased_lines() -> None:
     events += [(instant + 3.8, -0.6) for instant, _ in events]
     series = np.zeros(len(instants))
     for instant, height in events:  # a pulse is zero beyond its reach
-        nearby = slice(max(0, int(instant) - RESAMPLE_REACH), max(0, int(instant) + RESAMPLE_REACH + 2))
-        series[nearby] += height * kaiser_sinc(instants[nearby] - instant, 0.5, RESAMPLE_REACH, 80.0)
+        nearby = slice(
+            max(0, int(instant) - RESAMPLE_HALF_LENGTH), max(0, int(instant) + RESAMPLE_HALF_LENGTH + 2)
+        )
+        series[nearby] += height * kaiser_sinc(instants[nearby] - instant, 0.5, RESAMPLE_HALF_LENGTH, 80.0)
 
     def largest_off_harmonics(band: tuple[float, float] | None) -> float:
         frequencies, amplitudes = envelope_spectrum(series, FS, band)

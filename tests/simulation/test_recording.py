@@ -6,10 +6,15 @@ import pytest
 from bearingsim.config import Case
 from bearingsim.core import outcomes
 from bearingsim.core.advance import NoSamples
-from bearingsim.core.sampling import DECIMATION_REACH, sampling_kernel
+from bearingsim.core.sampling import DECIMATION_HALF_LENGTH, sampling_kernel
 from bearingsim.simulation import channels, choice, integration, limits
 from bearingsim.simulation.channels import FEATURE_CELLS
-from bearingsim.simulation.differentiation import MOTION_ROWS, STENCIL_REACH, difference_weights, differentiate
+from bearingsim.simulation.differentiation import (
+    MOTION_ROWS,
+    STENCIL_HALF_LENGTH,
+    difference_weights,
+    differentiate,
+)
 from bearingsim.simulation.features import compute_statistics
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import _sample_pass
@@ -32,7 +37,7 @@ def record_passes(position, passes=3):
         t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
         window[POSITION, TAIL:] = position(t[TAIL:])
         differentiate(window, RING, TAIL, H)
-        full = slice(TAIL - STENCIL_REACH, TAIL + STEPS - STENCIL_REACH)
+        full = slice(TAIL - STENCIL_HALF_LENGTH, TAIL + STEPS - STENCIL_HALF_LENGTH)
         result.append((t[full], window[VELOCITY, full].copy(), window[ACCELERATION, full].copy()))
     return (np.concatenate(parts, axis=-1) for parts in zip(*result, strict=True))
 
@@ -205,7 +210,7 @@ def test_raw_values_of_a_model_without_method_are_accurate_at_ends_of_passes_too
     """A sine instead of the motion: accelerations are those of the sine, to 3e-4 and the interpolation."""
     test_case = case(model="static", sampling="102.4 kHz", antialias=False, duration="20 ms")
     grid = set_up(test_case).grid
-    omega, tail = 0.1 / grid.step, 2 * DECIMATION_REACH * grid.decimation
+    omega, tail = 0.1 / grid.step, 2 * DECIMATION_HALF_LENGTH * grid.decimation
     steps, raw_values = grid.steps_per_pass, np.empty((6, sample_count(test_case)))
     for p in range(grid.passes):
         window = np.empty((6, tail + steps))

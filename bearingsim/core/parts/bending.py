@@ -109,7 +109,7 @@ def _harmonics(bending):
 
 @generic(inline="late", absent=None)
 def fill_race_deflection(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, lanes: int) -> None:
-    """Fill the rows BEND and BEND_V, the displacement of the race at every roller and its rate.
+    """Fill the rows DEFLECTION and DEFLECTION_V, the displacement of the race at every roller and its rate.
 
     C, S: cosine and sine of the first roller's angle; omega_c: speed of the cage, rad/s; lanes: number of lanes.
 
@@ -210,12 +210,12 @@ def _race_damping(bending, c):
 
 @race_deflection.register(Bending)
 def _race_deflection_flexible(bending, y, j):
-    return y[lay.BEND + j]
+    return y[lay.DEFLECTION + j]
 
 
 @race_deflection_rate.register(Bending)
 def _race_deflection_rate_flexible(bending, y, j):
-    return y[lay.BEND_V + j]
+    return y[lay.DEFLECTION_V + j]
 
 
 @inlined
@@ -253,7 +253,7 @@ def _fill_race_deflection_flexible(bending, C, S, omega_c, y, lanes):
     fill_phases(bending, C, S, y)
     rotate_amplitudes(bending, omega_c, y)
     for lane in range(0, lanes, lay.VECTOR_WIDTH):
-        cells = (lay.BEND + lane, lay.BEND_V + lane)
+        cells = (lay.DEFLECTION + lane, lay.DEFLECTION_V + lane)
         sum_harmonics(
             bending.shapes,
             (lay.AMPLITUDE_C, lay.AMPLITUDE_V_C),

@@ -79,7 +79,7 @@ def any_roller_near_flange(side, flanges, model, ring, y, n):
     between the axes.
     """
     base, R_mean = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
-    play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
+    play, lever_arm = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
     count = 0
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
@@ -87,7 +87,7 @@ def any_roller_near_flange(side, flanges, model, ring, y, n):
         axial_offset = d_r * y[base + lay.RING_AXIS_R + j] + d_t * y[base + lay.RING_AXIS_T + j]
         axial_offset += (y[lay.AXIAL + j] - ring.z) * ring.a_z
         a_r, a_t, a_z = y[base + lay.DIRECTION_R + j], y[base + lay.DIRECTION_T + j], y[base + lay.DIRECTION_Z + j]
-        max_offset = abs(axial_offset) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
+        max_offset = abs(axial_offset) + lever_arm * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
         count += 0 if max_offset < play else 1  # NaN counts as near
     return count > 0
 
