@@ -172,7 +172,7 @@ def test_grey_band_of_a_growing_spall_lies_where_the_contact_crosses_it(make_res
     assert passage.crossing == pytest.approx(ends)
 
 
-def test_passage_of_a_turning_defect_is_the_most_loaded(make_results):
+def test_passage_of_a_rotating_defect_is_the_most_loaded(make_results):
     """The defect meets a roller at any angle to the load; the figure shows the one nearest the load line."""
     stored = make_results(STUDY.replace("race: outer", "race: inner") + "settle: 0 ms\n")
     name = stored.jobs[0]

@@ -34,7 +34,7 @@ def picked(name: str, hertz: float) -> PickedLine | None:
 @pytest.mark.parametrize(
     ("name", "line", "sideband"), [("inner", BPFI, SHAFT), ("roller", TWICE_BSF, FTF)], ids=["inner", "roller"]
 )
-def test_a_turning_defect_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
+def test_a_rotating_defect_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
     """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage, far above the surrounding spectrum."""
     for hertz in (line, line - sideband, line + sideband):
         result = picked(name, hertz)

@@ -32,7 +32,7 @@ def healthy():
 # Superposition
 
 
-def turning_defect_lines(model, **overrides):
+def rotating_defect_lines(model, **overrides):
     """Return the displacement lines of a slot on the inner race and of one on a roller."""
     fields = {"model": model, "settle": "30 ms", "quantity": "displacement"} | overrides
     fields |= {"step": "16 us"} if model == "static" else {}  # moves its lines by 0.1 %
@@ -49,7 +49,7 @@ def fixed_defect_lines(model):
 
 
 @pytest.mark.parametrize("model", ["static", "ring"])
-def test_lines_of_a_turning_defect_are_means_over_fixed_positions(model):
+def test_lines_of_a_rotating_defect_are_means_over_fixed_positions(model):
     """A slot of the outer race at phi moves the ring by g(phi) at BPFO. A turning slot is met f times a second,
     at angles that turn with it, so its line at f is the mean of g over phi, its sidebands the mean of g cos(phi),
     both times f/BPFO: on the inner race at BPFI with the shaft, on a roller (each race once a turn) at 2 BSF with
@@ -62,7 +62,7 @@ def test_lines_of_a_turning_defect_are_means_over_fixed_positions(model):
     assert np.abs(g.imag).max() < 0.01 * np.abs(g).max()
     once = np.array([0.5, *[1.0] * 17, 0.5]) / 18.0
     all_round, with_cosine = once @ g.real, once @ (g.real * np.cos(EVERY_10_DEG))
-    for result, names in zip(turning_defect_lines(model), (INNER_RACE_LINES, ROLLER_LINES), strict=True):
+    for result, names in zip(rotating_defect_lines(model), (INNER_RACE_LINES, ROLLER_LINES), strict=True):
         expected = np.array([all_round, with_cosine, with_cosine]) * FREQUENCY[names[0]] / FREQUENCY["BPFO"]
         assert result == pytest.approx(expected, rel=0.03)
 
@@ -89,7 +89,7 @@ def test_lines_of_one_second():
             assert result[f"acceleration@{name}"] == pytest.approx(omega * result[f"velocity@{name}"], rel=2e-6)
 
 
-def test_healthy_bearing_has_no_lines_of_turning_defects():
+def test_healthy_bearing_has_no_lines_of_rotating_defects():
     """It moves at multiples of BPFO only, whose 0.6 um/s leak less than 0.01 um/s at 2 Hz distance."""
     for name in (*INNER_RACE_LINES, *ROLLER_LINES, "2BPFI", "4BSF", "FTF", "fr"):
         assert healthy()[f"velocity@{name}"] < 1e-8, name

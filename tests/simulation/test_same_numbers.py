@@ -45,7 +45,7 @@ def test_same_case_gives_identical_results() -> None:
     assert fingerprint(test_case.model_copy(update={"load": test_case.load * (1 + 1e-15)})) != digest
 
 
-THREE = {  # small and fast, so that plain Python computes two ball passes, which lines of turning defects require
+THREE = {  # small and fast, so that plain Python computes two ball passes, which lines of rotating defects require
     "name": "three",
     "rollers": 3,
     "roller_diameter": "12 mm",

@@ -197,7 +197,7 @@ INNER: dict[str, Any] = {
 }
 
 
-def test_error_of_a_turning_defect_is_that_of_the_whole_record() -> None:
+def test_error_of_a_rotating_defect_is_that_of_the_whole_record() -> None:
     """Quarters of 1.5 turns do not separate BPFI from its sidebands; the record does, within 1 %."""
     inner = {"race": "inner", "shape": "rectangular", "length": "8 mm", "width": "1.12 mm", "depth": "20 um"}
     ring = {"rig": {"ring_mass": "3.19 kg"}, "load": "749 N", "speed": "2422 rpm"}

@@ -80,14 +80,14 @@ def test_a_record_with_a_free_cage_ends_early() -> None:
     assert np.isnan(full.info["standard_error_rms"])
 
 
-def turning_defect_case(race: str) -> Case:
+def rotating_defect_case(race: str) -> Case:
     defect = SLOT | {"race": race, "length": "5 mm"}
     return case(model="rollers", defect=defect, record=[], until="0.5 %", duration="4 s")
 
 
 @pytest.mark.parametrize("race", ["inner", "roller"])
-def test_record_of_a_turning_defect_has_nearly_whole_turns(race: str) -> None:
-    test_case = turning_defect_case(race)
+def test_record_of_a_rotating_defect_has_nearly_whole_revolutions(race: str) -> None:
+    test_case = rotating_defect_case(race)
     [turn] = ending.revolution_lengths(test_case)
     inspections = [*ending.inspection_passes(test_case)]
     assert len(inspections) > 4
@@ -96,8 +96,8 @@ def test_record_of_a_turning_defect_has_nearly_whole_turns(race: str) -> None:
         assert abs(passes / turn - round(passes / turn)) * turn <= 0.001 * passes + 1e-9
 
 
-def test_unit_of_passes_has_nearly_whole_turns() -> None:
-    assert [ending.common_period(turning_defect_case(race)) for race in ("outer", "inner", "roller")] == [
+def test_unit_of_passes_has_nearly_whole_revolutions() -> None:
+    assert [ending.common_period(rotating_defect_case(race)) for race in ("outer", "inner", "roller")] == [
         2,
         16,
         13,
@@ -107,7 +107,7 @@ def test_unit_of_passes_has_nearly_whole_turns() -> None:
 @pytest.mark.parametrize(("passes", "inspections"), [(82.5, [65]), (83.5, [65, 82])])
 def test_last_inspection_is_a_pass_before_the_end(passes: float, inspections: list[int]) -> None:
     """The first is after five turns of 13 rollers, the next after 1.25 times as many."""
-    test_case = turning_defect_case("outer")
+    test_case = rotating_defect_case("outer")
     rate = float(test_case.bearing.ball_pass_frequency(test_case.speed))
     test_case = test_case.model_copy(update={"duration": passes / rate})
     assert [*ending.inspection_passes(test_case)] == inspections
@@ -116,7 +116,7 @@ def test_last_inspection_is_a_pass_before_the_end(passes: float, inspections: li
 @pytest.mark.parametrize("later", [0, 1])
 def test_a_run_that_is_periodic_until_the_first_inspection_is_complete(later: int) -> None:
     """A run that is periodic later would have ended at the inspection, or gone on."""
-    inspections = Inspections(set_up(resolve(turning_defect_case("outer")), 1.0))
+    inspections = Inspections(set_up(resolve(rotating_defect_case("outer")), 1.0))
     raw: Any = SimpleNamespace(repetition=SimpleNamespace(period=1, computed=min(inspections.passes) + later))
     assert inspections.complete_record(raw, may_end=False) == (later == 0)
 
@@ -169,7 +169,7 @@ def test_variance_of_features_under_a_window_over_the_record() -> None:
     plain, windowed = noise.mean(axis=1).var(), mean_under_hann(noise).var()
     powers = np.mean(noise**2, axis=1).var()
     band_powers = np.array([signals.band_rms(series, 128.0, (0.0, 64.0)) ** 2 for series in noise[:5000]]).var()
-    outer, inner = turning_defect_case("outer"), turning_defect_case("inner")
+    outer, inner = rotating_defect_case("outer"), rotating_defect_case("inner")
     for test_case, name, ratio in (
         (outer, "velocity.rms", 1.0),
         (outer, "velocity@2BPFO", 1.0),
