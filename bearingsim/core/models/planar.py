@@ -282,9 +282,9 @@ def _stiffness_per_mass(model, y, j):
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     supports = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
-    return max(
-        y[lay.INVERSE_MASS + j] * (outer + inner), supports, pocket_stiffness(model.cage, y[lay.INVERSE_MASS + j])
-    )
+    per_mass = y[lay.INVERSE_MASS + j]
+    pocket = pocket_stiffness(model.cage, per_mass, model.bearing.Z)
+    return max(per_mass * (outer + inner), supports, pocket)
 
 
 @interface.damping_per_mass.register(Planar)

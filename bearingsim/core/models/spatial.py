@@ -285,7 +285,8 @@ def _stiffness_per_mass(model, y, j):
     K, _ = contact_stiffness_and_damping(model, y, j)
     supports = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
     mounts = max(mount_stiffness(model.mount_o), mount_stiffness(model.mount_i))
-    pocket = max(pocket_stiffness(model.cage, per_mass), axial_stiffness(model.cage_z, model.cage, per_mass))
+    wall = pocket_stiffness(model.cage, per_mass, model.bearing.Z)
+    pocket = max(wall, axial_stiffness(model.cage_z, model.cage, per_mass, model.bearing.Z))
     flange = flange_stiffness(model.flanges, per_mass, 1.0 / model.I_t, model.bearing.R_w)
     return max(K, supports, mounts, pocket, flange)
 

@@ -256,17 +256,17 @@ def _accelerate_cage_free(cage, model, omega_cage, omega_i, alpha, y):
 
 
 @generic(absent=0.0)
-def pocket_stiffness(cage: Any, per_mass: float) -> float:
-    """Return the stiffness of a pocket's wall over the effective mass (1/s^2) of roller and cage.
+def pocket_stiffness(cage: Any, per_mass: float, Z: int) -> float:
+    """Return the stiffness of the pockets' walls over the effective mass (1/s^2) of ``Z`` rollers and the cage.
 
-    per_mass: inverse mass of a roller (1/kg). That of the cage is 1/m + r^2/I = 2/m, because the wall's force also
-    rotates the cage, whose moment of inertia I is m r^2.
+    per_mass: inverse mass of a roller (1/kg). That of the cage is Z r^2/I = Z/m if all rollers push it, because
+    its moment of inertia I is m r^2; its translation adds less (Z/(2 m), or Z/m if it is guided by the rollers).
     """
 
 
 @pocket_stiffness.register(FreeCage)
-def _pocket_stiffness_free(cage, per_mass):
-    return tangent(cage.pocket.stiffness, cage.play) * (per_mass + 2.0 / cage.m)
+def _pocket_stiffness_free(cage, per_mass, Z):
+    return tangent(cage.pocket.stiffness, cage.play) * (per_mass + Z / cage.m)
 
 
 @generic(absent=0.0)

@@ -102,16 +102,17 @@ def _accelerate_cage_axis_space(cage_z, cage, body, y):
 
 
 @generic(absent=0.0)
-def axial_stiffness(cage_z: Any, cage: Any, per_mass: float) -> float:
-    """Return the stiffness of a pocket's end over the effective mass (1/s^2) of roller and cage.
+def axial_stiffness(cage_z: Any, cage: Any, per_mass: float, Z: int) -> float:
+    """Return the stiffness of the pockets' ends over the effective mass (1/s^2) of ``Z`` rollers and the cage.
 
-    per_mass: inverse mass of a roller (1/kg).
+    per_mass: inverse mass of a roller (1/kg). That of the cage is Z/m if all rollers push it. Tilt adds less,
+    because the moment of inertia about a diameter is at least m r^2/2.
     """
 
 
 @axial_stiffness.register(CageInSpace)
-def _axial_stiffness_space(cage_z, cage, per_mass):
-    return tangent(cage_z.law.stiffness, cage_z.play_z) * (per_mass + 2.0 / cage.m)
+def _axial_stiffness_space(cage_z, cage, per_mass, Z):
+    return tangent(cage_z.law.stiffness, cage_z.play_z) * (per_mass + Z / cage.m)
 
 
 @generic(absent=None)

@@ -8,7 +8,8 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
-from bearingsim.core.parts.cage import OilDrag
+from bearingsim.core.parts.cage import OilDrag, pocket_stiffness
+from bearingsim.core.parts.cage_in_space import axial_stiffness
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.nf308 import SLOT, advance_recorded, case
 
@@ -143,3 +144,29 @@ def test_a_weightless_cage_stays_in_the_middle():
     model = assemble.model(bearing_case)._replace(drag=OilDrag(0.0, 0.0, 1.0))
     y, _ = assemble.start(bearing_case, model)
     assert np.abs(follow(model, y, 0.02, [lay.POSITION + lay.X_C, lay.POSITION + lay.Y_C])).max() < 1e-8
+
+
+def stiffest_rate(pushes, masses):
+    """Largest eigenvalue (1/s^2) of springs of 1e7 N/m; pushes: (springs, coordinates), their stretch by each."""
+    scaled = pushes / np.sqrt(masses)
+    return float(np.linalg.eigvalsh(1e7 * scaled.T @ scaled).max())
+
+
+@pytest.mark.parametrize(("guide", "moves"), [("centred", 0.0), ("outer-ring", 1.0)])
+def test_all_rollers_pushing_the_cage_limit_the_step(guide, moves):
+    """Walls of all pockets: 13 rollers along the race; rotation of the cage, and its centre if it is free."""
+    model = assemble.model(case(model="planar", cage={"guide": guide, "mass": "20 g"}))
+    m_r, angle = model.bearing.m_r, 2 * np.pi * np.arange(13) / 13
+    of_cage = np.stack([np.ones(13), -moves * np.sin(angle), moves * np.cos(angle)], axis=1)
+    expected = stiffest_rate(np.hstack([np.eye(13), -of_cage]), np.r_[np.full(13, m_r), 0.02, 0.02, 0.02])
+    assert pocket_stiffness(model.cage, 1.0 / m_r, 13) == pytest.approx(expected, rel=1e-9)
+
+
+def test_all_rollers_pushing_the_cage_axially_limit_the_step():
+    """Ends of all pockets: 13 rollers along the axis; the cage's axial motion, and its tilt about two axes."""
+    model = assemble.model(case(model="spatial", cage={"mass": "20 g"}))
+    m_r, angle, r = model.bearing.m_r, 2 * np.pi * np.arange(13) / 13, 0.0325
+    of_cage = np.stack([np.ones(13), r * np.cos(angle), r * np.sin(angle)], axis=1)
+    masses = np.r_[np.full(13, m_r), 0.02, model.cage_z.I_t, model.cage_z.I_t]
+    expected = stiffest_rate(np.hstack([np.eye(13), -of_cage]), masses)
+    assert axial_stiffness(model.cage_z, model.cage, 1.0 / m_r, 13) == pytest.approx(expected, rel=1e-9)
