@@ -8,7 +8,7 @@ from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.plots import labels
 from bearingsim.store import feature_bounds, is_zero, relative_error
 from bearingsim.store.nearness import scales
-from bearingsim.store.spread import reference_ratio, standard_error
+from bearingsim.store.spread import reference_ratio
 from bearingsim.text.numbers import percent
 
 if TYPE_CHECKING:
@@ -71,8 +71,7 @@ def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> Err
     if step is None or is_chaotic is None or base not in rows or not (step.notna() | is_chaotic).any():
         return None
     frame, value = rows.add_prefix("features/"), rows[base].abs()
-    scatter = standard_error(frame, base) / value if kind == "force" else relative_error(rows, base)
-    scatter = STANDARD_ERRORS * scatter.where(is_chaotic, 0.0).fillna(inf) * value
+    scatter = STANDARD_ERRORS * relative_error(rows, base).where(is_chaotic, 0.0).fillna(inf) * value
     step = (step * reference_ratio(frame, base) * value).where(~is_zero(rows, base), 0.0)
     return Errors(step, scatter)
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 BLOCK_ERRORS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
 """Columns with relative standard errors from blocks of ball passes, by feature; results of earlier versions do not
 have them."""
+LARGEST_FORCE = "outer_force.max"
 FORCE_ERROR = "features/error.start.force"
 """Column whose relative error of the largest outer force includes its scatter in a chaotic motion."""
 NOTABLE_ERROR = 0.005
@@ -79,7 +80,7 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         blocks = frame.get(f"features/{BLOCK_ERRORS['velocity.rms']}")
         relative = relative if blocks is None else blocks.where(blocks.notna(), relative)
         error = relative * frame[f"features/{feature}"].abs()
-    elif feature == "outer_force.max" and FORCE_ERROR in frame:
+    elif feature == LARGEST_FORCE and FORCE_ERROR in frame:
         error = frame[FORCE_ERROR] * frame[f"features/{feature}"].abs()
     chaotic_errors = error.replace(np.inf, np.nan).where(chaotic_jobs(frame), 0.0)
     early_errors = early_end_errors(frame, feature)
@@ -128,7 +129,8 @@ def is_uncertain(table: "pd.DataFrame", feature: str, notable: float = NOTABLE_E
 def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the relative standard error of a feature of a table by job; NaN if it is unknown.
 
-    For features other than spectral lines it is that of the velocity RMS.
+    That of any RMS is that of the velocity RMS. A maximum, a crest factor or a cage slip may scatter many times
+    more, so of other features only that of the largest outer force is known.
     """
     import pandas as pd
 
@@ -136,7 +138,7 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if not has_error_estimate(table, feature):
         return pd.Series(float("nan"), frame.index)
     base = _base(feature)
-    reference = _reference(base)
+    reference = _reference(base) or base
     relative = standard_error(frame, reference) / frame[f"features/{reference}"].abs()
     block_errors = frame.get(f"features/{BLOCK_ERRORS.get(reference, '')}")
     if block_errors is not None:
@@ -149,8 +151,9 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 def has_error_estimate(table: "pd.DataFrame", feature: str) -> bool:
     """Check if a table has a column from which the standard error of a feature is estimated."""
-    reference = _reference(_base(feature))
-    return reference in table and (not is_line(reference) or f"{reference}-scatter" in table)
+    base = _base(feature)
+    column = FORCE_ERROR.partition("/")[2] if base == LARGEST_FORCE else f"{base}-scatter" if is_line(base) else ""
+    return _reference(base) in table and (not column or column in table)
 
 
 def _base(feature: str) -> str:
@@ -159,8 +162,10 @@ def _base(feature: str) -> str:
 
 
 def _reference(base: str) -> str:
-    """Return the feature whose relative standard error is used: a spectral line itself, else the velocity RMS."""
-    return base if is_line(base) else "velocity.rms"
+    """Return the feature whose relative standard error is that of a feature, "" if there is none."""
+    if is_line(base) or base == LARGEST_FORCE:
+        return base
+    return "velocity.rms" if ".rms" in base else ""
 
 
 def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":

@@ -5,16 +5,18 @@ import math
 import pandas as pd
 import pytest
 
-from bearingsim.store import is_uncertain, relative_error
+from bearingsim.store import has_error_estimate, is_uncertain, relative_error
 from bearingsim.store.spread import FORCE_ERROR, has_unknown_scatter, standard_error
 
 LINE, RMS = "velocity@BPFO", "velocity.rms"
+WITHOUT_ESTIMATE = ("velocity.kurtosis", "inner_force.max", "cage_force.max", "cage.slip.mean")
 
 
-def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataFrame:
-    """Make a result with relative standard errors of the line and of the RMS (stored times 2.5)."""
+def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0, force: float = 0.0) -> pd.DataFrame:
+    """Make a result with relative standard errors of line, RMS (stored times 2.5) and largest force."""
     row = {LINE: 2.0, f"{LINE}-scatter": 2.0 * line, RMS: 3.0, "rms_scatter": 2.5 * rms, "chaotic": chaotic}
-    return pd.DataFrame([row | {"velocity@BPFI": 1.0, "outer_force.max": 5.0}])
+    row |= {"velocity@BPFI": 1.0, "outer_force.max": 5.0, "error.start.force": force}
+    return pd.DataFrame([row | dict.fromkeys(WITHOUT_ESTIMATE, 1.0)])
 
 
 @pytest.mark.parametrize(
@@ -28,9 +30,12 @@ def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataF
         (RMS, table(rms=0.004, line=0.1), False),
         (RMS, table(rms=math.inf), True),
         ("velocity.rms@10-1000Hz", table(rms=0.006), True),
-        ("outer_force.max", table(rms=0.006), True),
-        ("outer_force.max", table(line=0.1), False),
-        ("velocity@BPFI", table(), True),  # its scatter is unknown
+        ("acceleration.rms", table(rms=0.006).assign(**{"acceleration.rms": 1.0}), True),
+        ("outer_force.max", table(force=0.006), True),
+        ("outer_force.max", table(line=0.1, rms=0.1), False),
+        ("outer_force.max", table().drop(columns="error.start.force"), True),  # not estimated
+        ("velocity@BPFI", table(), True),
+        *((feature, table(), True) for feature in WITHOUT_ESTIMATE),
         (LINE, table(chaotic=0.0, line=0.1), False),
         (LINE, table(chaotic=math.nan, line=0.1), False),
     ],
@@ -43,6 +48,14 @@ def test_a_result_is_flagged_by_its_own_standard_error(
 
 def test_smaller_limit_flags_smaller_errors() -> None:
     assert is_uncertain(table(line=0.004), LINE, notable=0.003).iloc[0]
+
+
+def test_only_an_rms_has_the_standard_error_of_the_velocity_rms() -> None:
+    """With drag the slip of the cage scatters by 3 %, and the RMS by 0.1 %: the error of a slip is unknown."""
+    for feature in WITHOUT_ESTIMATE:
+        assert not has_error_estimate(table(rms=0.001), feature)
+        assert math.isnan(relative_error(table(rms=0.001), feature).iloc[0])
+    assert relative_error(table(rms=0.001, force=0.02), "outer_force.max").iloc[0] == pytest.approx(0.02)
 
 
 def test_error_of_a_change_is_relative_to_the_change() -> None:
