@@ -19,6 +19,7 @@ from bearingsim.config.names import LINES, QUIET_LINE
 from bearingsim.core.geometry.motion import is_steady
 from bearingsim.simulation.accuracy import TWO_SIGMA, StandardErrors, error_from_passes
 from bearingsim.simulation.comparison import PEAK_FORCE_COLUMN
+from bearingsim.simulation.pilot import elements_with_deviations
 from bearingsim.simulation.recording import RawRecord, Segments, pass_segments, recorded_samples
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import MAX_TRANSIENT, remaining_transient, slowest_decay
@@ -186,7 +187,7 @@ def _decay_errors(case: Case, motion: RecordedMotion, rate: float, standard_erro
         line=_scatter_errors(means if is_resolved else halves, record).line
     )
     partial_revolution = _partial_revolution_errors(motion, passes_per_revolution)
-    random = _random_errors(motion, standard_errors, case.bearing.rollers, int(quarter))
+    random = _random_errors(motion, standard_errors, _equal_rollers(case), int(quarter))
     largest = np.fmax.reduce(np.array([remaining, scatter, random, partial_revolution]))
     return StartErrors(*np.where(np.isnan(scatter), nan, largest).tolist())
 
@@ -210,9 +211,9 @@ def _random_errors(
 ) -> StartErrors:
     """Return the standard errors of a record that scatters at random, else NaN.
 
-    rollers: number of rollers; quarter: ball passes in a quarter of the record. The given standard error of a line
-    is that of BPFO. If the record also has other lines, that of each defect's line is estimated from ball passes.
-    Those of line and RMS are NaN for too few ball passes.
+    rollers: as in ``largest_force_error``; quarter: ball passes in a quarter of the record. The given standard
+    error of a line is that of BPFO. If the record also has other lines, that of each defect's line is estimated
+    from ball passes. Those of line and RMS are NaN for too few ball passes.
     """
     if isnan(standard_errors.rms):
         return StartErrors(nan, nan, nan)
@@ -246,16 +247,23 @@ def _partial_revolution_errors(motion: RecordedMotion, revolution: float) -> Sta
     return _relative_changes(record, motion.part(0.0, end), record)._replace(force=0.0)
 
 
+def _equal_rollers(case: Case) -> int:
+    """Return the number of rollers whose largest forces differ only by chance; 1 if rollers deviate in shape."""
+    return 1 if "roller" in elements_with_deviations(case) else case.bearing.rollers
+
+
 def largest_force_error(forces: np.ndarray, rollers: int, quarter: int) -> float:
     """Estimate the relative standard error of the largest force of a record that scatters at random.
 
-    forces: (n,) largest outer force (N) of each ball pass; rollers: number of rollers, which is that of the passes
-    per revolution of the cage; quarter: passes in a quarter of the record, at most n / PARTS.
+    forces: (n,) largest outer force (N) of each ball pass; rollers: number of equal rollers, which is that of the
+    passes per revolution of the cage, 1 if they are not equal; quarter: passes in a quarter of the record, at most
+    n / PARTS.
 
     If the tail of the distribution is exponential, the maximum of a sample has the same standard deviation as the
     maxima of its parts (Gumbel); if it is bounded, a smaller one. The parts are the passes of each roller, because
     a roller keeps its position in its pocket for tens of revolutions. Their maxima above the median give the
-    scatter; quarters of the record add the changes common to all rollers.
+    scatter; quarters of the record add the changes common to all rollers. If one roller has a defect, the largest
+    force is its own, and only the quarters show its scatter.
     """
     roller_maxima = np.array([forces[n::rollers].max() for n in range(min(rollers, len(forces)))])
     quarter_maxima = forces[: PARTS * quarter].reshape(PARTS, quarter).max(axis=1)

@@ -149,6 +149,20 @@ def test_random_error_of_few_passes_is_that_of_the_largest_force() -> None:
     assert result.force == pytest.approx(scatter / 57.0)
 
 
+@pytest.mark.parametrize(("race", "low", "high"), [("roller", 0.003, 0.02), ("outer", 0.1, 0.2)])
+def test_largest_force_of_a_defective_roller_has_no_scatter_between_rollers(
+    race: str, low: float, high: float
+) -> None:
+    """One roller of 13 has about 100 N in every revolution, the others 50 N. If all rollers are equal, the
+    largest force is that of a rare event."""
+    forces = np.full(8 * 13, 50.0)
+    forces[::13] += [50.0, 50.4, 50.1, 49.8, 50.3, 51.0, 50.2, 50.0]
+    motion = start_error.RecordedMotion(np.ones(8 * 130), np.ones(8 * 130), np.empty((0, 8 * 130)), forces, True)
+    of_race = case(bearing="nf308", defect=SLOT | {"race": race, "angle": "0 deg"}, settle="1 s")
+    error = start_error._decay_errors(of_race, motion, RATE, StandardErrors(0.0, 0.0)).force
+    assert low < error < high
+
+
 def motion_of_quarters(quarters: list[float]) -> start_error.RecordedMotion:
     """Return a motion of 48 passes with a line (um/s) of the given amplitude in each quarter, and 10 um/s RMS."""
     velocity = np.repeat(1e-6 * np.array(quarters), 12 * 20) * np.cos(phase := 0.1 * np.pi * np.arange(48 * 20))
