@@ -1,12 +1,18 @@
 """Common parameters of all cases of a figure, for the caption."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import nan
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from bearingsim.config.bands import PASSBAND
 from bearingsim.config.channels import is_contact_force
+from bearingsim.config.names import QUANTITIES
 from bearingsim.plots import labels, select
+from bearingsim.plots.recorded import signals_of
+from bearingsim.plots.units import ROUNDING_NOTE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,6 +21,8 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
+MOVING_ELEMENTS = ("ring", "sensor")
+"""Elements with a bound of their motion due to rounding, as the first word of their channels."""
 CAPTION_FIELDS = (  # parameters of the caption in order, each with the word that precedes its value
     ("bearing.name", ""),
     ("speed", ""),
@@ -132,6 +140,27 @@ def sampling_texts(jobs: Iterable["Job"], channels: Sequence[str]) -> list[str]:
     else:
         band = flat if filtered and not forces else raw
     return [f"sampled at {rate / 1e3:.4g} kHz ({band})"]
+
+
+def rounding_texts(results: "Results", jobs: Mapping[str, "Job"], channels: Sequence[str]) -> list[str]:
+    """Describe motion of rings within rounding, `ring.velocity zero within numerical errors in 2 of 5 jobs`.
+
+    The bounds are those of the table; results of versions without them have none.
+    """
+    return [
+        f"{channel} {ROUNDING_NOTE}" + (f" in {count} of {len(jobs)} jobs" if len(jobs) > 1 else "")
+        for channel in channels
+        if (count := sum(_is_within_rounding(results, name, job, channel) for name, job in jobs.items()))
+    ]
+
+
+def _is_within_rounding(results: "Results", name: str, job: "Job", channel: str) -> bool:
+    """Check if all components of a channel of a job move by no more than rounding alone can."""
+    element, _, quantity = channel.partition(".")
+    if element not in MOVING_ELEMENTS or quantity not in QUANTITIES:
+        return False
+    bound = results.values(f"{quantity}.rounding").get(name, nan)
+    return all(float(np.std(signal.values)) <= bound for signal in signals_of(job, channel))
 
 
 def following_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:

@@ -14,7 +14,7 @@ from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish, share_scales
-from bearingsim.plots.caption import fixed_values, sampling_texts
+from bearingsim.plots.caption import fixed_values, rounding_texts, sampling_texts
 from bearingsim.plots.labels import PlotError, PlotWarning
 from bearingsim.plots.overlay import overlaid_signals
 from bearingsim.plots.recorded import Job, Signal
@@ -137,7 +137,12 @@ def compute_content(
         display.x_label,
         [[records[name] for name in dict.fromkeys(names)] for names in leading],
         [not row.jobs for row in rows],
-        [*display.notes, *sampling_texts(jobs.values(), channels), *fixed],
+        [
+            *rounding_texts(results, jobs, channels),
+            *display.notes,
+            *sampling_texts(jobs.values(), channels),
+            *fixed,
+        ],
     )
 
 

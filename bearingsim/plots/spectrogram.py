@@ -10,7 +10,7 @@ from matplotlib.figure import Figure as Canvas
 from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import finish
-from bearingsim.plots.caption import fixed_values, sampling_texts
+from bearingsim.plots.caption import fixed_values, rounding_texts, sampling_texts
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.style import COLUMN_IN
@@ -72,7 +72,8 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)
     lengths = sorted(1e3 * pass_period(job) / SEGMENTS_PER_PASS for job in records.values())
     ends = " to ".join(dict.fromkeys(f"{length:.2g}" for length in (lengths[0], lengths[-1])))
-    finish(canvas, figure.title, [f"segments of {ends} ms", *sampling_texts(records.values(), [channel]), *fixed])
+    texts = [*rounding_texts(results, records, [channel]), *sampling_texts(records.values(), [channel])]
+    finish(canvas, figure.title, [f"segments of {ends} ms", *texts, *fixed])
     return [Sheet(file_words(figure, jobs), canvas)]
 
 

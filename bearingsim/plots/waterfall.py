@@ -9,7 +9,7 @@ from matplotlib.figure import Figure as Canvas
 
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish
-from bearingsim.plots.caption import fixed_values, following_parameters, sampling_texts
+from bearingsim.plots.caption import fixed_values, following_parameters, rounding_texts, sampling_texts
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import mark_lines, share_lines
 from bearingsim.plots.sheet import Sheet
@@ -87,7 +87,8 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
     fixed = fixed_values(results, table, {path, *others})
     tied = following_parameters(replace(figure, x=path, by=(), panels=tuple(others)), table, units)
-    finish(canvas, figure.title, [*caption, *sampling_texts(records.values(), [channel]), *fixed, *tied])
+    texts = [*rounding_texts(results, records, [channel]), *sampling_texts(records.values(), [channel])]
+    finish(canvas, figure.title, [*caption, *texts, *fixed, *tied])
     return [Sheet(["waterfall", channel, "over", path], canvas)]
 
 

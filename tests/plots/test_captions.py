@@ -1,6 +1,7 @@
 """Captions, legends, units and words of figures."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 from matplotlib.colors import to_rgb
@@ -9,6 +10,7 @@ from bearingsim.plots import labels, style
 from bearingsim.plots.plot import draw_figures
 from bearingsim.report.page import make_page
 from bearingsim.report.studied import study_facts
+from tests.scenes import figure_results
 from tests.scenes.figure_results import FIGURES, STUDY, only, record, results
 
 __all__ = ["results"]
@@ -19,6 +21,25 @@ def test_caption_gives_parameters_of_law(results):
     _, canvas = only(draw_figures(results(STUDY + law + FIGURES)))
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "damping general, coefficient 10000, m2 1, m3 1.5" in caption
+
+
+@pytest.mark.parametrize("kind", ["series", "spectrum", "envelope", "spectrogram", "waterfall"])
+def test_caption_names_motion_within_rounding(results, monkeypatch, kind):
+    """One of the three jobs moves by no more than rounding errors alone can."""
+
+    def with_bound(case):
+        made = record(case)
+        bound = 1e-3 if case.defects and case.defects[0].length > 7e-3 else 1e-17
+        return SimpleNamespace(**vars(made) | {"features": made.features | {"velocity.rounding": bound}})
+
+    monkeypatch.setattr(figure_results, "record", with_bound)
+    options = {"by": ["defect.length"]} if kind == "waterfall" else {}
+    where = {"load": "150 N", "model": "ring"}
+    _, canvas = only(
+        draw_figures(results(STUDY + "sampling: 51.2 kHz\n" + FIGURES), kind=kind, where=where, **options)
+    )
+    caption = " ".join(canvas.get_supxlabel().replace("\u00a0", " ").split())
+    assert "ring.velocity zero within numerical errors in 1 of 3 jobs" in caption
 
 
 def test_caption_gives_fixed_but_not_drawn_parameters(results):
