@@ -7,7 +7,7 @@ a defect rotates, the errors of amplitudes and RMS are also at least those due t
 """
 
 from collections.abc import Sequence
-from math import ceil, exp, floor, hypot, isfinite, isnan, nan
+from math import ceil, exp, floor, hypot, isfinite, isnan, nan, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -117,7 +117,7 @@ def estimate_start_errors(
     case, grid = setup.case, setup.grid
     segments = pass_segments(case, grid, raw, recorded_samples(case, raw)[1])
     passes = min(len(segments.index), segments.distinct)
-    min_duration = 0.0 if raw.repetition.period > 0 else RESOLVED_REVOLUTIONS * defect_revolution_time(case)
+    min_duration = 0.0 if raw.repetition.period > 0 else RESOLVED_REVOLUTIONS * _revolution_time(case)
     if is_steady(setup.model) and passes < floor(min_duration * grid.rate):
         return StartErrors(nan, nan, nan)  # revolutions may differ even in a model without memory
     if passes < (raw.repetition.period or PARTS) or not is_steady(setup.model):
@@ -169,7 +169,7 @@ def _decay_errors(case: Case, motion: RecordedMotion, rate: float, standard_erro
     Quarters shorter than ``RESOLVED_REVOLUTIONS`` do not separate a line from its sidebands, so they show neither
     decay nor scatter; then halves show the scatter. An error is NaN if they are too short as well.
     """
-    passes_per_revolution, count = defect_revolution_time(case) * rate, len(motion.forces)
+    passes_per_revolution, count = _revolution_time(case) * rate, len(motion.forces)
     revolution = max(1.0, passes_per_revolution or PERIOD_MULTIPLE)  # in ball passes
     record, quarter, half = (
         motion.part(0.0, count),
@@ -190,6 +190,12 @@ def _decay_errors(case: Case, motion: RecordedMotion, rate: float, standard_erro
     random = _random_errors(motion, standard_errors, _equal_rollers(case), int(quarter))
     largest = np.fmax.reduce(np.array([remaining, scatter, random, partial_revolution]))
     return StartErrors(*np.where(np.isnan(scatter), nan, largest).tolist())
+
+
+def _revolution_time(case: Case) -> float:
+    """Return the time (s) of a revolution of the slowest defect or form, or of an unbalance; 0 if none rotates."""
+    shaft = 0.0 if case.unbalance is None else 2.0 * pi / case.speed
+    return max(shaft, defect_revolution_time(case))
 
 
 def _remaining_ratios(case: Case, half: float, earlier: StartErrors, later: StartErrors) -> np.ndarray:
