@@ -1,5 +1,6 @@
 """Statements on the results at the end of a run: accuracy, warnings, assumptions, details."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,8 @@ from bearingsim.text.numbers import percent, span
 if TYPE_CHECKING:
     import pandas as pd
 
+DURATION = re.compile(r"(?<=`duration` of )([-+.e\d]+)(?= s)")
+"""Duration, in s, in the reason why a line has no value."""
 LARGEST_STEP_ERRORS = "largest step errors"
 """Beginning of a statement that the page of results omits, because it lists the numerical error of each result."""
 
@@ -178,14 +181,22 @@ def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
 def missing_values(info: "pd.DataFrame") -> Iterator[str]:
     """Yield the lines of defects and the features of extensions without a value in some jobs, with the reason.
 
-    info: one row per finished job.
+    Reasons that differ only in a duration are one reason, with the longest duration, which is sufficient for all
+    these jobs. info: one row per finished job.
     """
     for column in (name for name in map(str, info) if name.startswith(NO_VALUE)):
-        reasons = info[column][info[column] != ""]
-        for reason, jobs in reasons.groupby(reasons):
-            count = f"{len(jobs)} of {len(info)} jobs"
-            feature = column.removeprefix(NO_VALUE)
-            yield f"feature `{feature}` has no value in {count}: {reason} (for example {jobs.index[0]})"
+        reasons = info[column][info[column] != ""].sort_index()
+        for _, alike in reasons.groupby(reasons.str.replace(DURATION, "", regex=True)):
+            count = f"{len(alike)} of {len(info)} jobs"
+            feature, job = column.removeprefix(NO_VALUE), max(alike.index, key=lambda job: _duration(alike[job]))
+            example = f" (for example {job})" if len(alike) > 1 else f" ({job})"
+            yield f"feature `{feature}` has no value in {count}: {alike[job]}{example}"
+
+
+def _duration(reason: str) -> float:
+    """Return the duration (s) in a reason, 0 if it has none."""
+    found = DURATION.search(reason)
+    return float(found[1]) if found else 0.0
 
 
 DEFAULT_FEATURES = ("velocity@BPFO", "velocity.rms")

@@ -160,9 +160,21 @@ def test_missing_values_are_reported_once_per_reason() -> None:
     )
     assert list(missing_values(facts)) == [
         "feature `mine` has no value in 2 of 4 jobs: computed as inf (for example b)",
-        "feature `mine` has no value in 1 of 4 jobs: computed as nan (for example d)",
+        "feature `mine` has no value in 1 of 4 jobs: computed as nan (d)",
     ]
     assert list(missing_values(facts[["method"]])) == []
+
+
+def test_jobs_that_need_different_durations_have_one_reason() -> None:
+    """In a design each job has a frequency, and thus a duration, of its own; the longest suffices for all."""
+    reason = "a `duration` of {} s separates it from {}"
+    reasons = [reason.format(0.21, "fr"), reason.format(1.02, "fr"), reason.format(0.3, "FTF"), "too short"]
+    facts = pd.DataFrame({"no_value.velocity@2BSF": reasons}, index=list("abcd"))
+    assert list(missing_values(facts)) == [
+        f"feature `velocity@2BSF` has no value in 1 of 4 jobs: {reasons[2]} (c)",
+        f"feature `velocity@2BSF` has no value in 2 of 4 jobs: {reasons[1]} (for example b)",
+        "feature `velocity@2BSF` has no value in 1 of 4 jobs: too short (d)",
+    ]
 
 
 @pytest.mark.parametrize("function", ["NO_FUNCTION", "not_there", "mean"])
