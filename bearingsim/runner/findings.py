@@ -267,22 +267,27 @@ def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
             yield f"{jobs}: {quantity} has a step error of up to {percent(exceeding.max())} (`{name}`)"
 
 
+START_ERRORS = {"error.start": "velocity line", "error.start.rms": "velocity RMS"}
+"""Quantities whose errors of the start ``transient_warnings`` reports, by column."""
+
+
 def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of jobs in which parts of the record differ in line or RMS by more than ``STEP_ACCURACY``.
 
     The cause is the initial transient, or a record of few revolutions of a defect. Jobs with random scatter (a
     standard error, or cage slip) are left out.
     """
-    columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
-    if not columns:
-        return
     is_random = frame.filter(items=["features/standard_error.line", "features/cage.slip.mean"]).notna().any(axis=1)
-    errors = frame.loc[~is_random, columns].max(axis=1)
-    errors = errors[errors > STEP_ACCURACY]
-    if len(errors):
-        jobs = f"{len(errors)} job{'s' * (len(errors) > 1)}"
+    errors = frame.loc[~is_random].filter(items=[f"features/{name}" for name in START_ERRORS])
+    exceeding = errors.where(errors > STEP_ACCURACY).dropna(how="all").dropna(how="all", axis=1)
+    if len(exceeding):
+        jobs = f"{len(exceeding)} job{'s' * (len(exceeding) > 1)}"
+        columns = {str(column).removeprefix("features/"): exceeding[column].max() for column in exceeding}
+        texts = [
+            f"of the {START_ERRORS[name]} up to {percent(error)} (`{name}`)" for name, error in columns.items()
+        ]
         yield (
-            f"{jobs}: error of up to {percent(errors.max())} (`error.start`), because the record is short or not"
+            f"{jobs}: error {', '.join(texts)}, because the record is short or not"
             " settled; use a longer `duration` or `settle` (docs/settling.md)"
         )
 

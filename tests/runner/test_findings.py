@@ -50,8 +50,13 @@ def test_record_whose_parts_differ_is_reported_with_its_remedy() -> None:
         {"features/error.start": [0.03, 0.002, 0.02], "features/error.start.rms": [0.0, 0.001, 0.05]}
     )
     assert list(transient_warnings(frame)) == [
-        "2 jobs: error of up to 5 % (`error.start`), because the record is short or not settled;"
-        " use a longer `duration` or `settle` (docs/settling.md)"
+        "2 jobs: error of the velocity line up to 3 % (`error.start`), of the velocity RMS up to 5 %"
+        " (`error.start.rms`), because the record is short or not settled; use a longer `duration` or `settle`"
+        " (docs/settling.md)"
+    ]
+    frame["features/error.start"] = 0.003  # an error within 1 % is not attributed to the line
+    assert [text.partition(",")[0] for text in transient_warnings(frame)] == [
+        "1 job: error of the velocity RMS up to 5 % (`error.start.rms`)"
     ]
     frame["features/cage.slip.mean"] = 0.1  # scatter of a free cage is reported as a standard error
     assert not list(transient_warnings(frame))
