@@ -1,7 +1,7 @@
 """Numerical errors of features: step, scatter of chaotic responses, and initial transient."""
 
 from collections.abc import Iterator, Sequence
-from math import inf, nan
+from math import degrees, inf, nan
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.config.names import STEP_ACCURACY
@@ -9,7 +9,7 @@ from bearingsim.plots import labels
 from bearingsim.store import feature_bounds, is_zero, relative_error
 from bearingsim.store.nearness import scales
 from bearingsim.store.spread import reference_ratio
-from bearingsim.text.numbers import percent
+from bearingsim.text.numbers import percent, significant
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 STEP_ERRORS = {
     "velocity.rms": "rms",
     "velocity@": "line",
+    "acceleration@": "line",  # computed from that of the velocity
     "outer_force.max": "force",
     "acceleration.rms": "record",
 }
@@ -61,8 +62,8 @@ class Errors(NamedTuple):
 def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> Errors | None:
     """Return the numerical errors of a feature by row; 0 where it is zero within them.
 
-    None for a feature not covered by the step check, which covers lines and RMS of the velocity, the largest
-    force, and the RMS of recorded channels.
+    None for a feature not covered by the step check, which covers lines and RMS of the velocity, lines of the
+    acceleration, the largest force, and the RMS of recorded channels.
     """
     base, kind = _base_and_kind(name)
     step, is_chaotic = rows.get(f"step_error.{kind}"), rows["chaotic"] == 1.0 if "chaotic" in rows else None
@@ -70,7 +71,7 @@ def numerical_errors(results: "Results", rows: "pd.DataFrame", name: str) -> Err
         return None
     if step is None or is_chaotic is None or base not in rows or not (step.notna() | is_chaotic).any():
         return None
-    frame, value = rows.add_prefix("features/"), rows[base].abs()
+    frame, value = rows.add_prefix("features/"), _reference_value(rows, name)
     scatter = STANDARD_ERRORS * relative_error(rows, base).where(is_chaotic, 0.0).fillna(inf) * value
     step = (step * reference_ratio(frame, base) * value).where(~is_zero(rows, base), 0.0)
     return Errors(step, scatter)
@@ -84,16 +85,23 @@ def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) 
     for name in (name for name in names if f"error {name}" not in rows):
         feature = labels.in_sentence(labels.feature_text(name))
         for text, error in _errors_by_cause(results, rows, name):
-            value = rows[name].abs().where(~is_zero(rows, name), 0.0)
-            share = _largest_shares(error, value)
+            share = _share_text(rows, name, error)
             unknown = int((~(error < inf) & rows[name].notna()).sum())
             exception = f"unknown in {unknown} of {len(rows)}" if unknown else ""
-            if share is not None:
-                of_value, of_largest = map(percent, share)
-                shares = f"up to {of_value} of its value ({of_largest} of the largest)"
-                yield f"{text} of the {feature} {', '.join(filter(None, (shares, exception)))}"
+            if share:
+                yield f"{text} of the {feature} {', '.join(filter(None, (share, exception)))}"
             elif (error == inf).any():
                 yield f"{text} of the {feature} {exception}"
+
+
+def _share_text(rows: "pd.DataFrame", name: str, error: "pd.Series[float]") -> str:
+    """Describe the largest error (SI) of a feature; empty if all are within 1 %, of a phase within 0.01 rad."""
+    if is_phase(name):
+        largest = float(error[error < inf].max())
+        return f"up to {degrees_text(largest)}" if largest > STEP_ACCURACY else ""
+    value = rows[name].abs().where(~is_zero(rows, name), 0.0)
+    shares = _largest_shares(error, value)
+    return f"up to {percent(shares[0])} of its value ({percent(shares[1])} of the largest)" if shares else ""
 
 
 def _errors_by_cause(
@@ -135,13 +143,33 @@ def _start_errors(results: "Results", rows: "pd.DataFrame", name: str) -> "pd.Se
     start = results.values(START_ERRORS[kind]).reindex(rows["job"]).set_axis(rows.index)
     is_random = rows.filter(items=["standard_error.line", "cage.slip.mean"]).notna().any(axis=1)
     start = start.where(~is_random, 0.0) * reference_ratio(rows.add_prefix("features/"), base)
-    return start * rows[base].abs()
+    return start * _reference_value(rows, name)
 
 
 def _base_and_kind(name: str) -> tuple[str, str]:
-    """Return a feature without the suffix `-healthy`, and the kind of its step error, "" without one."""
-    base = name.removesuffix("-healthy")
+    """Return the feature of a phase or a change from healthy, and the kind of its step error, "" without one."""
+    base = name.removesuffix(".phase").removesuffix("-healthy")
     return base, next((kind for start, kind in STEP_ERRORS.items() if base.startswith(start)), "")
+
+
+def _reference_value(rows: "pd.DataFrame", name: str) -> "pd.Series[float]":
+    """Return by row the value to which the relative errors of a feature refer, in SI.
+
+    It is the feature itself, of a change from healthy the whole amplitude. A relative error of a complex amplitude
+    is the largest error of its phase in rad.
+    """
+    value = rows[_base_and_kind(name)[0]].abs()
+    return value / rows[name.removesuffix(".phase")].abs() if is_phase(name) else value
+
+
+def is_phase(name: str) -> bool:
+    """Check if a feature is the phase of a spectral line."""
+    return name.endswith(".phase")
+
+
+def degrees_text(angle: float) -> str:
+    """Format an error of a phase (rad): `3.2°`, at most 180°."""
+    return f"{significant(min(degrees(angle), 180.0))}°"
 
 
 def _is_recorded(results: "Results", quantity: str) -> bool:

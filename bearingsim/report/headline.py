@@ -1,7 +1,7 @@
 """Main results of a study: the range, error and extreme cases of the features that its figures name."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -219,10 +219,12 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
 def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     """Format the largest errors relative to the largest value: `numerical error 0.3 %, statistical scatter 2 %`.
 
+    Errors of a phase are in degrees.
+
     The numerical error is that of the step; it is left out if all motions are chaotic, as is the scatter if none
     is. Returns "" for a feature without errors (``numerical_errors``), or one that is zero within them.
     """
-    from bearingsim.plots.error_bounds import numerical_errors
+    from bearingsim.plots.error_bounds import degrees_text, is_phase, numerical_errors
     from bearingsim.store import all_zero
 
     errors, largest = numerical_errors(results, rows, name), float(rows[name].abs().max())
@@ -230,19 +232,20 @@ def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
         return ""
     is_chaotic, texts = rows["chaotic"] == 1.0, []
     step, scatter = errors.step[~is_chaotic], errors.scatter[is_chaotic]
+    text = degrees_text if is_phase(name) else lambda error: percent(error / largest)
     if step.notna().any():
         unchecked = int((step.isna() & rows[name].notna()).sum())
         exception = f", of {unchecked} jobs not estimated" if unchecked else ""
-        texts.append(f"numerical error {percent(float(step.max() / largest))}{exception}")
+        texts.append(f"numerical error {text(float(step.max()))}{exception}")
     if len(scatter):
-        texts.append(_scatter_text(scatter, largest))
+        texts.append(_scatter_text(scatter, text))
     return ", ".join(texts)
 
 
-def _scatter_text(scatter: "pd.Series[float]", largest: float) -> str:
-    """Format the largest statistical scatter of chaotic jobs relative to the ``largest`` value, both in SI."""
+def _scatter_text(scatter: "pd.Series[float]", text: Callable[[float], str]) -> str:
+    """Format the largest statistical scatter (SI) of chaotic jobs by ``text``."""
     unknown = int((scatter == inf).sum())
     if unknown == len(scatter):
         return "statistical scatter unknown (chaotic)"
     exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
-    return f"statistical scatter {percent(float(scatter[scatter < inf].max() / largest))}{exception}"
+    return f"statistical scatter {text(float(scatter[scatter < inf].max()))}{exception}"

@@ -240,6 +240,24 @@ def test_chaotic_line_has_the_step_error_that_the_rms_resolves() -> None:
     assert bounds["error.step"].iloc[:3].tolist() == pytest.approx([0.07, 0.01, 0.0])
 
 
+def test_error_of_a_phase_is_an_angle() -> None:
+    """A relative error of 2 % of a complex amplitude turns it by up to 0.02 rad, its change by up to 0.08."""
+    columns = {LINE: [1.0], f"{LINE}.phase": [3.0], CHANGE: [0.25], f"{CHANGE}.phase": [0.001]}
+    rows = pd.DataFrame(columns | {"step_error.line": [0.02], "chaotic": [0.0], "job": ["a"]})
+    results: Any = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
+    phase, change = error_texts(results, rows, [f"{LINE}.phase", f"{CHANGE}.phase"])
+    assert phase == "numerical error of the velocity phase at BPFO up to 1.15°"
+    assert change.endswith("up to 4.58°")
+    assert not list(error_texts(results, rows.assign(**{"step_error.line": 0.002}), [f"{LINE}.phase"]))
+
+
+def test_line_of_the_acceleration_has_the_relative_error_of_that_of_the_velocity() -> None:
+    columns = {LINE: [1e-3], "acceleration@BPFO": [1.0], "step_error.line": [0.02], "chaotic": [0.0]}
+    errors = numerical_errors(SimpleNamespace(), pd.DataFrame(columns), "acceleration@BPFO")  # type: ignore[arg-type]
+    assert errors is not None
+    assert errors.step.tolist() == pytest.approx([0.02])
+
+
 def test_caption_does_not_count_cases_without_a_value() -> None:
     columns = {LINE: [1.0, 1.0, nan], "step_error.line": [0.001, 0.02, nan], "chaotic": [0.0] * 3}
     results = SimpleNamespace(values=lambda _: pd.Series(dtype=float))
