@@ -132,6 +132,7 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
 
     from bearingsim.plots.labels import format_quantity
     from bearingsim.store import zero_bounds
+    from bearingsim.store.spread import scatters_by_known_amount
     from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 
     if name.endswith((".phase", "-healthy")):
@@ -140,12 +141,13 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
     varied = {(variation["of"], variation["what"]) for variation in results.variations}
     for quantity, values in tried.items():
         jobs = [job for job in rows["job"] if (job, quantity) in varied]
-        ends = results.spread(name, quantity)[["least", "largest"]].astype(float).reindex(jobs).dropna()
+        spread = results.spread(name, quantity)
+        ends = spread[["least", "largest"]].astype(float).reindex(jobs).dropna()
         limits = pd.concat([ends["least"], ends["largest"]])
         unknown = len(jobs) - len(ends)
-        reason = "variation missing, or chaotic and too short"
         bounds = zero_bounds(rows.set_index("job"), name).groupby(level=0).min().reindex(limits.index)
         texts = [_range(limits, unit, factor, bool((limits.abs() <= bounds).all()))] if len(ends) else []
+        reason = _reason_unknown(spread, name, jobs, scatters_by_known_amount(results.frame, name))
         texts += [f"unknown in {unknown} of {len(jobs)} cases ({reason})"] if unknown else []
         if len(ends) > 1 and not unknown:
             common = [float(ends["least"].max()), float(ends["largest"].min())]
@@ -156,6 +158,20 @@ def _ranges(results: "Results", rows: "pd.DataFrame", name: str, unit: str, fact
             scope = f" in {len(jobs)} of {len(rows)} cases" if len(jobs) < len(rows) else ""
             varied_text = f"with {quantity} {format_quantity(PARAMETER_KINDS[quantity].range_text(values))}{scope}"
             yield f"{varied_text}: {', '.join(texts)}"
+
+
+def _reason_unknown(spread: "pd.DataFrame", name: str, jobs: list[str], has_estimate: bool) -> str:
+    """Name the reasons why cases have no range: a variation without a value, or an unknown standard error.
+
+    spread: from ``Results.spread``; has_estimate: if the feature has a standard error in chaotic motions.
+    """
+    scatter = "chaotic and too short" if has_estimate else f"chaotic; `{name}` has no standard error then"
+    ranges = spread.reindex(jobs)
+    is_missing = ~ranges.index.isin(spread.index)
+    is_chaotic = ranges["least"].isna().to_numpy() & ~is_missing
+    return ", or ".join(
+        text for text, flags in (("variation missing", is_missing), (scatter, is_chaotic)) if flags.any()
+    )
 
 
 def _range(values: "pd.Series[float]", unit: str, factor: float, is_zero: bool = False) -> str:

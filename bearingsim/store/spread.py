@@ -90,6 +90,11 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     return chaotic_errors.where(early_errors.isna(), early_errors * value)
 
 
+def scatters_by_known_amount(frame: "pd.DataFrame", feature: str) -> bool:
+    """Check if chaotic motions have a standard error of a feature, unless their records are too short."""
+    return f"features/{feature}-scatter" in frame or ".rms" in feature or feature == "outer_force.max"
+
+
 def reference_ratio(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return by job the ratio of the value to which the errors of a feature are relative to the feature itself.
 

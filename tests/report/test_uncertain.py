@@ -80,8 +80,21 @@ def test_unknown_range_is_named_in_the_card_with_its_reason(uncertain):
     uncertain.frame["features/chaotic"] = 1.0
     uncertain.frame["features/rms_scatter"] = np.inf
     [rms, _] = feature_results(uncertain)
-    text = "with damping 1 to 5 µs: unknown in 6 of 6 cases (variation missing, or chaotic and too short)"
-    assert text in rms.remarks
+    assert "with damping 1 to 5 µs: unknown in 6 of 6 cases (chaotic and too short)" in rms.remarks
+    damped = [v["job"] for v in uncertain.variations if v["what"] == "damping" and v["job"] != v["of"]]
+    uncertain.frame.loc[damped[0], "features/acceleration.rms"] = np.nan
+    [rms, _] = feature_results(uncertain)
+    reasons = "variation missing, or chaotic and too short"
+    assert f"with damping 1 to 5 µs: unknown in 6 of 6 cases ({reasons})" in rms.remarks
+
+
+def test_range_of_a_line_without_a_standard_error_does_not_need_a_longer_record(uncertain):
+    """Of the lines, only multiples of BPFO have a standard error in a chaotic motion."""
+    uncertain.frame["features/chaotic"] = 1.0
+    del uncertain.frame["features/velocity@BPFO-scatter"]
+    [_, result] = feature_results(uncertain)
+    reason = "chaotic; `velocity@BPFO` has no standard error then"
+    assert f"with damping 1 to 5 µs: unknown in 6 of 6 cases ({reason})" in result.remarks
 
 
 def test_rms_of_a_recorded_acceleration_has_a_numerical_error(uncertain):
