@@ -175,6 +175,15 @@ def following_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[
         yield f"{labels.name_text(path)} varies{with_name}: {_range(path, rows, units)}"
 
 
+def missing_values(rows: "pd.DataFrame", features: Sequence[str]) -> Iterator[str]:
+    """Name features without a value in finished jobs: `velocity amplitude at 2BSF without a value in 3 of 8`."""
+    done = rows[rows["status"] == "done"]
+    for name in features:
+        if count := int(done[name].isna().sum()):
+            feature = labels.in_sentence(labels.feature_text(name))
+            yield f"{feature} without a value in {count} of {len(done)}"
+
+
 def varying_parameters(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
     """Describe parameters that vary in a scatter figure without an axis or panel: `load varies: 150 to 300 N`.
 

@@ -32,6 +32,7 @@ from bearingsim.plots.axes import (
     x_label,
     y_label,
 )
+from bearingsim.plots.points import positions
 from bearingsim.plots.style import COLUMN_IN, PAGE_IN
 from bearingsim.plots.units import choose_feature_scale
 from bearingsim.study import Figure
@@ -79,6 +80,21 @@ def compute_trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
     positions = np.array([np.median(group[:, 0]) for group in groups])
     low, median, high = np.array([np.percentile(group[:, 1], (25, 50, 75)) for group in groups]).T
     return Trend(positions, median, low, high)
+
+
+def trend_texts(
+    figure: Figure, paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return ``TREND_TEXTS`` if a curve of a completed figure over one of some paths has medians."""
+    drawn = [*figure.by, *figure.panels]
+    curves = [part for _, part in rows.groupby(drawn, dropna=False)] if drawn else [rows]
+    has_trend = any(
+        compute_trend(positions(path, part, rows, units), list(part[name])) is not None
+        for part in curves
+        for name in figure.y
+        for path in paths
+    )
+    return TREND_TEXTS if has_trend else ()
 
 
 def describe_design(design: Mapping[str, Any]) -> str:

@@ -5,7 +5,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import design, select, sweep
-from bearingsim.plots.caption import band_of_record, fixed_values, following_parameters, varying_parameters
+from bearingsim.plots.caption import (
+    band_of_record,
+    fixed_values,
+    following_parameters,
+    missing_values,
+    varying_parameters,
+)
 from bearingsim.plots.error_bounds import error_texts, with_errors
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.overlay import FigureData
@@ -64,8 +70,9 @@ def complete_design(results: "Results", figure: "Figure", rows: "pd.DataFrame") 
     complete, part = select.complete_figure(replace(figure, x=paths[0]), rows, units, design_paths)
     others = {path: unit for path, unit in units.items() if path not in paths}
     fixed = fixed_values(results, part, {*paths, *complete.by}) + band_of_record(results, part, figure.y)
-    errors = error_texts(results, part, figure.y)
-    caption = [*fixed, *errors, *varying_parameters(complete, part, others), *_design_texts(results)]
+    errors = [*error_texts(results, part, figure.y), *missing_values(part, figure.y)]
+    described = [*varying_parameters(complete, part, others), design.describe_design(results.plan["design"])]
+    caption = [*fixed, *errors, *described, *design.trend_texts(complete, paths, part, units)]
     return DesignContent(paths, complete, part, caption)
 
 
@@ -86,14 +93,16 @@ def complete_sweep(results: "Results", requested: "Figure", rows: "pd.DataFrame"
 
     Raises PlotError, as ``select.complete_figure``.
     """
-    units, design = results.plan["units"], select.design_paths(results)
-    figure, part = select.complete_figure(requested, rows, units, design)
-    is_scattered = bool(select.scattered_paths(figure, part, design))
+    units, design_paths = results.plan["units"], select.design_paths(results)
+    figure, part = select.complete_figure(requested, rows, units, design_paths)
+    is_scattered = bool(select.scattered_paths(figure, part, design_paths))
     part = part if is_scattered else with_errors(results, part, figure.y)
     caption = fixed_values(results, part, {figure.x, *select.varied_paths(part, [*figure.by, *figure.panels])})
     caption += [*band_of_record(results, part, figure.y), *error_texts(results, part, figure.y)]
+    caption += missing_values(part, figure.y)
     if is_scattered:
-        texts = [*varying_parameters(figure, part, units), *_design_texts(results)]
+        described = [*varying_parameters(figure, part, units), design.describe_design(results.plan["design"])]
+        texts = [*described, *design.trend_texts(figure, [figure.x], part, units)]
         return SweepContent(figure, part, caption + texts, scattered=True)
     caption += following_parameters(figure, part, units)
     part = select.with_spread(results, part, figure.y)
@@ -110,7 +119,3 @@ def _draw(results: "Results", requested: "Figure", rows: "pd.DataFrame") -> Shee
         return Sheet(words, design.draw(figure, part, units, caption))
     draw = sweep.draw_names if sweep.has_many_names(figure, part, units) else sweep.draw
     return Sheet(words, draw(FigureData(figure, part, units), caption, results.measured))
-
-
-def _design_texts(results: "Results") -> list[str]:
-    return [design.describe_design(results.plan["design"]), *design.TREND_TEXTS]

@@ -108,6 +108,25 @@ def test_failed_and_missing_jobs_are_marked_on_the_axis(results):
     assert np.isfinite(points_of(canvas.axes[0])[0][:, 1]).sum() == 30
 
 
+def test_caption_counts_points_without_a_value(results):
+    """A line is NaN in a record too short to separate it, at speeds that the axis then lacks."""
+    opened = results(SOBOL)
+    rows = opened.table()["velocity@BPFO"].copy()
+    _, canvas = only(draw_figures(opened, kind="design", y=["velocity@BPFO"]))
+    assert "without a value" not in caption_of(canvas)
+    opened._table["velocity@BPFO"] = rows.where(rows.index >= 3)
+    for options in ({"kind": "design"}, {"x": "load"}):
+        _, canvas = only(draw_figures(opened, y=["velocity@BPFO"], **options))
+        assert "velocity amplitude at BPFO without a value in 3 of 32" in caption_of(canvas)
+
+
+def test_caption_describes_medians_only_if_they_are_drawn(results):
+    opened = results(SOBOL)
+    for by, is_drawn in (([], True), (["defect.angle"], False)):
+        _, canvas = only(draw_figures(opened, x="load", by=by, y=["velocity@BPFO"]))
+        assert ("running median" in caption_of(canvas)) == is_drawn
+
+
 def test_trend_is_median_and_quartiles():
     rng = np.random.default_rng(1)
     x = rng.uniform(0.0, 1.0, 400)
