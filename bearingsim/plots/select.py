@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 HEALTHY_PHASE = "-healthy.phase"
 MAX_CURVES = 9  # largest number of curves in a panel of an automatic figure
 MAX_LISTED = 20  # largest number of values, or of valid words, that a message lists
+MAX_NEAREST = 4  # largest number of numbers near a wrong one that a message lists
 DEFAULT_JOBS = 3  # number of jobs in a figure of signals without a selection
 
 
@@ -286,17 +287,48 @@ def category(paths: Sequence[str], row: Mapping[Any, Any], units: Mapping[str, s
 
 
 def matching_rows(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
-    """Select the rows with the values ``where`` of swept paths. Raises PlotError for no match or unknown paths."""
+    """Select the rows with the values ``where`` of swept paths. Raises PlotError for no match or unknown paths.
+
+    A value that no row has selects those that tables and figures print like it, as values of a design are rounded.
+    """
     for path, text in where.items():
         _check(path, units, "swept path")
-        if not _matches(rows[path], path, text).any() and len(rows):
-            swept = [value_text(path, value, units) for value in distinct_values(rows, path)]
-            several = f" (values: {', '.join(swept[:MAX_LISTED])}{', ...' * (len(swept) > MAX_LISTED)})"
-            raise PlotError(f"no case has {_describe_filter(where)}{several}")
-        rows = rows[_matches(rows[path], path, text)]
+        is_selected = _matches(rows[path], path, text)
+        if not is_selected.any():
+            is_selected = _matches(rows[path].map(lambda value, of=path: _printed(of, value, units)), path, text)
+        if not is_selected.any() and len(rows):
+            raise PlotError(f"no case has {_describe_filter(where)} ({_other_values(rows, path, text, units)})")
+        rows = rows[is_selected]
     if rows.empty:
         raise PlotError(f"no case has {_describe_filter(where)}")
     return rows
+
+
+def _printed(path: str, value: Any, units: Mapping[str, str]) -> Any:
+    """Return the value (SI) of the text that is printed for a number; other values unchanged."""
+    if not is_numeric([value]) or value != value:
+        return value
+    printed = _read(path, value_text(path, value, units))
+    return value if printed is None else printed
+
+
+def _other_values(rows: "pd.DataFrame", path: str, text: str, units: Mapping[str, str]) -> str:
+    """List the values of a path, of many numbers the nearest to ``text``: `values: 150 N, 300 N`."""
+    distinct, value = distinct_values(rows, path), _read(path, text)
+    if len(distinct) > MAX_LISTED and is_numeric(distinct) and value is not None:
+        nearest = sorted(sorted(distinct, key=lambda other: abs(other - value))[:MAX_NEAREST])
+        return f"nearest: {', '.join(value_text(path, other, units) for other in nearest)}"
+    texts = [value_text(path, other, units) for other in distinct[:MAX_LISTED]]
+    return f"values: {', '.join(texts)}{', ...' * (len(distinct) > MAX_LISTED)}"
+
+
+def _read(path: str, text: str) -> float | None:
+    """Read the number (SI) of a path from its text; None for a word."""
+    unit_kind = dimension(path)
+    try:
+        return parse(text, unit_kind) if unit_kind else float(text)  # seeds have no unit
+    except (UnitError, ValueError):
+        return None
 
 
 def _describe_filter(where: Mapping[str, str]) -> str:
@@ -342,11 +374,7 @@ def _check(word: str, valid: Any, kind: str) -> None:
 
 def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]":
     """Compare a swept column, of numbers, words or both, with a value written as ``text``."""
-    unit_kind = dimension(path)
-    try:
-        value = parse(text, unit_kind) if unit_kind else float(text)  # seeds have no unit
-    except (UnitError, ValueError):
-        value = None
+    value = _read(path, text)
     if value is None:
         return column == text
     numbers = column.where(column.map(lambda entry: is_numeric([entry]))).astype(float)

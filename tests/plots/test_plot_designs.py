@@ -127,6 +127,18 @@ def test_caption_describes_medians_only_if_they_are_drawn(results):
         assert ("running median" in caption_of(canvas)) == is_drawn
 
 
+def test_printed_value_selects_the_point_of_a_design(results):
+    """Values have 12 digits, of which tables and figures print 5."""
+    opened = results(SOBOL)
+    load = sorted({row["swept"]["load"] for row in opened.plan["jobs"] if not row["twin"]})[4]
+    printed = f"{load:.5g} N"
+    assert float(printed.split()[0]) != load
+    _, canvas = only(draw_figures(opened, kind="pit", where={"load": printed}))
+    assert canvas
+    with pytest.raises(PlotError, match=rf"no case has load {load + 0.01:.6g} N \(nearest: .*{printed}"):
+        draw_figures(opened, kind="pit", where={"load": f"{load + 0.01:.6g} N"})
+
+
 def test_trend_is_median_and_quartiles():
     rng = np.random.default_rng(1)
     x = rng.uniform(0.0, 1.0, 400)
