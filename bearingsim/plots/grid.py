@@ -171,8 +171,9 @@ def draw_grid(panels: Content, title: str | None, marks: Sequence[Line2D] = ()) 
 
 def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator[Row]:
     """Group jobs into rows; a row for the healthy baselines follows if they are drawn below."""
-    units, by = results.plan["units"], figure.by
-    select.check_paths(by, units)
+    units = results.plan["units"]
+    select.check_paths(figure.by, units)
+    by = (*figure.by, *_tied_paths(results, figure.by))
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     layout = figure.view.healthy or ("off" if by else "beside")
     baseline_of = {} if layout == "off" else _baselines(results, jobs)
@@ -196,6 +197,18 @@ def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator
             yield Row(", ".join(filter(None, [HEALTHY, labels.swept_text(healthy_values, units)])), {}, baselines)
         else:
             yield Row(title, group, baselines)
+
+
+def _tied_paths(results: "Results", by: Sequence[str]) -> list[str]:
+    """List the paths with one value for each value of ``by``, as those of a `zip`; none for a path of a design.
+
+    Each value of a design occurs once, so all paths would be tied to it.
+    """
+    if not by or set(by) & set(select.design_paths(results)):
+        return []
+    table = select.case_rows(results)
+    others = select.varied_paths(table, [path for path in results.plan["units"] if path not in by])
+    return [path for path in others if select.follows(path, by, table)]
 
 
 def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:

@@ -86,7 +86,7 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(step, 3)} {scale.unit}"
     caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
     fixed = fixed_values(results, table, {path, *others})
-    tied = following_parameters(replace(figure, x=path, by=(), panels=tuple(others)), table, units)
+    tied = following_parameters(replace(figure, x="", by=(path,), panels=tuple(others)), table, units)
     texts = [*rounding_texts(results, records, [channel]), *sampling_texts(records.values(), [channel])]
     finish(canvas, figure.title, [*caption, *texts, *fixed, *tied])
     return [Sheet(["waterfall", channel, "over", path], canvas)]

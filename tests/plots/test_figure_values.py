@@ -314,7 +314,27 @@ def test_spectra_over_a_tied_parameter_are_stacked(make_results):
     _, canvas = only(draw_figures(make_results(text), kind="waterfall", by=["load"]))
     [ax] = canvas.axes
     assert [label.get_text() for label in ax.get_yticklabels()] == ["150 N", "200 N", "250 N"]
-    assert "defect length varies with x: 3 to 9 mm" in " ".join(canvas.get_supxlabel().split())
+    caption = " ".join(canvas.get_supxlabel().split())  # x is the frequency
+    assert "defect length varies with load: 3 to 9 mm" in caption
+
+
+def test_curves_over_a_tied_parameter_share_a_row(make_results):
+    """Length and width vary together, so jobs of another length are not in another row for their width."""
+    head = STUDY.partition("sweep:")[0]
+    zipped = "zip: {defect.length: [3 mm, 6 mm], defect.width: [1 mm, 2 mm]}"
+    stored = make_results(f"{head}sweep: {{{zipped}, load: [150 N, 200 N]}}\n")
+    _, canvas = only(draw_figures(stored, kind="series", by=["defect.length"], jobs=["all"]))
+    assert [ax.get_title(loc="left") for ax in canvas.axes] == ["load 150 N", "load 200 N"]
+    assert text_of(canvas) == ["length 3 mm, width 1 mm", "length 6 mm, width 2 mm"]
+
+
+def test_jobs_of_a_design_have_rows_of_their_own(make_results):
+    """Each of its values occurs once, which ties no other parameter to it."""
+    head = STUDY.partition("sweep:")[0]
+    over = "{load: [150 N, 200 N], defect.length: [3 mm, 6 mm]}"
+    stored = make_results(f"{head}sweep: {{lhs: {{n: 3, over: {over}}}}}\n")
+    _, canvas = only(draw_figures(stored, kind="series", by=["load"], jobs=["all"]))
+    assert len(canvas.axes) == 3
 
 
 def test_caption_has_the_segments_of_all_speeds(make_results):
