@@ -79,7 +79,9 @@ def finished_jobs(results: "Results") -> list[str]:
     status = results.table().set_index("job")["status"]
     jobs = [job for job in results.jobs if status[job] == "done"]
     if not jobs:
-        raise UserError("no job is done: `bearingsim show --failed` lists failures")
+        has_failed = bool((status == "failed").any())
+        advice = "`bearingsim show --failed` lists failures" if has_failed else "repeat `bearingsim run`"
+        raise UserError(f"no job is done: {advice}")
     if len(jobs) < len(results.jobs):
         say(f"{len(results.jobs) - len(jobs)} of {len(results.jobs)} jobs omitted, because not done", err=True)
     return jobs

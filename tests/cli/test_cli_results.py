@@ -206,7 +206,11 @@ def test_jobs_that_are_not_done_have_no_series(capsys):
     assert exporting.finished_jobs(results) == ["a"]
     assert "2 of 3 jobs omitted, because not done" in capsys.readouterr().err
     results.jobs = ("b", "c")
-    with pytest.raises(UserError, match="no job is done"):
+    with pytest.raises(UserError, match="no job is done: `bearingsim show --failed` lists failures"):
+        exporting.finished_jobs(results)
+    results.jobs = ("c",)  # of a run that was killed before its first job
+    table["status"] = "missing"
+    with pytest.raises(UserError, match="no job is done: repeat `bearingsim run`"):
         exporting.finished_jobs(results)
 
 
