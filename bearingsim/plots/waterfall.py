@@ -1,5 +1,6 @@
 """Spectra stacked over a swept parameter."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-SPACING = 0.5  # distance of the curves' zero lines, relative to the largest value
-SPACING_DB = 25.0  # dB, distance of the curves of levels
+SPACING = 0.5  # distance of the curves' zero lines, relative to the largest value, or to the range of levels
+SPACING_DB = 5.0  # dB, of which the distance of the curves of levels is a multiple
 ROW_IN, MIN_IN = 0.32, 2.2  # height per curve, and minimum height of axes
 MIN_SPECTRA = 3  # minimum number of spectra
 LINE_WIDTH = 0.9
@@ -59,7 +60,7 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     axes_height = max(MIN_IN, ROW_IN * max(len(rows) for _, rows in groups))
     canvas = Canvas(figsize=(2 * COLUMN_IN, axes_height * len(groups) + 0.9), layout="constrained")
     axes = canvas.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
-    step = SPACING_DB if figure.view.db else SPACING * scale.factor * largest
+    step = _distance([scale.to_axis(amplitude) for _, amplitude in spectra.values()], figure.view.db)
     marked: list[Job] = []
     for ax, (title, rows) in zip(axes, groups, strict=True):
         ordered = rows.sort_values(path) if select.is_numeric(select.distinct_values(rows, path)) else rows
@@ -90,6 +91,18 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     texts = [*rounding_texts(results, records, [channel]), *sampling_texts(records.values(), [channel])]
     finish(canvas, figure.title, [*caption, *texts, *fixed, *tied])
     return [Sheet(["waterfall", channel, "over", path], canvas)]
+
+
+def _distance(curves: Sequence[np.ndarray], are_levels: bool) -> float:
+    """Return the distance of the zero lines of curves, in the unit of the axis.
+
+    A curve of levels (dB) rises from the floor of all curves, not from zero.
+    """
+    largest = max(float(np.max(curve)) for curve in curves)
+    if not are_levels:
+        return SPACING * largest
+    lowest = min(float(np.min(curve)) for curve in curves)
+    return SPACING_DB * max(1.0, math.ceil(SPACING * (largest - lowest) / SPACING_DB))
 
 
 def _stacked_path(figure: "Figure", varied: Sequence[str], rows: "pd.DataFrame") -> str:

@@ -318,6 +318,19 @@ def test_spectra_over_a_tied_parameter_are_stacked(make_results):
     assert "defect length varies with load: 3 to 9 mm" in caption
 
 
+def test_levels_are_stacked_by_half_of_their_range(make_results):
+    """A curve of 100 dB above zero lines 25 dB apart would begin at its own label and end at that of the fifth."""
+    text = STUDY.partition("sweep:")[0] + "sweep: {load: [150 N, 200 N, 250 N]}\n"
+    _, canvas = only(draw_figures(make_results(text), kind="waterfall", db=True))
+    [ax] = canvas.axes
+    zeros = ax.get_yticks()
+    lower, upper, _ = zeros
+    heights = np.concatenate(
+        [curve.get_ydata() - zero for curve, zero in zip(long_curves(ax), zeros, strict=True)]
+    )
+    assert 0.5 * np.ptp(heights) <= upper - lower < 0.5 * np.ptp(heights) + 5.0
+
+
 def test_curves_over_a_tied_parameter_share_a_row(make_results):
     """Length and width vary together, so jobs of another length are not in another row for their width."""
     head = STUDY.partition("sweep:")[0]
