@@ -195,8 +195,8 @@ def missing_values(info: "pd.DataFrame") -> Iterator[str]:
 
 def _duration(reason: str) -> float:
     """Return the duration (s) in a reason, 0 if it has none."""
-    found = DURATION.search(reason)
-    return float(found[1]) if found else 0.0
+    match = DURATION.search(reason)
+    return float(match[1]) if match else 0.0
 
 
 DEFAULT_FEATURES = ("velocity@BPFO", "velocity.rms")
