@@ -301,7 +301,7 @@ def solve_initial_equilibrium(model, t, y):
 
 
 def solve_in_cpu_time(solve, model, t, y):
-    """Call the compiled ``solve`` from Python in the job's CPU time. Raises ``OutOfCpuTime`` when it is used up."""
+    """Call the compiled ``solve`` from Python in the CPU time of the job; raise ``OutOfCpuTime`` at its end."""
 
     def solve_until(end):
         y[lay.CPU_END] = end
