@@ -5,7 +5,7 @@ of an older model are never reused as new ones. Do not rely on the golden-value 
 only.
 """
 
-MODEL_VERSION = 22
+MODEL_VERSION = 23
 FORM_VERSION = 2
 """Version of the form of surfaces, increased if only results of cases with `surfaces` change. Only the ids of
 their jobs contain it, so the results of other jobs remain valid."""
