@@ -71,7 +71,7 @@ def test_ids_are_unchanged(write: Write) -> None:
         [0.000715104491636, 72.7118690658, 190.41786060330833],
         [0.000716319520585, 162.421347177, 198.63202204625617],
     ]
-    assert design_of(study).ids[:2] == ("3a878b021fb57172", "adb06afd1a41f833")
+    assert design_of(study).ids[:2] == ("9b83d243ec1c9c53", "583b72005fd82687")
 
 
 @pytest.mark.parametrize(("kind", "kept_count"), [("sobol", 64), ("saltelli", 256), ("morris", 192), ("lhs", 0)])
