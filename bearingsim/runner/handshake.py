@@ -55,9 +55,9 @@ def call_with_timeout(seconds: float, function: Callable[[], Result]) -> Result:
     results: SimpleQueue[Callable[[], Result]] = SimpleQueue()
     Thread(target=_put_result, args=(function, results), daemon=True).start()
     try:
-        result = results.get(timeout=max(seconds, 0.0))
+        result = results.get(timeout=seconds)
     except Empty:
-        raise TimeoutError(f"no answer within {seconds:.0f} s") from None
+        raise TimeoutError(f"no answer within {seconds:g} s") from None
     return result()
 
 
@@ -148,10 +148,8 @@ def connect(address: str) -> Iterator[Client]:
 
 def _open_client(address: str) -> Client:
     raise_if_signalled()  # the import of distributed may have caught the exception of a signal
-    deadline = time.monotonic() + CONNECTION_S
     try:
-        call_with_timeout(CONNECTION_S, partial(check_greeting, address, GREETING_S))
-        return call_with_timeout(deadline - time.monotonic(), partial(_register_client, address))
+        return call_with_timeout(CONNECTION_S, partial(_greet_and_register, address))
     except NotDask as error:
         advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
         raise SchedulerUnreachable(
@@ -164,12 +162,13 @@ def _open_client(address: str) -> Client:
         raise SchedulerUnreachable(f"no scheduler responds at {address} ({error}): {advice}") from None
 
 
-def _register_client(address: str) -> Client:
-    """Register a client, and the plugin for dead workers, with the scheduler."""
+def _greet_and_register(address: str) -> Client:
+    """Exchange greetings with the scheduler; register a client, and the plugin for dead workers."""
+    check_greeting(address, GREETING_S)
     try:
         client = _Client(address, timeout=CONNECTION_S, set_as_default=False)
     except TypeError as error:
-        raise NotDask(f"a worker, perhaps: {error}") from None
+        raise NotDask(f"possibly a worker: {error}") from None
     client.register_plugin(no_reschedule_plugin())
     return client
 
@@ -188,13 +187,13 @@ def _silence_loggers() -> Iterator[None]:
             logger.setLevel(level)
 
 
-# At the scheduler
+# On the scheduler
 
 
 def no_reschedule_plugin() -> SchedulerPlugin:
     """Make a scheduler plugin that fails a task at the first death of its worker instead of rescheduling it.
 
-    The local class is pickled by value, so bearingsim need not be installed at the scheduler.
+    The local class is pickled by value, so bearingsim need not be installed on the scheduler.
     """
 
     class NoReschedule(SchedulerPlugin):

@@ -84,6 +84,17 @@ def test_peer_silent_after_its_greeting_is_reported() -> None:
         pass
 
 
+@pytest.mark.usefixtures("short_deadlines")
+def test_message_states_the_whole_deadline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not the time that the greeting has left for the registration."""
+    answer = threading.Event()
+    monkeypatch.setattr(handshake, "check_greeting", lambda *_: time.sleep(0.2))
+    monkeypatch.setattr(handshake, "_Client", lambda *_, **__: answer.wait())
+    with pytest.raises(SchedulerUnreachable, match=r"\(no answer within 0\.6 s\)"), connect("tcp://127.0.0.1:9"):
+        pass
+    answer.set()
+
+
 def test_oversized_greeting_is_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lengths up to 64 kB are accepted; the first bytes of a web page would mean 3e18 bytes."""
     monkeypatch.setattr(handshake, "GREETING_S", 60.0)
