@@ -1,4 +1,4 @@
-"""Results as a dataset of xarray, over jobs or over a grid of the swept values."""
+"""Results as an xarray Dataset, over jobs or over a grid of the swept values."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from itertools import product
@@ -26,7 +26,7 @@ def build_dataset(
 ) -> "xr.Dataset":
     """Build the dataset of ``Results.to_xarray``, from the plan and the table. Raises ResultsError.
 
-    is_feature: function that checks if a column is a feature; read_series: function that returns those of a job.
+    is_feature: function that checks if a column is a feature; read_series: function that returns the series of a job.
     """
     try:
         import xarray as xr
@@ -35,19 +35,19 @@ def build_dataset(
     rows = table.set_index("job")
     unknown = sorted(set(jobs or ()) - set(rows.index))
     if unknown:
-        raise ResultsError(f"no row of the table: {', '.join(unknown)}")
+        raise ResultsError(f"unknown jobs: {', '.join(unknown)}")
     selected = rows if jobs is None else rows.loc[list(dict.fromkeys(jobs))]
     if grid:
         selected = selected.loc[[job for job in selected.index if job in _cases(plan)]]
-    done = selected[selected["status"] == "done"] if jobs is None else selected
+    included = selected[selected["status"] == "done"] if grid or jobs is None else selected
     swept = [path for path in swept_paths(plan) if path in rows]
     columns = {
-        str(name): ("job", done[name].to_numpy(), _attributes(str(name), name in swept))
-        for name in done.columns
+        str(name): ("job", included[name].to_numpy(), _attributes(str(name), name in swept))
+        for name in included.columns
         if name in swept or is_feature(str(name))
     }
-    series = _stack({str(job): read_series(str(job)) for job in done.index})
-    data = xr.Dataset({**columns, **series}, coords={"job": done.index.to_numpy(object)})
+    series = _stack({str(job): read_series(str(job)) for job in included.index})
+    data = xr.Dataset({**columns, **series}, coords={"job": included.index.to_numpy(object)})
     data = data.set_coords(sorted(swept)).assign_attrs(study=plan["study"])
     return _arrange_on_grid(data, selected[swept]) if grid else data
 
@@ -136,9 +136,9 @@ def _axes(cases: "pd.DataFrame") -> tuple[dict[str, dict[Any, int]], dict[str, l
 
 
 def _remove_dependent(cases: "pd.DataFrame", paths: Sequence[str], targets: Sequence[str]) -> list[str]:
-    """Remove paths, beginning with the last, as long as the remaining ones determine the removed path.
+    """Remove paths, beginning with the last, as long as the remaining ones determine the removed one.
 
-    targets: paths that the remaining ones must determine instead; empty for none. Paths determine others if adding
+    targets: paths to be determined instead of the removed one; empty for none. Paths determine others if adding
     these does not increase the number of combinations of values.
     """
     remaining = list(paths)

@@ -153,7 +153,8 @@ class Results:
         jobs: ids of the jobs, by default of all; grid: True for a dimension for each swept path instead of
         ``job``, without healthy baselines. Paths that are determined by others, as in a `zip` or `derived`, are
         then coordinates along these, and jobs that are not done are NaN. Loads all series into memory. Raises
-        ResultsError if xarray is missing, a job is unknown, time axes differ, or the grid of cases is not full.
+        ResultsError if xarray is missing, a named job is unknown or (without a grid) not done, time axes differ,
+        or the grid of cases is not full.
         """
         return build_dataset(self.plan, self._table, self.has_feature, self.series, jobs, grid)
 

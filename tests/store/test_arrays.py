@@ -87,6 +87,22 @@ def test_jobs_that_are_not_done_are_nan(tmp_path: Path) -> None:
     assert int(np.isnan(data["velocity@BPFO"]).sum()) == 1
 
 
+def test_named_job_that_is_not_done_is_nan_on_a_grid(tmp_path: Path) -> None:
+    results = results_of(tmp_path, [{"load": load} for load in LOADS], done=1)
+    unfinished = results.jobs[1]
+    data = results.to_xarray(results.jobs[:2], grid=True)
+    assert np.isnan(data["velocity@BPFO"]).values.tolist() == [False, True]
+    assert np.isnan(data["ring.velocity.x"].sel(load=300.0)).all()
+    with pytest.raises(store.ResultsError, match=f"job {unfinished} has no series"):
+        results.to_xarray([unfinished])
+
+
+def test_unknown_jobs_are_listed(tmp_path: Path) -> None:
+    results = results_of(tmp_path, [{"load": load} for load in LOADS])
+    with pytest.raises(store.ResultsError, match="unknown jobs: a, b"):
+        results.to_xarray(["b", results.jobs[0], "a"])
+
+
 def test_a_single_value_is_a_dimension_too(tmp_path: Path) -> None:
     values = [{"load": load, "clearance": 1e-5} for load in LOADS]
     assert dict(results_of(tmp_path, values).to_xarray(grid=True).sizes) == {
