@@ -26,7 +26,7 @@ from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.parts.form import Race, Smooth, UnequalRollers
 
 MIN_STEPS_PER_CROSSING = 8  # with fewer steps per crossing, a method may miss a defect
-DAMPER_TOLERANCE = 1e-3  # largest error of the damping force due to that of velocity, relative to the load
+DAMPER_TOLERANCE = 1e-3  # largest damping-force error caused by the velocity error, relative to the load
 
 
 def full_speed_case(case: Case) -> Case:
@@ -54,7 +54,7 @@ def undulation_time(case: Case) -> float:
 
 
 def closing_speed(model: Any) -> float:
-    """Estimate the closing speed (m/s) of a roller at the end of the steepest defect, plus that due to the form.
+    """Estimate the closing speed (m/s) of a roller at the end of the steepest defect, plus the rate of the form.
 
     It is the passing speed times the slope x/R of the roller path, with x the distance from the rim at which the
     roller touches the wall or the floor, but at most half of the width.
@@ -71,7 +71,10 @@ def closing_speed(model: Any) -> float:
 
 
 def form_bounds(model: Any) -> tuple[float, float]:
-    """Bound the height (m) of the form at a contact, and its rate (m/s); both 0 for smooth surfaces."""
+    """Compute upper bounds of the form deviation at a contact (m) and of its rate at kinematic speeds (m/s).
+
+    Both are 0 for smooth surfaces.
+    """
     form, b = getattr(model, "form", None), model.bearing
     surfaces = () if form is None or isinstance(form, Smooth) else form
     height, rate = 0.0, 0.0
@@ -82,9 +85,25 @@ def form_bounds(model: Any) -> tuple[float, float]:
             height += float(np.abs(surface.recess).max())
             continue
         count = len(surface.pieces) * (b.Z if isinstance(surface, Race) else 1)
-        height += float(np.abs(surface.pieces[:, 0]).max())
-        rate += float(np.abs(surface.pieces[:, 1]).max()) * count / (2.0 * pi) * omega
+        largest_value, largest_slope = piece_maxima(surface.pieces)
+        height += largest_value
+        rate += largest_slope * count / (2.0 * pi) * omega
     return height, rate
+
+
+def piece_maxima(pieces: np.ndarray) -> tuple[float, float]:
+    """Compute the largest absolute value and derivative of cubic pieces (M, 4, ...), x from 0 to 1 on each."""
+    c_0, c_1, c_2, c_3 = np.moveaxis(pieces, 1, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        q = -c_2 - np.copysign(np.sqrt(c_2 * c_2 - 3.0 * c_1 * c_3), c_2)
+        roots = q / (3.0 * c_3), c_1 / q  # of the derivative; nan if it has none
+        inflection = -c_2 / (3.0 * c_3)
+    extremes, steepest = (
+        [0.0, 1.0, *(np.clip(np.nan_to_num(x), 0.0, 1.0) for x in places)] for places in (roots, [inflection])
+    )
+    values = [c_0 + x * (c_1 + x * (c_2 + x * c_3)) for x in extremes]
+    slopes = [c_1 + x * (2.0 * c_2 + x * (3.0 * c_3)) for x in steepest]
+    return max(float(np.abs(v).max()) for v in values), max(float(np.abs(v).max()) for v in slopes)
 
 
 INITIAL_APPROACH = 1e-5  # m, of the order of approaches in bearings
@@ -139,31 +158,37 @@ def damping_time(case: Case, load: float) -> float:
 
 def damping_over_stiffness(law: Any, delta: float) -> float:
     """Compute c/k (s) of a static contact at the approach ``delta`` (m)."""
-    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # bounds, because every law has them
+    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # every law has these bounds
     return float(C / K) if K > 0.0 else 0.0
 
 
 def largest_roller_drop(model: Any) -> float:
-    """Bound the drop (m) of a roller onto the rims or the floor of a defect, plus that due to form."""
+    """Compute an upper bound of the drop (m) of a roller into a defect, plus the largest form deviation.
+
+    The roller is stopped by the rims or the floor.
+    """
     defects = model.defects
+    has_steps = isinstance(defects.excitation, STEP_EXCITATIONS)
     drops = [
-        float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], rim_drop))
+        group[DEPTH] if has_steps else min(group[DEPTH], rim_drop(group, defects.head[d, REDUCED_RADIUS]))
         for d in range(len(defects.head))
         for group in defects.groups[d, : int(defects.head[d, GROUP_COUNT])]
-        for rim_drop in [
-            group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * defects.head[d, REDUCED_RADIUS])
-        ]
     ]
-    return max(drops, default=0.0) + form_bounds(model)[0]
+    return float(max(drops, default=0.0)) + form_bounds(model)[0]
 
 
-def tolerances(case: Case, model: Any, full_speed_model: Any, h: float, tolerance: float) -> tuple[float, ...]:
-    """Compute the parameters of an adaptive method (``Tolerances``) with recorded instants every ``h`` (s).
+def rim_drop(group: np.ndarray, reduced_radius: float) -> float:
+    """Compute the drop (m) of a roller onto the rims of a group."""
+    return float(group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * reduced_radius))
 
-    The tolerance of positions is ``tolerance`` times the static approach under the largest load. That of
-    velocities is ``tolerance`` times the closing speed, but limited by ``DAMPER_TOLERANCE``, because the damping
-    force is the dominant error with a damper of 1e6 N s/m. full_speed_model: model at the highest speed of a ramp,
-    which limits the steps.
+
+def tolerances(case: Case, model: Any, full_speed_model: Any, h: float, tolerance: float) -> Tolerances:
+    """Compute the parameters of an adaptive method with output every ``h`` (s).
+
+    The tolerance of positions is ``tolerance`` times the static approach delta under the largest load. That of
+    velocities is ``tolerance`` times the larger of the closing speed and Z omega_c delta, but limited by
+    ``DAMPER_TOLERANCE``, because the damping force is the dominant error with a damper of 1e6 N s/m.
+    full_speed_model: model at the highest speed of a ramp, which limits the steps.
     """
     F = rest.largest_load(case)
     laws = (contacts.build_outer_law(case), contacts.build_inner_law(case))

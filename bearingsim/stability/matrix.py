@@ -182,7 +182,7 @@ def make_method(scene: PreparedScene, method: str, setting: float) -> Any:
 
 def scene_tolerances(scene: PreparedScene, tolerance: float) -> Tolerances:
     """Compute the tolerances of a scene from a relative tolerance."""
-    return Tolerances(*scales.tolerances(scene.case, scene.model, scene.model, SAMPLE_INTERVAL, tolerance))
+    return scales.tolerances(scene.case, scene.model, scene.model, SAMPLE_INTERVAL, tolerance)
 
 
 def compute_reference(scene: PreparedScene, reference_limit: float) -> Reference | None:
