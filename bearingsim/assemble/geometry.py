@@ -27,7 +27,7 @@ def inner_radius(case: Case) -> float:
 def ring_mass(case: Case) -> float:
     """Return the mass (kg) of the outer ring.
 
-    Unless the rig specifies it, it is that of a hollow cylinder from race to outside diameter.
+    Default: that of a hollow cylinder from the race to the outside diameter.
     """
     if case.rig.ring_mass is not None:
         return case.rig.ring_mass

@@ -26,7 +26,7 @@ def build_dataset(
 ) -> "xr.Dataset":
     """Build the dataset of ``Results.to_xarray``, from the plan and the table. Raises ResultsError.
 
-    is_feature: function that checks if a column is a feature; read_series: function that returns the series of a job.
+    is_feature: checks if a column is a feature; read_series: reads the series of a job.
     """
     try:
         import xarray as xr
