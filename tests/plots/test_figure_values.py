@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim.figure_kinds import View, parse_limits, parse_view
+from bearingsim.plots.labels import PlotError
 from bearingsim.plots.passage import passages
 from bearingsim.plots.plot import draw_figures
 from bearingsim.plots.recorded import case_of, load_jobs
@@ -318,19 +319,6 @@ def test_spectra_over_a_tied_parameter_are_stacked(make_results):
     assert "defect length varies with load: 3 to 9 mm" in caption
 
 
-def test_levels_are_stacked_by_half_of_their_range(make_results):
-    """A curve of 100 dB above zero lines 25 dB apart would begin at its own label and end at that of the fifth."""
-    text = STUDY.partition("sweep:")[0] + "sweep: {load: [150 N, 200 N, 250 N]}\n"
-    _, canvas = only(draw_figures(make_results(text), kind="waterfall", db=True))
-    [ax] = canvas.axes
-    zeros = ax.get_yticks()
-    lower, upper, _ = zeros
-    heights = np.concatenate(
-        [curve.get_ydata() - zero for curve, zero in zip(long_curves(ax), zeros, strict=True)]
-    )
-    assert 0.5 * np.ptp(heights) <= upper - lower < 0.5 * np.ptp(heights) + 5.0
-
-
 def test_curves_over_a_tied_parameter_share_a_row(make_results):
     """Length and width vary together, so jobs of another length are not in another row for their width."""
     head = STUDY.partition("sweep:")[0]
@@ -348,6 +336,42 @@ def test_jobs_of_a_design_have_rows_of_their_own(make_results):
     stored = make_results(f"{head}sweep: {{lhs: {{n: 3, over: {over}}}}}\n")
     _, canvas = only(draw_figures(stored, kind="series", by=["load"], jobs=["all"]))
     assert len(canvas.axes) == 3
+
+
+def waterfall_at_levels(make_results, monkeypatch, levels):
+    """Draw in dB the spectra of three lengths, whose amplitudes have these levels (dB), by length (m)."""
+
+    def at_level(case):
+        result = record_of(case)
+        factor = 10.0 ** (levels.get(case.defects[0].length if case.defects else 0.0, 0.0) / 20.0)
+        result.series = {name: factor * values for name, values in result.series.items()}
+        return result
+
+    monkeypatch.setattr("tests.scenes.figure_results.record", at_level)
+    text = STUDY.replace("  load: [150 N, 300 N]\n", "")
+    _, canvas = only(draw_figures(make_results(text), kind="waterfall", db=True))
+    return canvas
+
+
+@pytest.mark.parametrize("change", [-60.0, -20.0, 20.0])
+def test_label_of_a_waterfall_of_levels_is_at_the_median_of_its_curve(make_results, monkeypatch, change):
+    """Medians rise by 25 dB or more, and a curve spans at most two offsets."""
+    canvas = waterfall_at_levels(make_results, monkeypatch, {6e-3: change, 9e-3: 2.0 * change})
+    [ax] = canvas.axes
+    height = max(np.ptp(curve.get_ydata()) for curve in long_curves(ax))
+    offset = np.ceil(max(0.5 * height, 25.0 - min(change, 0.0)))
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["3 mm", "6 mm", "9 mm"]
+    medians = [np.median(curve.get_ydata()) for curve in long_curves(ax)]
+    assert list(ax.get_yticks()) == pytest.approx(medians)
+    assert np.diff(medians) == pytest.approx([offset + change] * 2, abs=0.01)
+    assert min(min(curve.get_ydata()) for curve in long_curves(ax)) == pytest.approx(0.0)
+    assert f"curves offset by {offset:g} dB" in " ".join(canvas.get_supxlabel().split())
+
+
+def test_too_few_spectra_are_refused_before_they_are_computed(make_results, monkeypatch):
+    monkeypatch.setattr("bearingsim.plots.waterfall.compute_spectrum", lambda *_: pytest.fail("computed"))
+    with pytest.raises(PlotError, match="a waterfall needs 3 spectra or more over `load`"):
+        draw_figures(make_results(), kind="waterfall", by=["load"])
 
 
 def test_caption_has_the_segments_of_all_speeds(make_results):
