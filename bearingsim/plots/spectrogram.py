@@ -27,9 +27,9 @@ CHARACTER_IN = 0.08  # inches, width of a character of a label
 DEFAULT_PASSES = 4.0  # ball passes shown by default
 SEGMENTS_PER_PASS = 8.0  # ball pass period relative to the length of a segment, which separates single impacts
 MIN_SAMPLES = 32  # minimum length of a segment
-STARTS_PER_SEGMENT = 8  # length of a segment relative to the distance of segments, which overlap
+HOPS_PER_SEGMENT = 8  # length of a segment over the hop between the starts of adjacent segments
 COLOUR_MAP = "viridis"
-FLOOR_DB = 80.0  # dB, range of the colours below the largest amplitude
+DYNAMIC_RANGE_DB = 80.0  # dB, range of the colours below the largest amplitude
 
 
 def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
@@ -54,7 +54,7 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     axes = canvas.subplots(len(jobs), 1, sharex=True, squeeze=False)[:, 0]
     scaled = {name: scale.to_axis(amplitude) for name, (_, _, amplitude, _) in maps.items()}
     top = max(float(values.max()) for values in scaled.values())
-    bottom = top - FLOOR_DB if view.db else 0.0
+    bottom = top - DYNAMIC_RANGE_DB if view.db else 0.0
     for ax, (name, (time, frequency, _, origin)) in zip(axes, maps.items(), strict=True):
         colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, scaled[name], cmap=COLOUR_MAP, vmin=bottom,
                                 vmax=top, shading="nearest", rasterized=True)  # fmt: skip
@@ -72,8 +72,10 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept_paths)
     lengths = sorted(1e3 * pass_period(job) / SEGMENTS_PER_PASS for job in records.values())
     ends = " to ".join(dict.fromkeys(f"{length:.2g}" for length in (lengths[0], lengths[-1])))
+    overlap = f"{100.0 * (1.0 - 1.0 / HOPS_PER_SEGMENT):g} % overlap"
+    segments = f"Hann segments of {ends} ms, {overlap}"
     texts = [*rounding_texts(results, records, [channel]), *sampling_texts(records.values(), [channel])]
-    finish(canvas, figure.title, [f"segments of {ends} ms", *texts, *fixed])
+    finish(canvas, figure.title, [segments, *texts, *fixed])
     return [Sheet(file_words(figure, jobs), canvas)]
 
 
@@ -92,7 +94,7 @@ def segment_spectra(signal: "Signal", period: float) -> tuple[np.ndarray, np.nda
         raise PlotError(
             f"a spectrogram that separates the ball passes needs `sampling` of {needed:.0f} Hz or more"
         )
-    starts = np.arange(0, len(signal.values) - length + 1, max(1, length // STARTS_PER_SEGMENT))
+    starts = np.arange(0, len(signal.values) - length + 1, max(1, length // HOPS_PER_SEGMENT))
     if not len(starts):
         raise PlotError(f"the time axis is shorter than a segment of {length / signal.rate:.3g} s")
     spectra = [signals.spectrum(signal.values[start : start + length], signal.rate) for start in starts]

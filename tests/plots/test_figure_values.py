@@ -378,7 +378,7 @@ def test_caption_has_the_segments_of_all_speeds(make_results):
     """A ball pass takes 1/79.5 s and 1/159 s; a segment is an eighth of it."""
     stored = make_results(STUDY.replace("load: [150 N, 300 N]", "speed: [900 rpm, 1800 rpm]"))
     _, canvas = only(draw_figures(stored, kind="spectrogram", where={"defect.length": "3 mm"}))
-    assert " ".join(canvas.get_supxlabel().split()).startswith("segments of 0.79 to 1.6 ms")
+    assert " ".join(canvas.get_supxlabel().split()).startswith("Hann segments of 0.79 to 1.6 ms, 87.5 % overlap")
 
 
 @pytest.mark.parametrize("mean", [0, 0.0, "0"])
