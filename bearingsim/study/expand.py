@@ -1,7 +1,6 @@
 """Expansion of a tree: named files are replaced by their content, `defect` by a list with one item."""
 
 from dataclasses import replace
-from functools import reduce
 from os.path import isfile
 from pathlib import Path as FilePath
 
@@ -9,7 +8,7 @@ from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Path
 from bearingsim.config.library import Kind, find, read, similar_file
 from bearingsim.study.paths import node_at, normal_form, put
-from bearingsim.text.files_read import record
+from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
@@ -72,8 +71,8 @@ def _expand_deviations(tree: Node) -> Node:
 
 
 def _locate_files(tree: Node, folder: FilePath) -> Node:
-    """Replace the files of scans and roundness profiles by absolute paths, searched in the working directory, then
-    in ``folder``.
+    """Replace the names of scans and roundness profiles by the absolute paths of their files, searched in the
+    working directory, then in ``folder``.
     """
     defects = tree.mapping.get("defects", _EMPTY).items
     for path in (*(("defects", number) for number in range(len(defects))), *_ROUNDNESS_PATHS):
@@ -82,7 +81,7 @@ def _locate_files(tree: Node, folder: FilePath) -> Node:
             candidates = [base / file.value for base in (FilePath(), folder)]
             existing = next(filter(isfile, candidates), None)
             for candidate in candidates:
-                record(candidate)
+                files_read.record(candidate)
             if existing is not None:
                 tree = put(tree, (*path, "file"), replace(file, value=str(existing.absolute())))
     return tree
@@ -95,7 +94,7 @@ def _add_default(tree: Node, key: str, name: str) -> Node:
 
 
 def _open_file(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -> Node:
-    """Replace the name of a file by its content, whose problems are added; an unreadable file remains a name."""
+    """Replace the name of a file by its content, and add its problems; keep the name of an unreadable file."""
     if not isinstance(node.value, str):
         return node
     try:
@@ -139,8 +138,8 @@ def _merge_sensor_angles(tree: Node) -> Node:
 def _expand_laws(tree: Node) -> Node:
     """Replace `damping: kraemer` by the mapping `{law: kraemer}`, whose keys can be swept."""
     for path in LAWS:
-        section = reduce(lambda node, step: node.mapping.get(str(step), _EMPTY), path, tree)
-        if section is not _EMPTY and isinstance(section.value, str):
+        section = node_at(tree, path)
+        if section is not None and isinstance(section.value, str):
             law = Node({"law": Node(section.value, section.mark)}, section.mark, section.key)
             tree = put(tree, path, law)
     return tree
