@@ -15,8 +15,7 @@ vectors (``core/sums.py``, ``core/vectors.py``), so results do not depend on the
 (but on whether it has fused multiply-add).
 
 The cache folder is named by a digest of the sources of the core and of the packages that extend it, because numba
-checks only the file of the function itself and would load stale code after a change in a callee. (The core needs
-nothing else from the catalogue.)
+checks only the file of the function itself and would load stale code after a change in a callee.
 """
 
 import hashlib
@@ -139,7 +138,7 @@ def jit(function: Callable, **options: Any) -> Any:
 def guard_cache(dispatcher: Any) -> Any:
     """Let one process at a time compile a function and save its code; recompile if the cache cannot be read.
 
-    Compilation and loading are not charged to the CPU time of the job that needs the code.
+    Compilation and loading are excluded from the job's CPU time.
 
     numba reads an index, chooses a file name and writes both. Two processes at once could give the code of two
     signatures the same name, and later load the wrong one. Reading the index requires importing every type for
@@ -165,12 +164,12 @@ def guard_cache(dispatcher: Any) -> Any:
         with suppress(*LOAD_ERRORS):
             return load(signature, context)
 
-    def compile_uncharged(signature: Any) -> Any:
+    def compile_untimed(signature: Any) -> Any:
         with cpu_time.uncharged(), compilation_lock(dispatcher.py_func):
             return compile_for(signature)
 
     cache.save_overload, cache.load_overload = save_locked, load_if_readable
-    dispatcher.compile = compile_uncharged
+    dispatcher.compile = compile_untimed
     return dispatcher
 
 
@@ -234,8 +233,8 @@ def generic(
     checks for it.
 
     inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source, so that
-    rows are constants while the caller is compiled and the compiler can prove that their lanes have no negative
-    index.
+    indices into the buffer (``core/layout.py``) are compile-time constants and numba omits the wraparound of
+    negative indices.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise, inline=inline)

@@ -44,8 +44,8 @@ def decimation_kernel(D: int) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def sampling_kernel(ratio: float) -> np.ndarray:
-    """Return the taps (odd) of the second stage, at ``ratio`` (4 or more) fine samples per sample; their sum is
-    1."""
+    """Return the taps (odd) of the second stage, at ``ratio`` (1.2 or more) fine samples per sample; their sum
+    is 1."""
     half_length = int(np.ceil(RESAMPLE_HALF_LENGTH * ratio))
     taps = kaiser_sinc(np.arange(-half_length, half_length + 1) / ratio, 0.5, RESAMPLE_HALF_LENGTH, 80.0)
     return taps / taps.sum()
