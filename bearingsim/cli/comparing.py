@@ -372,12 +372,12 @@ def _unit_factor(recording: "Recording", name: str, channel: str, unit: str, sca
     If there is none, return None if the simulated signal is scaled, else raise MeasuredError.
     """
     from bearingsim.measured import MeasuredError
-    from bearingsim.measured.files import OF_FULL_SCALE
+    from bearingsim.measured.files import FULL_SCALE_UNIT
     from bearingsim.measured.si import FACTORS, factor_to
 
     file_unit = recording.units[name].value
     factor = factor_to(unit, file_unit)
-    if file_unit == OF_FULL_SCALE and not scale:
+    if file_unit == FULL_SCALE_UNIT and not scale:
         advice = "give their unit and its value at full scale, as in `--unit g --full-scale 50`"
         raise MeasuredError(recording.path, f"has integer samples, which have no unit: {advice}")
     if factor is None and not scale:

@@ -31,7 +31,7 @@ MAX_INFLATION = 20.0
 """Largest plausible ratio of the size of an array to that of its file; noise does not compress."""
 MIN_LIMIT = 1 << 22
 """Memory limit (bytes) of the arrays of a small file."""
-OF_FULL_SCALE = "of full scale"
+FULL_SCALE_UNIT = "of full scale"
 """Unit of integer samples whose value at full scale is unknown."""
 MAX_DEVIATION = 0.5
 """Largest deviation of an instant from even spacing, relative to the sampling interval: times may be rounded."""
@@ -297,7 +297,7 @@ def _choose_scale(path: Path, content: Content, request: Request) -> tuple[float
             )
         return 1.0, None
     full_scale = 1.0 if request.full_scale is None else request.full_scale
-    return full_scale / content.integer_range, None if request.full_scale is not None else OF_FULL_SCALE
+    return full_scale / content.integer_range, None if request.full_scale is not None else FULL_SCALE_UNIT
 
 
 def _choose_unit(file_unit: str | None, request: Request, unit_of_integers: str | None) -> Stated[str]:

@@ -245,7 +245,7 @@ class _Reader:
 
     def read_signal(self, node: Node) -> Iterator[MeasuredPoint]:
         """Yield the point of one signal, unless it is invalid."""
-        from bearingsim.study.measured_signals import signal_point
+        from bearingsim.study.measured_signals import read_signal_point
 
         entries, count = node.mapping, len(self.problems)
         if "file" not in entries:
@@ -270,7 +270,7 @@ class _Reader:
         speed = parameters.get(self.cases.spelling("speed"))
         own_speed = speed if isinstance(speed, float) else None
         try:
-            signal, features, remarks = signal_point(
+            signal, features, remarks = read_signal_point(
                 path, request, self.nearest_cases(parameters), own_speed, self.cases.features
             )
         except MeasuredError as error:

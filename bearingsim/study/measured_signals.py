@@ -1,4 +1,4 @@
-"""Features of measured signals: level, shape and spectral lines, in the band of the simulated ones."""
+"""Features of measured signals: level, crest factor, kurtosis and lines, in the band of the simulated ones."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -7,14 +7,14 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from bearingsim.config import Case
-from bearingsim.config.bands import PASSBAND, BandFeature
+from bearingsim.config.bands import BandFeature
 from bearingsim.config.names import LINES, QUANTITIES, Line, read_band
 from bearingsim.config.sections.machine import RollingParts
 from bearingsim.diagnosis import Lines
 from bearingsim.measured import MeasuredError, Recording, Request, StudyRequest, read
 from bearingsim.measured.checks import refuse_unusable
 from bearingsim.measured.content import EXAMPLES, MissingError
-from bearingsim.measured.files import OF_FULL_SCALE
+from bearingsim.measured.files import FULL_SCALE_UNIT
 from bearingsim.measured.si import FACTORS, factor_to
 from bearingsim.signals import band_rms, envelope_spectrum, pick_from, spectrum, statistics
 from bearingsim.signals.spectra import PASSBAND_EDGE
@@ -26,9 +26,9 @@ TOLERANCE = 0.02
 """Largest relative deviation of a line from its kinematic frequency; slip of measured bearings reaches 1.4 %."""
 MIN_MEDIAN_RATIO = 4.0
 """Minimum ratio of a line to the local median; white noise alone reaches 3 to 4."""
-MIN_RATIO = 1.2
+MIN_RATE_RATIO = 1.2
 """Minimum ratio of the measured to the simulated sampling rate at which the low-pass of the simulated record is
-applied; its stop band begins at 0.6 of that record's rate."""
+applied. It is 0.6/0.5: the stop band, from 0.6 of that record's rate, begins at the file's Nyquist frequency."""
 RATE_TOLERANCE = 1e-3
 """Relative difference up to which sampling rates are equal."""
 MIN_PASSES = 20
@@ -39,7 +39,7 @@ MIN_BINS = 3.0
 
 class MeasuredSignal(NamedTuple):
     """Series (n,) in SI of a quantity (displacement, velocity, acceleration), sampled at ``fs`` (Hz), its unit,
-    and the kinematic lines of its bearing at its speed."""
+    and the characteristic frequencies of its bearing at its speed."""
 
     quantity: str
     unit: str
@@ -49,16 +49,17 @@ class MeasuredSignal(NamedTuple):
     lines: Lines
 
 
-def signal_point(
+def read_signal_point(
     path: Path, request: Request, cases: Sequence[Case], speed: float | None, features: Sequence[str]
 ) -> tuple[SignalFile, dict[str, float], list[str]]:
     """Read a signal and compute its features (SI); also return remarks.
 
-    cases: those that the signal is compared with; they provide the bearing, and the sampling rate of the simulated
-    records, whose low-pass is applied before level and shape are computed. speed: of the signal's point (rad/s),
-    None if it does not name one; the speed of the file, or of the request, takes precedence. features: bands and
-    envelopes to compute in addition. Raises MeasuredError, also for cases of several bearings or sampling rates,
-    and for several speeds of which none is stated, because lines at different speeds would then be compared.
+    cases: those with which the signal is compared; they provide the bearing, and the sampling rate of simulated
+    records, whose low-pass is applied before RMS, peak, crest factor and kurtosis are computed. speed: of the
+    signal's point (rad/s), None if it names none; the speed of the file or of the request takes precedence.
+    features: bands and envelopes to compute in addition. Raises MeasuredError, also for cases of several bearings
+    or sampling rates, and for cases of several speeds if no speed is stated, because lines at different speeds
+    would then be compared.
     """
     recording = read(path, request)
     speeds = sorted({case.speed for case in cases}) if speed is None else [speed]
@@ -77,7 +78,7 @@ def signal_point(
     if signal.fs < sampling * (1.0 - RATE_TOLERANCE):
         remarks.append(
             f"{path.name} is sampled at {signal.fs:g} Hz, the simulated record at {sampling:g} Hz: "
-            "their RMS, peak, shape and envelopes without a band are not comparable"
+            "their RMS, peak, crest factor, kurtosis and envelopes without a band are not comparable"
         )
     remarks += _remarks_on_passes(path, signal, speeds)
     values = dict(_features(signal, sampling, features))
@@ -103,10 +104,10 @@ def _remarks_on_passes(path: Path, signal: MeasuredSignal, speeds: Sequence[floa
     shafts = [speed / (2.0 * np.pi) for speed in speeds]
     others = [shaft for shaft in shafts if abs(signal.lines.shaft - shaft) > TOLERANCE * shaft]
     if others:
-        verb = "its point is" if len(shafts) == 1 else "some of its cases are"
+        comparison = "is compared" if len(shafts) == 1 else "some of its cases are"
         texts = listed([f"{60.0 * shaft:.6g} rpm" for shaft in others])
         yield (
-            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, {verb} at {texts}: "
+            f"{path.name} was measured at {60.0 * signal.lines.shaft:.6g} rpm, but {comparison} at {texts}: "
             "levels depend on the speed"
         )
 
@@ -136,7 +137,7 @@ def _series(path: Path, recording: Recording, request: Request) -> tuple[str, st
         factor = factor_to(si_unit, unit)
         if factor is not None:
             return quantity, name, recording.channels[name] * factor, fs
-    if unit == OF_FULL_SCALE:
+    if unit == FULL_SCALE_UNIT:
         advice = "give their unit and its value at full scale, as in `unit: g, full_scale: 50`"
         raise MeasuredError(path, f"has integer samples, which have no unit: {advice}")
     units = ", ".join(unit for si_unit in QUANTITIES.values() for unit in FACTORS[si_unit])
@@ -151,7 +152,7 @@ def _features(signal: MeasuredSignal, sampling: float, names: Sequence[str]) -> 
     frequency, amplitude = spectrum(signal.series, signal.fs)
     for name, line in LINES.items():
         yield f"{signal.quantity}@{name}", _amplitude(frequency, amplitude, frequency_of(line, signal.lines))
-    end = min(PASSBAND * sampling, PASSBAND_EDGE * signal.fs)
+    end = PASSBAND_EDGE * min(sampling, signal.fs)
     for name in sorted({"envelope@BPFO", "envelope@BPFI", "envelope@2BSF", *names}):
         feature = read_band(name)
         if feature is not None and feature.quantity == signal.quantity and not feature.healthy:
@@ -166,7 +167,7 @@ def _apply_low_pass(signal: MeasuredSignal, sampling: float) -> np.ndarray:
     from bearingsim.core.sampling import sampling_kernel
 
     ratio = signal.fs / sampling
-    if ratio < MIN_RATIO:
+    if ratio < MIN_RATE_RATIO:
         return signal.series
     taps = sampling_kernel(ratio)
     half_length = len(taps) // 2
@@ -192,6 +193,7 @@ def _band_value(signal: MeasuredSignal, feature: BandFeature, end: float) -> flo
 
 def frequency_of(line: Line, lines: Lines) -> float:
     """Return the frequency (Hz) of a spectral line of a bearing."""
+    # 0.5: from 2 BSF, the rate of impacts of a roller, to BSF
     return line.frequency(lines.outer, lines.inner, 0.5 * lines.roller, lines.cage, lines.shaft)
 
 

@@ -76,7 +76,7 @@ def test_a_signal_without_speed_in_a_sweep_of_speeds_is_refused(tmp_path):
     section = "measured: [{signals: [{file: run.npz, unit: m/s^2, speed: 1500 rpm}]}]\n"
     measured, remarks = point(tmp_path, section)
     assert measured.features["acceleration@BPFO"] == pytest.approx(2.0, rel=0.01)
-    assert any("at 1500 rpm, some of its cases are at 900 rpm, 1800 rpm" in remark for remark in remarks)
+    assert any("at 1500 rpm, but some of its cases are at 900 rpm, 1800 rpm" in remark for remark in remarks)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_two_speeds_of_a_signal_give_a_remark(tmp_path):
     two_lines(tmp_path)
     signal = "{file: run.npz, unit: m/s^2, at: {speed: 1500 rpm}, speed: 900 rpm}"
     _, remarks = point(tmp_path, f"measured: [{{signals: [{signal}]}}]\n")
-    assert any("measured at 900 rpm, its point is at 1500 rpm" in remark for remark in remarks)
+    assert any("measured at 900 rpm, but is compared at 1500 rpm" in remark for remark in remarks)
 
 
 @pytest.mark.parametrize(("count", "is_short"), [(4736, True), (4787, False)])

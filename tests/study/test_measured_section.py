@@ -289,14 +289,14 @@ def test_a_signal_sampled_more_slowly_than_the_record_gives_a_remark(tmp_path):
     np.savez(tmp_path / "run.npz", a=signal(1.0, 6400.0), fs=6400.0)
     study = load(tmp_path, "measured: [{signals: [{file: run.npz, unit: m/s^2}]}]\n")
     assert "sampled at 6400 Hz, the simulated record at 10240 Hz" in study.notes[-1]
-    assert "shape and envelopes without a band are not comparable" in study.notes[-1]
+    assert "crest factor, kurtosis and envelopes without a band are not comparable" in study.notes[-1]
 
 
 @pytest.mark.parametrize(
     ("seconds", "speed", "remark"),
     [
         (0.05, 1790, "run.npz lasts 0.05 s, under 20 ball passes"),
-        (4.0, 3600, "run.npz was measured at 3600 rpm, its point is at 1800 rpm"),
+        (4.0, 3600, "run.npz was measured at 3600 rpm, but is compared at 1800 rpm"),
         (4.0, 1790, None),
     ],
 )
