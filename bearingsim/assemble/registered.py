@@ -1,7 +1,7 @@
 """Checks that the model, method and laws of a case, and all features, have the functions that they need."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 from bearingsim import assemble
 from bearingsim.assemble import contacts, free
@@ -26,16 +26,22 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.errors import UserError
 
-DAMPING_FUNCTIONS = (normal_force, stiffness_bound, damping_bound), (derivatives,)
-STIFFNESS_FUNCTIONS = (elastic, tangent), (curvature,)
-FRICTION_FUNCTIONS = (mu, mu_derivative_bound), (mu_derivative,)
-"""Functions of laws that every method needs, and derivatives that implicit methods need."""
-MODEL_FUNCTIONS = (
+
+class Functions(NamedTuple):
+    """Functions to register for a type: those ``required`` by every method, and those only by implicit ones."""
+
+    required: tuple[Any, ...]
+    implicit: tuple[Any, ...] = ()
+
+
+DAMPING_FUNCTIONS = Functions((normal_force, stiffness_bound, damping_bound), (derivatives,))
+STIFFNESS_FUNCTIONS = Functions((elastic, tangent), (curvature,))
+FRICTION_FUNCTIONS = Functions((mu, mu_derivative_bound), (mu_derivative,))
+MODEL_FUNCTIONS = Functions(
     (state_width, begin, update_extremes, monitored_bodies, stiffness_per_mass, damping_per_mass, count_crossings),
     (linearise, degrees_of_freedom),
 )
-METHOD_FUNCTIONS = (step, stability_ratio), ()
-"""Functions of models and methods that are always needed, and those that only implicit methods need."""
+METHOD_FUNCTIONS = Functions((step, stability_ratio))
 
 
 def missing_functions(case: Case, implicit: bool) -> Iterator[str]:
@@ -43,16 +49,16 @@ def missing_functions(case: Case, implicit: bool) -> Iterator[str]:
 
     implicit: True if the functions that only implicit methods need are required, too.
     """
-    model: Any = assemble.model_kind(case).parameters
+    model_type: Any = assemble.model_kind(case).parameters
     contact, damping = case.contact, case.contact.damping
-    yield from _missing(f"model `{case.model}`", model, MODEL_FUNCTIONS, implicit)
-    if "defects" not in model._fields and model not in count_crossings.types:
+    yield from _missing(f"model `{case.model}`", model_type, MODEL_FUNCTIONS, implicit)
+    if "defects" not in model_type._fields and model_type not in count_crossings.types:
         yield f"the model `{case.model}` has neither `defects` nor a `count_crossings` of its own"
-    if not MODELS[case.model].own_method and not accelerations.supports(model):
+    if not MODELS[case.model].own_method and not accelerations.supports(model_type):
         yield f"the model `{case.model}` has no `accelerations`"
     if case.method not in (None, AUTO):
-        method = assemble.kind_of_method(str(case.method)).parameters
-        yield from _missing(f"method `{case.method}`", method, METHOD_FUNCTIONS, implicit)
+        method_type = assemble.kind_of_method(str(case.method)).parameters
+        yield from _missing(f"method `{case.method}`", method_type, METHOD_FUNCTIONS, implicit)
     law = contacts.build_outer_law(case)
     yield from _missing(
         f"stiffness law `{contact.elastic_law}`", type(law.stiffness), STIFFNESS_FUNCTIONS, implicit
@@ -65,10 +71,9 @@ def missing_functions(case: Case, implicit: bool) -> Iterator[str]:
         )
 
 
-def _missing(owner: str, kind: type, functions: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
+def _missing(owner: str, kind: type, functions: Functions, implicit: bool) -> Iterator[str]:
     """Yield a message for each function that is not registered for the type ``kind``."""
-    required, implicit_functions = functions
-    for function in (*required, *(implicit_functions if implicit else ())):
+    for function in (*functions.required, *(functions.implicit if implicit else ())):
         if not function.supports(kind):
             yield f"the {owner} lacks `{function.__name__}`"
 
