@@ -7,6 +7,7 @@ import pytest
 import scipy.signal
 import scipy.stats
 
+from bearingsim.config.bands import PASSBAND
 from bearingsim.core.sampling import RESAMPLE_HALF_LENGTH, kaiser_sinc
 from bearingsim.signals import (
     amplitude_at,
@@ -23,6 +24,7 @@ from bearingsim.signals import (
     squared_envelope,
     statistics,
 )
+from bearingsim.signals.spectra import PASSBAND_EDGE
 from tests.scenes.tones import FS, varying_angle
 
 M, PASSES = 66, 7
@@ -293,3 +295,8 @@ def test_lines_of_repeated_windows_equal_those_of_the_series(
 def test_rms_of_a_tone_is_right_up_to_half_of_the_rate(period: int) -> None:
     tone = 3.0 * np.cos(2 * np.pi * np.arange(1000) / period)
     assert band_rms(7.0 + tone, FS, (0.0, FS / 2)) == pytest.approx(np.std(tone), rel=1e-9)
+
+
+def test_default_band_of_an_envelope_ends_where_the_low_pass_is_flat():
+    """Both are one constant; `signals` does not import the configuration, which takes longer."""
+    assert PASSBAND_EDGE == PASSBAND
