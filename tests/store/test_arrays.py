@@ -91,7 +91,7 @@ def test_named_job_that_is_not_done_is_nan_on_a_grid(tmp_path: Path) -> None:
     results = results_of(tmp_path, [{"load": load} for load in LOADS], done=1)
     unfinished = results.jobs[1]
     data = results.to_xarray(results.jobs[:2], grid=True)
-    assert np.isnan(data["velocity@BPFO"]).values.tolist() == [False, True]
+    assert np.isnan(data["velocity@BPFO"].values).tolist() == [False, True]
     assert np.isnan(data["ring.velocity.x"].sel(load=300.0)).all()
     with pytest.raises(store.ResultsError, match=f"job {unfinished} has no series"):
         results.to_xarray([unfinished])
