@@ -63,6 +63,7 @@ def _read_array(path: Path, archive: Mapping[str, np.ndarray], name: str) -> np.
 FORMATS: dict[str, Callable[[Path, float], Content]] = {
     ".csv": lambda path, max_bytes: read_csv(path),
     ".txt": lambda path, max_bytes: read_csv(path),
+    ".lvm": lambda path, max_bytes: read_csv(path),
     ".wav": lambda path, max_bytes: read_wav(path),
     ".mat": read_mat,
     ".npz": read_npz,

@@ -17,6 +17,8 @@ STATEMENT = re.compile(
     r"(?:[\s;,]*(?P<unit>[^\s;,\"']+))?"
 )
 """Name, number and unit, such as `Sampling rate: 12800 Hz`; text behind the unit is ignored."""
+REPETITION = re.compile(r"(?P<first>[^\t]+\t(?P<value>[^\t]+))(?:\t(?P=value))+")
+"""Line of a name and equal values, one for each column, such as those of the header of LabVIEW."""
 UNIT = re.compile(r"^(?:y[ _]?)?units?\s*[:=;,\t]\s*(?P<units>.*)", re.IGNORECASE)
 """Line that states units, such as `Unit: g`."""
 WORD = re.compile(r"(?<![^\s;,\"'])[^\s;,\"'(\[][^\s;,\"']*")
@@ -59,6 +61,8 @@ def parse_statements(lines: Sequence[str], decimal: str = ".", separator: str | 
             if THOUSANDS.search(line):
                 continue
             line = INNER_COMMA.sub(".", line)
+        repetition = REPETITION.fullmatch(line)
+        line = repetition["first"] if repetition else line
         unit_match = UNIT.match(line)
         words = set(WORD.findall(unit_match["units"])) if unit_match else set()
         if unit is None and len(words) == 1 and any(words <= units.keys() for units in FACTORS.values()):

@@ -454,3 +454,23 @@ def test_a_speed_in_other_parameters_is_not_in_si(tmp_path):
     """Only exports of this program are known to have rad/s under this name."""
     savemat(tmp_path / "a.mat", {"parameters": {"speed": 1800.0}, "acc": X[:, 0], "fs": RATE})
     assert read(tmp_path / "a.mat").speed is None
+
+
+def labview(path, step, other_step):
+    """Write a file of LabVIEW without columns of times, whose header states a sampling interval per channel."""
+    lines = ["LabVIEW Measurement\t", "X_Columns\tNo", "***End_of_Header***\t", "", "Channels\t2\t\t"]
+    lines += [f"Delta_X\t{step}\t{other_step}\t", "***End_of_Header***\t\t\t", "X_Value\tacc\tb\tComment"]
+    path.write_text("\n".join([*lines, *(f"\t{a:.6f}\t{b:.6f}\t" for a, b in X)]))
+
+
+def test_a_labview_file_without_times_states_its_rate(tmp_path):
+    labview(tmp_path / "a.lvm", "7.8125E-5", "7.8125E-5")
+    recording = read(tmp_path / "a.lvm")
+    assert recording.rate.value == pytest.approx(RATE)
+    assert recording.channels["b"] == pytest.approx(X[:, 1], abs=1e-6)
+
+
+def test_different_steps_of_a_labview_file_are_no_common_rate(tmp_path):
+    labview(tmp_path / "a.lvm", "7.8125E-5", "1E-3")
+    with pytest.raises(MeasuredError, match="states no sampling rate"):
+        read(tmp_path / "a.lvm")
