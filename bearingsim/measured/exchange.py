@@ -1,12 +1,15 @@
 """Formats of measuring systems, read by optional packages: UFF dataset 58 (pyuff) and TDMS (nptdms)."""
 
+from collections.abc import Mapping
 from math import pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from bearingsim.measured.arrays import TIME_NAMES, normalize
 from bearingsim.measured.content import Content, MeasuredError, Stated
+from bearingsim.measured.si import TIME_FACTORS
 from bearingsim.text.numbers import is_number
 
 INSTALLATION = "`pip install 'bearingsim[formats]'`"
@@ -51,6 +54,7 @@ def read_uff(path: Path) -> Content:
 def read_tdms(path: Path) -> Content:
     """Read the channels of a TDMS file that have a sampling interval, `wf_increment`; all if none has one.
 
+    Without intervals, a channel named as a time contains the instants (s) of the channels of its group.
     Raises MeasuredError without nptdms or numbers.
     """
     try:
@@ -77,5 +81,27 @@ def read_tdms(path: Path) -> Content:
     if not channels:
         raise MeasuredError(path, "has no channel with numbers")
     channels = {name: values for name, values in channels.items() if name in rates or not rates}
+    times = [] if rates else _pop_times(path, channels, units)
     speeds = {name: speed for name, speed in speeds.items() if name in channels}
-    return Content(channels, (), list(rates.values()), speeds, units)
+    return Content(channels, times, list(rates.values()), speeds, units)
+
+
+def _pop_times(path: Path, channels: dict[str, np.ndarray], units: Mapping[str, str]) -> list[Stated[np.ndarray]]:
+    """Remove the times from the channels of a TDMS file, and return their instants (s).
+
+    Channels of other lengths than all times are removed, too. Raises MeasuredError for times in an unknown unit,
+    and if nothing else remains.
+    """
+    times = []
+    for name in [name for name in channels if normalize(name.rpartition("/")[2]) in TIME_NAMES]:
+        unit = units.get(name, "").lower()
+        if unit not in TIME_FACTORS:
+            raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")
+        instants = TIME_FACTORS[unit] * channels.pop(name)
+        times.append(Stated(instants, f"the channel `{name}`", name.rpartition("/")[0]))
+    lengths = {len(time.value) for time in times}
+    for name in [name for name, values in channels.items() if times and len(values) not in lengths]:
+        del channels[name]
+    if not channels:
+        raise MeasuredError(path, "has no signal beside its times")
+    return times

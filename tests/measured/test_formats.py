@@ -474,3 +474,31 @@ def test_different_steps_of_a_labview_file_are_no_common_rate(tmp_path):
     labview(tmp_path / "a.lvm", "7.8125E-5", "1E-3")
     with pytest.raises(MeasuredError, match="states no sampling rate"):
         read(tmp_path / "a.lvm")
+
+
+def write_tdms(path, channels, properties=()):
+    nptdms = pytest.importorskip("nptdms", reason="the extra `formats` is not installed")
+    with nptdms.TdmsWriter(str(path)) as writer:
+        writer.write_segment(
+            [nptdms.ChannelObject("g", name, values, dict(properties)) for name, values in channels.items()]
+        )
+
+
+def test_a_time_channel_of_a_tdms_file_is_no_signal(tmp_path):
+    write_tdms(tmp_path / "a.tdms", {"Time": T, "acc": X[:, 0], "temperature": X[:100, 1]})
+    recording = read(tmp_path / "a.tdms")
+    assert list(recording.channels) == ["g/acc"]
+    assert recording.rate.value == pytest.approx(RATE)
+
+
+@pytest.mark.parametrize(
+    ("channels", "properties", "message"),
+    [
+        ({"Time": T, "acc": X[:, 0]}, {"unit_string": "days"}, "times in `days`: expected s, ms or us"),
+        ({"Time": T, "acc": X[:100, 0]}, {}, "no signal beside its times"),
+    ],
+)
+def test_unusable_times_of_a_tdms_file_are_refused(tmp_path, channels, properties, message):
+    write_tdms(tmp_path / "a.tdms", channels, properties)
+    with pytest.raises(MeasuredError, match=message):
+        read(tmp_path / "a.tdms")
