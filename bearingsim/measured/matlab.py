@@ -1,5 +1,7 @@
 """Readers of MAT and HDF5 files: MAT v4 and v5 by SciPy, MAT v7.3, which is HDF5, by h5py."""
 
+import struct
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,24 +9,35 @@ from typing import Any
 import numpy as np
 
 from bearingsim.hdf5 import Hdf5
-from bearingsim.measured.arrays import identify_content
+from bearingsim.measured.arrays import MIN_SAMPLES, identify_content
 from bearingsim.measured.content import Content, MeasuredError
 
+MAT5_HEADER = 128
+"""Size (bytes) of the header of a MAT file v5, whose last two bytes state the order of bytes."""
+COMPRESSED = 15
+"""Data type of a compressed variable of a MAT file v5 (miCOMPRESSED)."""
 MAX_DEPTH = 6
 """Deepest level of nested structs or groups that is searched."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def read_mat(path: Path, max_bytes: float) -> Content:
-    """Read a MAT file of any version; max_bytes: memory limit of an array of a file of v7.3."""
+    """Read a MAT file of any version; max_bytes: memory limit, of an array of a file of v7.3, else of all.
+
+    Raises MeasuredError for a larger content, and for an array of structs.
+    """
     with path.open("rb") as file:
         beginning = file.read(8192)
     if _is_hdf5(beginning):
         return read_hdf5(path, max_bytes)
     from scipy.io import loadmat
 
+    size = _inflated_size(path)
+    if size > max_bytes:
+        raise MeasuredError(path, f"would take {size / 1e6:.3g} MB, which is not plausible for its size")
     arrays: dict[str, np.ndarray] = {}
     texts: dict[str, str] = {}
+    struct_arrays: list[str] = []
     variables = loadmat(str(path), simplify_cells=True)
     for name, value in _iterate_leaves(
         "", {name: v for name, v in variables.items() if not name.startswith("__")}
@@ -33,7 +46,34 @@ def read_mat(path: Path, max_bytes: float) -> Content:
             texts[name] = value
         elif isinstance(value, np.ndarray | int | float) and np.asarray(value).dtype.kind in "fiubc":
             arrays[name] = np.asarray(value)
+        elif isinstance(value, list | np.ndarray) and any(isinstance(entry, dict) for entry in value):
+            struct_arrays.append(name)
+    if struct_arrays and not any(values.size >= MIN_SAMPLES for values in arrays.values()):
+        names = " and ".join(f"`{name}`" for name in struct_arrays[:4])
+        advice = "save a signal as a variable of its own, with its rate as `fs`"
+        raise MeasuredError(path, f"has its signals in arrays of structs, {names}: {advice}")
     return identify_content(path, arrays, texts)
+
+
+def _inflated_size(path: Path) -> int:
+    """Return the size (bytes) of the variables of a MAT file v5, compressed ones as their own headers state it.
+
+    0 for a file of v4, which is not compressed.
+    """
+    total = 0
+    with path.open("rb") as file:
+        header = file.read(MAT5_HEADER)
+        order = {b"IM": "<", b"MI": ">"}.get(header[-2:])
+        while order is not None and len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(f"{order}II", tag)
+            begin = file.tell()
+            if kind == COMPRESSED:
+                tag = zlib.decompressobj().decompress(file.read(min(size, 4096)), 8)
+                total += struct.unpack(f"{order}II", tag)[1]
+            else:
+                total += size
+            file.seek(begin + size)
+    return total
 
 
 def _is_hdf5(beginning: bytes) -> bool:

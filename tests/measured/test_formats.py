@@ -502,3 +502,23 @@ def test_unusable_times_of_a_tdms_file_are_refused(tmp_path, channels, propertie
     write_tdms(tmp_path / "a.tdms", channels, properties)
     with pytest.raises(MeasuredError, match=message):
         read(tmp_path / "a.tdms")
+
+
+def test_a_compressed_mat_file_of_implausible_size_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    savemat(tmp_path / "a.mat", {"acc": X[:, 0], "zeros": np.zeros(4_000_000)}, do_compression=True)
+    monkeypatch.setattr("scipy.io.loadmat", None)
+    with pytest.raises(MeasuredError, match="would take 32 MB"):
+        read(tmp_path / "a.mat")
+
+
+def test_a_compressed_mat_file_is_read(tmp_path):
+    savemat(tmp_path / "a.mat", {"acc": X[:, 0], "fs": RATE}, do_compression=True)
+    assert read(tmp_path / "a.mat").channels["acc"] == pytest.approx(X[:, 0], abs=0.0)
+
+
+def test_signals_in_an_array_of_structs_are_named(tmp_path):
+    signals = np.zeros(2, dtype=[("Name", object), ("Data", object)])
+    signals[:] = [("force", X[:, 0]), ("vibration_1", X[:, 1])]
+    savemat(tmp_path / "a.mat", {"N15": {"Info": "x", "Y": signals}})
+    with pytest.raises(MeasuredError, match=r"arrays of structs, `N15\.Y`: save a signal as a variable"):
+        read(tmp_path / "a.mat")
