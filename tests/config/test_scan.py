@@ -298,6 +298,15 @@ def test_unusable_values_of_an_hdf5_file_are_refused(tmp_path: Path, broken: str
     assert part in refusal(path)
 
 
+@pytest.mark.parametrize("write", [write_points, write_hdf5])
+@pytest.mark.parametrize("name", ["s", "z", "depth"])
+def test_values_far_beyond_a_bearing_are_refused(tmp_path: Path, write: Any, name: str) -> None:
+    factor = {key: 1e200 if key == name else 1.0 for key in ("s", "z", "depth")}
+    path = tmp_path / ("a.h5" if write is write_hdf5 else "a.csv")
+    write(path, bowl() * factor["depth"], s=S * factor["s"], z=Z * factor["z"])
+    assert f"a value of {name} exceeds 100 m (is the unit right?)" in refusal(path)
+
+
 def test_separators_at_the_end_of_lines_are_no_column(tmp_path: Path) -> None:
     file = write_points(tmp_path / "a.csv", bowl())
     head, *lines = file.read_text().splitlines()

@@ -25,6 +25,7 @@ DAMAGED_FRACTION = 0.2  # fraction of damaged cells along a side above which the
 MIN_REGION = 5  # cells; smaller regions are noise
 NOISE_LIMIT = 3.0  # limit of noise, in standard deviations of the border
 MIN_WIDTH, MIN_DEPTH = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
+MAX_VALUE = 100.0  # m; largest coordinate or depth, far beyond a bearing, so that no square overflows
 
 CACHED_SCANS = 256
 """Scans cached per process, more than in a typical sweep. A typical scan takes 50 to 150 kB, all
@@ -60,6 +61,9 @@ def _read(path: Path, modified: int, size: int) -> Scan:
     if min(grid.depth.shape) < MIN_POINTS:
         rows, columns = grid.depth.shape
         raise ScanError(f"{columns} points along s and {rows} along z: at least {MIN_POINTS} each are needed")
+    for name, values in (("s", grid.s), ("z", grid.z), ("depth", grid.depth)):
+        if np.nanmax(np.abs(values), initial=0.0) > MAX_VALUE:
+            raise ScanError(f"a value of {name} exceeds {MAX_VALUE:g} m", "is the unit right?")
     for step in (_remove_spikes, _fill_gaps, _level, _centre):
         grid = step(grid)
     along, across = _extent(grid)
