@@ -30,6 +30,8 @@ EXPORTED_SPEED = re.compile(r"(?P<job>(?:.+\.)?job_[^.]+)\.parameters\.speed")
 """Name of the speed (rad/s) of a job in a MAT file exported by this program; in others, its unit is unknown."""
 MAX_CHANGE = 0.01
 """Largest relative change of a speed that counts as constant."""
+MIN_RATE_RATIO = 100.0
+"""Ratio of a sampling rate to a `rate` beside it, above which this is the frequency of the shaft."""
 MIN_SAMPLES = 16
 """Smallest number of samples of a signal; shorter arrays are ignored."""
 MAX_CHANNELS = 256
@@ -88,7 +90,17 @@ def identify_content(path: Path, arrays: Mapping[str, np.ndarray], texts: Mappin
         channels = {name: values for name, values in channels.items() if len(values) in lengths}
     if not channels:
         raise MeasuredError(path, f"has no signal: {_describe_arrays(arrays)}")
-    return Content(channels, times, rates, speeds, _units(channels, texts), other_speed)
+    return Content(channels, times, _omit_shaft_rates(rates), speeds, _units(channels, texts), other_speed)
+
+
+def _omit_shaft_rates(rates: list[Stated[float]]) -> list[Stated[float]]:
+    """Return sampling rates (Hz) without a `rate` far below another one of its group, which is of the shaft."""
+    return [
+        stated
+        for stated in rates
+        if not stated.source.removesuffix("`").endswith(("`rate", ".rate"))
+        or not any(o.group == stated.group and MIN_RATE_RATIO * stated.value < o.value for o in rates)
+    ]
 
 
 def mean_speed(samples: np.ndarray, source: str) -> tuple[Stated[float], Stated[float] | None]:

@@ -522,3 +522,16 @@ def test_signals_in_an_array_of_structs_are_named(tmp_path):
     savemat(tmp_path / "a.mat", {"N15": {"Info": "x", "Y": signals}})
     with pytest.raises(MeasuredError, match=r"arrays of structs, `N15\.Y`: save a signal as a variable"):
         read(tmp_path / "a.mat")
+
+
+@pytest.mark.parametrize("names", [("sr", "rate"), ("rate", "sr")])
+def test_a_rate_of_the_shaft_is_no_sampling_rate(tmp_path, names):
+    rates = {"sr": 97656.0, "rate": 25.0}
+    savemat(tmp_path / "a.mat", {"bearing": {"gs": X[:, 0], **{name: rates[name] for name in names}}})
+    assert read(tmp_path / "a.mat").rate.value == 97656.0
+
+
+def test_two_rates_that_both_may_be_sampling_rates_are_refused(tmp_path):
+    savemat(tmp_path / "a.mat", {"bearing": {"gs": X[:, 0], "sr": 48000.0, "rate": 12000.0}})
+    with pytest.raises(MeasuredError, match="states two sampling rates"):
+        read(tmp_path / "a.mat")
