@@ -11,7 +11,9 @@ from bearingsim.cli.options import Json
 
 MeasuredFile = Annotated[
     Path,
-    typer.Argument(metavar="FILE", help="csv, wav, mat, npz, parquet, h5, uff or tdms file", show_default=False),
+    typer.Argument(
+        metavar="FILE", help="csv, lvm, wav, mat, npz, parquet, h5, uff or tdms file", show_default=False
+    ),
 ]
 Bearing = Annotated[
     str | None,

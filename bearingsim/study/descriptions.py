@@ -53,7 +53,7 @@ MEASURED_KEYS = {
     "scale": "`true`: measured values times one factor, the median ratio of simulated to measured features.",
 }
 SIGNAL_KEYS = {
-    "file": "File of a signal: csv, wav, mat, npz, parquet, h5, uff or tdms.",
+    "file": "File of a signal: csv, lvm, wav, mat, npz, parquet, h5, uff or tdms.",
     "at": "Parameters at which the signal was measured, by path.",
     "rate": "Sampling rate. Default: from the file.",
     "speed": "Speed of the shaft. Default: from the file, else that of the study.",
