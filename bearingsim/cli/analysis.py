@@ -165,7 +165,8 @@ def _diagnose_channels(
         try:
             refuse_unsuitable(len(values), fs, Lines.of(parts, shaft), used_band)
         except Unsuitable as error:
-            raise MeasuredError(file, f"`{name}`: {error}{_other_channel(recording, name)}") from None
+            advice = source_of_low_rate(recording) + _other_channel(recording, name)
+            raise MeasuredError(file, f"`{name}`: {error}{advice}") from None
         diagnosis = diagnose(values, fs, parts, shaft, tolerance, used_band)
         unit = recording.units[name].value
         same_unit = {
@@ -174,6 +175,20 @@ def _diagnose_channels(
         size = refuse_width_across_load(diagnosis.size, name, same_unit, fs)
         results[name] = diagnosis._replace(size=size), image, used_band
     return results
+
+
+def source_of_low_rate(recording: "Recording") -> str:
+    """Return the source of a sampling rate below that of a diagnosis, with the remedy; else empty.
+
+    Times in ms, or numbers of samples, without a unit are taken in s, and yield such a rate.
+    """
+    from bearingsim.diagnosis.suitability import MIN_RATE_HZ
+    from bearingsim.measured.content import UNSPECIFIED
+
+    option, rate = UNSPECIFIED.name("rate"), recording.rate
+    if rate.value >= MIN_RATE_HZ or rate.source == option:
+        return ""
+    return f"; this rate follows from {rate.source}: if it is wrong, give the right one by `{option}`"
 
 
 def _other_channel(recording: "Recording", name: str) -> str:

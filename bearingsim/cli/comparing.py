@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
-from bearingsim.cli.analysis import LINE_NAMES
+from bearingsim.cli.analysis import LINE_NAMES, source_of_low_rate
 from bearingsim.cli.opening import shell_path, short_path
 from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
@@ -159,7 +159,8 @@ def _detect_line(pair: Pair) -> "tuple[Detection | None, list[str]]":
     try:
         result = detect_line(pair.measured, pair.race)
     except Unsuitable as error:
-        return None, [f"{line} of the measured signal cannot be assessed: {error}"]
+        advice = source_of_low_rate(pair.recording)
+        return None, [f"{line} of the measured signal cannot be assessed: {error}{advice}"]
     score, needed = (f"{decibels(value):.1f} dB" for value in (result.comb.score, result.threshold))
     values = f"score {score}, threshold {needed}"
     if result.objection is None:

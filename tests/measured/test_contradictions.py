@@ -232,6 +232,19 @@ def test_an_apostrophe_ends_no_number(tmp_path):
         read(table(tmp_path, "Sampling rate: 12'800 Hz\na,b", NOISE, NOISE))
 
 
+@pytest.mark.parametrize(("times", "rate"), [(1e3 * TIME, "12.8"), (np.arange(float(N)), "1")])
+def test_a_low_rate_of_times_without_a_unit_names_them_and_the_remedy(tmp_path, times, rate):
+    """Times in ms, and numbers of samples, are taken in s."""
+    path = table(tmp_path, "time,acc", times, NOISE)
+    _, err = type_("analyze", path, "--bearing", "6205", "--speed", "9000 rpm", code=2)
+    message = " ".join(err.replace("│", " ").split())
+    assert f"sampled at {rate} Hz" in message
+    assert "this rate follows from the column `time`: if it is wrong, give the right one by `--rate`" in message
+    type_("analyze", path, "--bearing", "6205", "--speed", "9000 rpm", "--rate", "12800 Hz")
+    _, err = type_("analyze", path, "--bearing", "6205", "--speed", "9000 rpm", "--rate", "12.8 Hz", code=2)
+    assert "follows from" not in err
+
+
 @pytest.mark.parametrize("arrays", [{"t": 1e3 * TIME, "t_unit": "ms"}, {"fs": 12.8, "fs_unit": "kHz"}])
 def test_units_of_time_and_rate_are_read(tmp_path, arrays):
     assert read(saved(tmp_path, x=NOISE, **arrays)).rate.value == pytest.approx(12800.0)
@@ -305,7 +318,9 @@ def test_a_line_that_cannot_be_assessed_is_not_compared(tmp_path):
     assert values["score_db"] is None
     for name in ("line", "line_over_kinematic", "envelope_harmonic_2", "entry_to_exit_of_a_pass"):
         assert values["features"][name]["measured"] is None, name
-    assert "cannot be assessed" in type_("compare", *words)[0]
+    remark = type_("compare", *words)[0]
+    assert "cannot be assessed" in remark
+    assert "this rate follows from the variable `fs`" in " ".join(remark.split())
 
 
 # Decimal commas and thousands in statements
