@@ -24,6 +24,8 @@ RATE_NAMES = (
 STEP_NAMES = ("dt", "ts", "timestep", "sampletime", "sampleinterval", "samplinginterval", "deltax", "deltat")
 """Names of the sampling interval."""
 TIME_NAMES = ("t", "time", "times", "timestamp", "zeit", "xvalue")
+TIME_NUMBER = re.compile(r"[\s._-]*\d+$")
+"""Number at the end of the name of a further time, such as `t2`, `Time 2` and `time.1`."""
 RPM_NAMES = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
 """Names of a speed that is in rpm unless its unit is stated."""
 EXPORTED_SPEED = re.compile(r"(?P<job>(?:.+\.)?job_[^.]+)\.parameters\.speed")
@@ -76,8 +78,8 @@ def identify_content(path: Path, arrays: Mapping[str, np.ndarray], texts: Mappin
             if f"{match['job']}.parameters.ramp_to" not in arrays:  # a ramp starts at the speed of the parameters
                 speeds.setdefault(match["job"], Stated(float(samples[0]), source))
         elif (
-            key in TIME_NAMES
-            and MIN_SAMPLES <= values.size == max(values.shape)
+            MIN_SAMPLES <= values.size == max(values.shape)
+            and names_time(name, samples)
             and (not times or (unit in TIME_FACTORS and is_rising(samples)))
         ):
             if unit not in TIME_FACTORS:
@@ -115,6 +117,23 @@ def mean_speed(samples: np.ndarray, source: str) -> tuple[Stated[float], Stated[
     if lowest == highest or highest - lowest <= MAX_CHANGE * abs(present.mean()):
         return Stated(float(present.mean()), source), None
     return Stated(lowest, f"the lowest in {source}"), Stated(highest, f"the highest in {source}")
+
+
+def names_time(name: str, values: np.ndarray) -> bool:
+    """Check if a name is that of a time, or such a name with a number behind it, and the values (n,) are even.
+
+    Names with a number may be those of other quantities, such as temperatures: their values are times if they
+    increase by equal steps.
+    """
+    if normalize(name) in TIME_NAMES:
+        return True
+    return normalize(TIME_NUMBER.sub("", name)) in TIME_NAMES and is_evenly_spaced(values)
+
+
+def is_evenly_spaced(values: np.ndarray) -> bool:
+    """Check if the first 1000 values increase by equal steps, within 2 %."""
+    steps = np.diff(values[:1000])
+    return bool(len(steps) > 2 and np.all(steps > 0.0) and np.ptp(steps) <= 0.02 * np.median(steps))
 
 
 def is_rising(values: np.ndarray) -> bool:

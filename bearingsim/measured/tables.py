@@ -8,7 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.measured.arrays import MAX_CHANGE, MIN_SAMPLES, TIME_NAMES, is_rising, mean_speed, normalize
+from bearingsim.measured.arrays import (
+    MAX_CHANGE,
+    MIN_SAMPLES,
+    TIME_NAMES,
+    is_evenly_spaced,
+    is_rising,
+    mean_speed,
+    names_time,
+    normalize,
+)
 from bearingsim.measured.content import Content, MeasuredError, Stated, differ
 from bearingsim.measured.headers import (
     names_other_time_unit,
@@ -263,9 +272,9 @@ def _make_content(
     """Make the content of a table from its columns.
 
     The time is a column of a known name, the first column if its unit is one of time or, in a table without
-    headers, the first column if it is evenly spaced and nothing names another unit than s. Columns without
-    numbers and those of row numbers are omitted. Raises MeasuredError for times in an unknown unit, for two
-    channels of one name, and without channels.
+    headers, the first column if it is evenly spaced and nothing names another unit than s. So are evenly spaced
+    columns of a known name with a number. Columns without numbers and those of row numbers are omitted. Raises
+    MeasuredError for times in an unknown unit, for two channels of one name, and without channels.
     """
     channels, units, other_speed = {}, {}, stated.other_speed
     times: list[Stated[np.ndarray]] = []
@@ -281,8 +290,8 @@ def _make_content(
         is_first = number == used[0] and len(used) > 1
         has_time_unit = unit != "" and unit.lower() in TIME_FACTORS
         is_unnamed = header == f"column {number + 1}" and are_seconds
-        is_time = key in TIME_NAMES or (
-            is_first and ((has_time_unit and is_rising(column)) or (is_unnamed and _is_evenly_spaced(column)))
+        is_time = names_time(own_name, column) or (
+            is_first and ((has_time_unit and is_rising(column)) or (is_unnamed and is_evenly_spaced(column)))
         )
         if is_time and (not times or (unit.lower() in TIME_FACTORS and is_rising(column))):
             if unit.lower() not in TIME_FACTORS:
@@ -316,9 +325,3 @@ def _are_row_numbers(header: str, column: np.ndarray) -> bool:
     name, unit = split_header(header)
     is_time = normalize(name.rpartition("/")[2]) in TIME_NAMES
     return not is_time and not unit and len(column) > 1 and bool(np.all(np.diff(column.astype(float)) == 1.0))
-
-
-def _is_evenly_spaced(column: np.ndarray) -> bool:
-    """Check if the first 1000 values of a column increase by equal steps, within 2 %."""
-    steps = np.diff(column[:1000])
-    return bool(len(steps) > 2 and np.all(steps > 0.0) and np.ptp(steps) <= 0.02 * np.median(steps))

@@ -377,6 +377,32 @@ def test_two_columns_of_time_with_several_rates_are_refused(tmp_path):
         read(path)
 
 
+@pytest.mark.parametrize(
+    "names", ["t,a,t2,b", "Time,a,Time 2,b", "time,a,time.1,b", "t1,a,t2,b", "X_Value,a,X_Value_2,b"]
+)
+@pytest.mark.parametrize("kind", ["csv", "npz"])
+def test_numbered_times_of_several_rates_are_refused(tmp_path, names, kind):
+    first, _, second, _ = names.split(",")
+    columns = TIME, NOISE, TIME / 2.0, NOISE
+    path = (
+        table(tmp_path, names, *columns)
+        if kind == "csv"
+        else saved(tmp_path, **dict(zip(names.split(","), columns, strict=True)))
+    )
+    with pytest.raises(
+        MeasuredError, match=rf"two sampling rates, 12800 Hz .*`{first}`.* and 25600 Hz .*`{second}`.*`--rate`"
+    ):
+        read(path)
+    recording = read(path, Request(rate=25600.0, channel="b"))
+    assert recording.rate.value == 25600.0
+    assert len(recording.remarks) == 1  # the first time states 12800 Hz
+
+
+def test_a_numbered_name_of_a_time_may_be_that_of_a_signal(tmp_path):
+    """Temperatures are named `T1`, too."""
+    assert list(read(table(tmp_path, "time,T1,T2", TIME, NOISE, 20.0 + NOISE)).channels) == ["T1", "T2"]
+
+
 def test_a_channel_has_the_times_and_the_rate_of_its_group(tmp_path):
     """Neither a gap in the time of another group, nor its rate, concerns the named channel."""
     gap = np.where(np.arange(N) > N // 2, TIME + 1.0, TIME)
