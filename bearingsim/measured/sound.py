@@ -1,6 +1,7 @@
 """Reader of WAV files."""
 
 import re
+import struct
 import warnings
 from pathlib import Path
 
@@ -12,6 +13,8 @@ SIGNATURES = (b"RIFF", b"RIFX", b"RF64")
 """First four bytes of WAV files."""
 SIZE_OF_STREAM = b"\xff\xff\xff\xff"
 """Size in the header of a streamed file, whose samples extend to its end."""
+ADVICE = "export it again, or open and save it in a sound editor"
+"""Remedy for a file with fewer samples than its header states."""
 UNSUPPORTED_ENCODING = re.compile(r"Unknown wave file format: (\w+)")
 """Message of SciPy for an encoding other than PCM and floating point."""
 
@@ -36,7 +39,7 @@ def read_wav(path: Path) -> Content:
                 warnings.filterwarnings("ignore", ".*EOF", wavfile.WavFileWarning)
             rate, samples = wavfile.read(path)
     except wavfile.WavFileWarning as warning:
-        raise MeasuredError(path, f"is a damaged WAV file ({warning})") from None
+        raise MeasuredError(path, f"is a damaged WAV file ({warning}): {ADVICE}") from None
     except ValueError as error:
         encoding = UNSUPPORTED_ENCODING.search(str(error))
         reason = (
@@ -52,6 +55,9 @@ def read_wav(path: Path) -> Content:
             path,
             "declares no samples in its header (streaming programs leave it empty): save the signal again as WAV",
         )
+    missing = _missing_bytes(path, signature)
+    if missing:
+        raise MeasuredError(path, f"ends {missing} bytes before the samples that its header states: {ADVICE}")
     columns = samples.reshape(len(samples), -1)
     is_integer = columns.dtype.kind in "iu"
     values = columns.astype(float) - (128.0 if columns.dtype == np.uint8 else 0.0)
@@ -61,3 +67,20 @@ def read_wav(path: Path) -> Content:
         rates=[Stated(float(rate), "the WAV header")],
         integer_range=float(2 ** (8 * columns.dtype.itemsize - 1)) if is_integer else None,
     )
+
+
+def _missing_bytes(path: Path, signature: bytes) -> int:
+    """Return the number of bytes by which the samples of a file end before the size in their header.
+
+    0 for the size of a stream, and that of RF64, which is stated elsewhere.
+    """
+    form = ">4sI" if signature == b"RIFX" else "<4sI"
+    length = path.stat().st_size
+    with path.open("rb") as file:
+        file.seek(12)
+        while len(header := file.read(8)) == 8:
+            name, size = struct.unpack(form, header)
+            if name == b"data":
+                return 0 if header[4:] == SIZE_OF_STREAM else max(0, file.tell() + size - length)
+            file.seek(size + size % 2, 1)
+    return 0

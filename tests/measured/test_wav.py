@@ -13,6 +13,9 @@ PCM, ADPCM, FLOAT, ALAW, MP3, EXTENSIBLE = 1, 2, 3, 6, 0x55, 0xFFFE
 ALL = b"\xff\xff\xff\xff"
 """Size in the header of a stream, written before its end is known."""
 
+LARGE = 0x7FFFF000
+"""Size in the header of other streams, which is stated and not reached."""
+
 
 def chunk(name, body):
     return name + struct.pack("<I", len(body)) + body + b"\0" * (len(body) % 2)
@@ -63,6 +66,17 @@ REFUSED = {
     "ADPCM": (riff(form(ADPCM, 8), chunk(b"data", bytes(4096))), "has samples encoded as ADPCM"),
     "MP3": (riff(form(MP3, 8), chunk(b"data", bytes(4096))), "has samples encoded as MPEGLAYER3"),
     "cut": (riff(form(PCM, 16), DATA[16])[:-1001], "damaged .* finished at 7235 bytes, expected 8236"),
+    "samples beyond the end": (
+        riff(form(PCM, 16), struct.pack("<4sI", b"data", LARGE) + SAMPLES[16]),
+        "ends 2147471360 bytes before the samples that its header states: export it again, or open and save it",
+    ),
+    "stream of a large size": (
+        struct.pack("<4sI4s", b"RIFF", LARGE + 36, b"WAVE")
+        + form(PCM, 16)
+        + struct.pack("<4sI", b"data", LARGE)
+        + SAMPLES[16],
+        "damaged .* expected .*: export it again, or open and save it in a sound editor",
+    ),
     "stream of size 0": (b"RIFF\0\0\0\0WAVE" + form(PCM, 16) + DATA[16], "declares no samples in its header"),
     "no data": (riff(form(PCM, 16)), "declares no samples in its header"),
     "empty data": (riff(form(PCM, 16), chunk(b"data", b"")), "declares no samples in its header"),
