@@ -1,7 +1,7 @@
 """Identification of signals, time, sampling rate and speed among the named arrays of a file."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,8 @@ RPM_NAMES = ("rpm", "speedrpm", "shaftrpm", "rotationalspeedrpm")
 """Names of a speed that is in rpm unless its unit is stated."""
 EXPORTED_SPEED = re.compile(r"(?P<job>(?:.+\.)?job_[^.]+)\.parameters\.speed")
 """Name of the speed (rad/s) of a job in a MAT file exported by this program; in others, its unit is unknown."""
+CONVERSION_NAMES = ("scale", "scalefactor", "scaling", "gain", "offset", "addoffset", "sensitivity", "calibration")
+"""Names of numbers by which integer samples may have to be converted to their unit."""
 MAX_CHANGE = 0.01
 """Largest relative change of a speed that counts as constant."""
 MIN_RATE_RATIO = 100.0
@@ -92,7 +94,27 @@ def identify_content(path: Path, arrays: Mapping[str, np.ndarray], texts: Mappin
         channels = {name: values for name, values in channels.items() if len(values) in lengths}
     if not channels:
         raise MeasuredError(path, f"has no signal: {_describe_arrays(arrays)}")
-    return Content(channels, times, _omit_shaft_rates(rates), speeds, _units(channels, texts), other_speed)
+    rates, remarks = _omit_shaft_rates(rates), dict(_list_unconverted(arrays, channels))
+    return Content(channels, times, rates, speeds, _units(channels, texts), other_speed, remarks)
+
+
+def _list_unconverted(
+    arrays: Mapping[str, np.ndarray], channels: Mapping[str, np.ndarray]
+) -> Iterator[tuple[str, str]]:
+    """Yield name and remark of each channel of integers beside a scale or an offset, which are not applied."""
+    for name, values in channels.items():
+        if values.dtype.kind not in "iu":
+            continue
+        conversions = [
+            f"`{other}`"
+            for other, value in arrays.items()
+            if value.size == 1
+            and normalize(other) in CONVERSION_NAMES
+            and other.rpartition(".")[0] in ("", name.rpartition(".")[0])
+        ]
+        if conversions:
+            listed, verb = " and ".join(conversions), "is" if len(conversions) == 1 else "are"
+            yield name, f"`{name}` has integer samples, to which {listed} {verb} not applied: convert them"
 
 
 def _omit_shaft_rates(rates: list[Stated[float]]) -> list[Stated[float]]:

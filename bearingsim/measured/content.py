@@ -120,7 +120,8 @@ class Content:
 
     times: instants (s) of the samples; rates: sampling rates (Hz); several of either should agree. speeds: rad/s,
     by the name of the channel or of the group whose channels have this speed, "" for the whole file; units: by
-    channel; other_speed: a further statement, which contradicts a speed.
+    channel; other_speed: a further statement, which contradicts a speed; remarks: by
+    channel, on values of the file that are not used.
     """
 
     channels: Mapping[str, np.ndarray]
@@ -129,6 +130,7 @@ class Content:
     speeds: Mapping[str, Stated[float]] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     other_speed: Stated[float] | None = None
+    remarks: Mapping[str, str] = field(default_factory=dict)
     integer_range: float | None = None
     """Integer sample at full scale; None for samples that are not integers."""
 
@@ -140,7 +142,8 @@ class Content:
         times, rates = _innermost(self.times, name), _innermost(self.rates, name)
         if not times and not rates:
             times, rates = self.times, self.rates
-        return replace(self, channels={name: self.channels[name]}, times=times, rates=rates)
+        remarks = {channel: text for channel, text in self.remarks.items() if channel in ("", name)}
+        return replace(self, channels={name: self.channels[name]}, times=times, rates=rates, remarks=remarks)
 
     def speed_of(self, channel: str) -> Stated[float] | None:
         """Return the speed of a channel: its own, or that of its innermost group or of the file.
@@ -170,7 +173,7 @@ class Recording(NamedTuple):
     """Channels (n,) of a file by name, with sampling rate (Hz), speed (rad/s) and units, and the sources of these.
 
     speed: None if neither the file nor the request states it; units: by channel, "" if unknown; remarks:
-    statements of the file that the request replaces.
+    statements of the file that the request replaces, or that are not used, and channels of unequal lengths.
     """
 
     path: Path

@@ -145,7 +145,7 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
         _choose_rate(path, content, request),
         _choose_speed(path, content, request, list(channels)),
         {name: _choose_unit(content.units.get(name), request, unit_of_integers) for name in channels},
-        tuple(_list_replaced(path, content, request)),
+        (*content.remarks.values(), *_list_replaced(path, content, request)),
     )
 
 

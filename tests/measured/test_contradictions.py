@@ -357,6 +357,24 @@ def test_a_comma_between_cells_is_no_decimal_sign(tmp_path):
     assert read(path).rate.value == 12800.0
 
 
+# Integers and their conversion
+
+
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+@pytest.mark.parametrize("conversion", [{"scale": 1e-3}, {"scale_factor": 1e-3, "add_offset": 2.0}])
+def test_integers_beside_a_scale_give_a_remark(tmp_path, kind, conversion):
+    arrays = {"x": (1000.0 * NOISE).astype(np.int16), "fs": float(RATE), **conversion}
+    path = tmp_path / f"a.{kind}"
+    savemat(path, arrays) if kind == "mat" else np.savez(path, **arrays)
+    names = " and ".join(f"`{name}`" for name in conversion)
+    (remark,) = read(path).remarks
+    assert remark.startswith(f"`x` has integer samples, to which {names} ")
+    assert remark.endswith("not applied: convert them")
+    both = saved(tmp_path, **arrays, y=NOISE)
+    assert read(both).remarks == (remark,)
+    assert not read(both, Request(channel="y")).remarks  # its samples are no integers
+
+
 # Two columns of time
 
 
