@@ -33,6 +33,8 @@ MIN_LIMIT = 1 << 22
 """Memory limit (bytes) of the arrays of a small file."""
 FULL_SCALE_UNIT = "of full scale"
 """Unit of integer samples whose value at full scale is unknown."""
+MIN_LENGTH_RATIO = 1.5
+"""Ratio of the lengths of two channels from which they may have been sampled at different rates."""
 MAX_DEVIATION = 0.5
 """Largest deviation of an instant from even spacing, relative to the sampling interval: times may be rounded."""
 
@@ -133,11 +135,13 @@ def _list_missing_unit(content: Content, request: Request) -> Iterator[str]:
 def _make_recording(path: Path, content: Content, request: Request) -> Recording:
     """Apply a request to the content of a file. Raises MeasuredError."""
     channels = dict(content.channels)
+    unequal_lengths = _list_unequal_lengths(content, request)
     if request.channel is not None:
         if request.channel not in channels:
             raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_list_channels(channels)}")
         content = content.of_channel(request.channel)
         channels = dict(content.channels)
+    remarks = *content.remarks.values(), *_list_replaced(path, content, request), *unequal_lengths
     scale, unit_of_integers = _choose_scale(path, content, request)
     return Recording(
         path,
@@ -145,7 +149,7 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
         _choose_rate(path, content, request),
         _choose_speed(path, content, request, list(channels)),
         {name: _choose_unit(content.units.get(name), request, unit_of_integers) for name in channels},
-        (*content.remarks.values(), *_list_replaced(path, content, request)),
+        remarks,
     )
 
 
@@ -162,6 +166,27 @@ def _list_replaced(path: Path, content: Content, request: Request) -> Iterator[s
             yield (
                 f"{path.name} states {factor * stated.value:.6g} {unit} ({stated.source}): "
                 f"`{request.name(field)}`, {factor * requested:.6g} {unit}, is used instead"
+            )
+
+
+def _list_unequal_lengths(content: Content, request: Request) -> Iterator[str]:
+    """Yield remarks on channels of one stated rate, but of lengths that suggest two.
+
+    The rate may be that of one of them only. None for a channel and a rate of the request.
+    """
+    if content.times or (request.rate is not None and request.channel is not None):
+        return
+    by_source: dict[str, dict[int, str]] = {}
+    for name, values in content.channels.items():
+        rates = content.of_channel(name).rates
+        source = request.name("rate") if request.rate is not None or not rates else rates[0].source
+        by_source.setdefault(source, {}).setdefault(len(values), name)
+    for source, names in by_source.items():
+        shortest, longest = min(names), max(names)
+        if longest >= MIN_LENGTH_RATIO * shortest:
+            yield (
+                f"`{names[longest]}` has {longest} samples, `{names[shortest]}` {shortest}, at one rate "
+                f"({source}): if theirs differ, give `{request.name('channel')}` and `{request.name('rate')}`"
             )
 
 

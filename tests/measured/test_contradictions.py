@@ -446,6 +446,30 @@ def test_gaps_are_found_in_every_time(tmp_path):
         read(path)
 
 
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+def test_channels_of_unequal_lengths_at_one_rate_give_a_remark(tmp_path, kind):
+    """Of 0.32 s at 12800 Hz and at 25600 Hz, only one rate is stated."""
+    path, arrays = tmp_path / f"a.{kind}", {"a": NOISE, "b": np.tile(NOISE, 2), "fs": float(RATE)}
+    savemat(path, arrays) if kind == "mat" else np.savez(path, **arrays)
+    (remark,) = read(path).remarks
+    assert remark == (
+        "`b` has 8192 samples, `a` 4096, at one rate (the variable `fs`): "
+        "if theirs differ, give `--channel` and `--rate`"
+    )
+    assert read(path, Request(channel="b")).remarks == (remark,)
+    assert len(read(path, Request(rate=25600.0)).remarks) == 2  # on `fs`, too
+    assert len(read(path, Request(channel="b", rate=25600.0)).remarks) == 1  # on `fs` only
+
+
+def test_channels_of_similar_lengths_and_those_of_their_own_rates_give_no_remark(tmp_path):
+    assert not read(saved(tmp_path, a=NOISE, b=NOISE[: N - 100], fs=float(RATE))).remarks
+    savemat(
+        tmp_path / "a.mat",
+        {name: {"x": np.resize(NOISE, n), "fs": 12800.0} for name, n in (("a", N), ("b", 2 * N))},
+    )
+    assert not read(tmp_path / "a.mat").remarks
+
+
 def test_a_matrix_is_no_time(tmp_path):
     savemat(tmp_path / "a.mat", {"fs": RATE, "x": NOISE, "T": np.ones((20, 2))})
     assert list(read(tmp_path / "a.mat", Request(channel="x")).channels["x"]) == list(NOISE)
