@@ -116,12 +116,20 @@ def decode(path: Path, beginning: bytes) -> tuple[str, str]:
     if encoding is not None:
         return encoding, beginning.decode(encoding, "replace")
     if b"\0" in beginning:
+        if _may_be_utf16(beginning):
+            raise MeasuredError(path, "is UTF-16 without a byte-order mark: save it as UTF-8")
         raise MeasuredError(path, "is not a text file, so it cannot be CSV")
     decoder = codecs.getincrementaldecoder("utf-8-sig")()
     try:
         return "utf-8-sig", decoder.decode(beginning, final=len(beginning) < FIRST_BYTES)
     except UnicodeDecodeError:
         return WINDOWS_ENCODING, beginning.decode(WINDOWS_ENCODING, "replace")
+
+
+def _may_be_utf16(beginning: bytes) -> bool:
+    """Check if nearly every second of the first bytes is zero, and none of the others: numbers in UTF-16."""
+    even, odd = beginning[::2], beginning[1::2]
+    return any(high.count(0) > 0.9 * len(high) and 0 not in low for high, low in ((even, odd), (odd, even)))
 
 
 def _detect_layout(path: Path, lines: list[str]) -> Layout:

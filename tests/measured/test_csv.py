@@ -173,6 +173,16 @@ def test_other_tables_are_refused_with_the_reason(tmp_path, name):
         read(tmp_path / "a.csv")
 
 
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_utf_16_without_its_mark_is_refused_with_the_remedy(tmp_path, encoding):
+    (tmp_path / "a.csv").write_bytes(("time,acc\n" + rows(T, X)).encode(encoding))
+    with pytest.raises(MeasuredError, match="is UTF-16 without a byte-order mark: save it as UTF-8"):
+        read(tmp_path / "a.csv")
+    (tmp_path / "a.csv").write_bytes(b"time,acc\n\0\0\1\0")
+    with pytest.raises(MeasuredError, match="is not a text file"):
+        read(tmp_path / "a.csv")
+
+
 @pytest.mark.parametrize("kind", ["csv", "npz"])
 def test_a_speed_that_changes_is_refused_unless_one_is_given(tmp_path, kind):
     path, rpm = tmp_path / f"a.{kind}", np.linspace(1000.0, 1100.0, COUNT)
