@@ -121,7 +121,7 @@ class Content:
     times: instants (s) of the samples; rates: sampling rates (Hz); several of either should agree. speeds: rad/s,
     by the name of the channel or of the group whose channels have this speed, "" for the whole file; units: by
     channel; other_speed: a further statement, which contradicts a speed; remarks: by
-    channel, on values of the file that are not used.
+    channel, on values of the file that are not used; clock: column of clock times, "" without.
     """
 
     channels: Mapping[str, np.ndarray]
@@ -131,6 +131,7 @@ class Content:
     units: Mapping[str, str] = field(default_factory=dict)
     other_speed: Stated[float] | None = None
     remarks: Mapping[str, str] = field(default_factory=dict)
+    clock: str = ""
     integer_range: float | None = None
     """Integer sample at full scale; None for samples that are not integers."""
 
@@ -142,7 +143,7 @@ class Content:
         times, rates = _innermost(self.times, name), _innermost(self.rates, name)
         if not times and not rates:
             times, rates = self.times, self.rates
-        remarks = {channel: text for channel, text in self.remarks.items() if channel in ("", name)}
+        remarks = {channel: text for channel, text in self.remarks.items() if channel == name}
         return replace(self, channels={name: self.channels[name]}, times=times, rates=rates, remarks=remarks)
 
     def speed_of(self, channel: str) -> Stated[float] | None:

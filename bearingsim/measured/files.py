@@ -110,6 +110,12 @@ def read(
         reason = " ".join(str(error).replace(str(path), path.name).split())[:120] or type(error).__name__
         raise MeasuredError(path, f"cannot be read as a {path.suffix} file, it is damaged ({reason})") from error
     missing = list(_list_missing(content, request, needs_speed))
+    if "sampling rate" in missing and content.clock:
+        options = request.format_values(EXAMPLES["sampling rate"])
+        raise MeasuredError(
+            path,
+            f"states no sampling rate, and its times are clock times; export them in seconds, or give `{options}`",
+        )
     if missing and needs_unit:
         missing += _list_missing_unit(content, request)
     if missing:
@@ -154,7 +160,9 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
 
 
 def _list_replaced(path: Path, content: Content, request: Request) -> Iterator[str]:
-    """Yield remarks on rates and speeds of a file that differ from those of the request, which replace them."""
+    """Yield remarks on clock times, and on rates and speeds that differ from those of the request."""
+    if content.clock:
+        yield f"the clock times in {content.clock} of {path.name} are not used"
     rates = [*content.rates, *(_mean_rate(time) for time in content.times if not _is_coarse(time.value))]
     distinct_rates = {rate.value: rate for rate in reversed(rates)}.values()
     statements: list[tuple[str, float | None, Stated[float], float, str]] = [

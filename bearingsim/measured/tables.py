@@ -3,6 +3,7 @@
 import codecs
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -51,6 +52,8 @@ GROUPED = re.compile(r"[+-]?\d{1,3}(?:(?P<thousands>[.,])\d{3})(?:(?P=thousands)
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 """Number whose comma may be a thousands separator or a decimal sign."""
 CLOCK_TIME = re.compile(r"\d:\d\d")
+CLOCK_CELL = re.compile(r"[\d/.:TZ+ -]*\d:\d\d[\d/.,:TZ+ -]*")
+"""Cell of a clock time, with a date or without."""
 PADDED = re.compile(r"[+-]?0\d+")
 """Integer with leading zeros."""
 
@@ -60,7 +63,7 @@ class Layout(NamedTuple):
 
     separator: None for blanks; decimal: decimal sign; thousands: thousands separator, None without; begin: number
     of lines above the numbers; headers: of all columns, "" for those without a name; above: lines above the
-    numbers; are_seconds: False if these name another unit of time.
+    numbers; are_seconds: False if these name another unit of time; clocks: numbers of the columns of clock times.
     """
 
     separator: str | None
@@ -70,6 +73,7 @@ class Layout(NamedTuple):
     headers: list[str]
     above: list[str]
     are_seconds: bool
+    clocks: tuple[int, ...] = ()
 
 
 def read_csv(path: Path) -> Content:
@@ -88,22 +92,25 @@ def read_csv(path: Path) -> Content:
     lines = LINE_END.split(text.removesuffix("\n").removesuffix("\r"))
     is_whole = len(beginning) < FIRST_BYTES or len(lines) == 1
     layout = _detect_layout(path, lines if is_whole else lines[:-1])
-    separator, decimal, thousands, begin, headers, above, are_seconds = layout
+    separator, decimal, thousands, begin, headers, above, are_seconds, clocks = layout
+    used = [number for number in range(len(headers)) if number not in clocks]
     try:
         table = pd.read_csv(
             path, sep=separator or r"\s+", skiprows=begin, header=None, names=list(range(len(headers))),
-            dtype=float, decimal=decimal, thousands=thousands, encoding=encoding, encoding_errors="replace",
-            skip_blank_lines=True, index_col=False,
+            usecols=used, dtype=float, decimal=decimal, thousands=thousands, encoding=encoding,
+            encoding_errors="replace", skip_blank_lines=True, index_col=False,
         )  # fmt: skip
     except (ValueError, pd.errors.ParserError) as error:
         reason = str(error).splitlines()[0][:120]
         raise MeasuredError(
             path, f"is not a table of numbers ({reason}); remove text below the headers, and use a decimal point"
         ) from None
-    columns = [table[number].to_numpy() for number in range(len(headers))]
+    columns = [table[number].to_numpy() for number in used]
     if len(columns) == 1 and MIN_SAMPLES <= len(columns[0]) - 1 == columns[0][0]:
         columns = [columns[0][1:]]  # without the number of samples
-    return _make_content(path, headers, columns, parse_statements(above, decimal, separator), are_seconds)
+    statements = parse_statements(above, decimal, separator)
+    content = _make_content(path, [headers[number] for number in used], columns, statements, are_seconds)
+    return replace(content, clock=f"the column `{headers[clocks[0]]}`" if clocks else "")
 
 
 def decode(path: Path, beginning: bytes) -> tuple[str, str]:
@@ -145,6 +152,13 @@ def _detect_layout(path: Path, lines: list[str]) -> Layout:
         separator = None
     decimal, thousands = _detect_signs(path, lines, separator)
     rows = [n for n, line in enumerate(lines) if _is_numeric(line, separator, decimal, thousands)]
+    if not rows and (without_clocks := _remove_clock_times(lines, separator)) != lines:
+        layout = _detect_layout(path, without_clocks)
+        numbers = enumerate(split_cells(lines[layout.begin], separator))
+        clocks = tuple(number for number, cell in numbers if CLOCK_CELL.fullmatch(cell))
+        is_named = not any(layout.headers[number] == f"column {number + 1}" for number in clocks)
+        if separator != "," or is_named:  # else a comma may be the decimal sign of the times
+            return layout._replace(above=lines[: layout.begin], clocks=clocks)
     if not rows:
         has_clock_times = any(CLOCK_TIME.search(line) for line in last_lines)
         advice = ": its times are clock times; export them in seconds" if has_clock_times else ""
@@ -167,6 +181,16 @@ def _detect_layout(path: Path, lines: list[str]) -> Layout:
     names += [""] * (width - len(names))  # rows end with more separators than the headers
     are_seconds = not any(map(names_other_time_unit, above))
     return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]], are_seconds)
+
+
+def _remove_clock_times(lines: list[str], separator: str | None) -> list[str]:
+    """Return lines without the content of cells of clock times; unchanged between blanks, and with quotes."""
+    if separator is None or any('"' in line for line in lines):
+        return lines
+    return [
+        separator.join("" if CLOCK_CELL.fullmatch(cell) else cell for cell in split_cells(line, separator))
+        for line in lines
+    ]
 
 
 def _detect_signs(path: Path, lines: list[str], separator: str | None) -> tuple[str, str | None]:
@@ -239,7 +263,9 @@ def _refuse_ambiguous(path: Path, lines: list[str], above: list[list[str]], is_n
 
 
 def read_parquet(path: Path) -> Content:
-    """Read the numeric columns of a parquet file, and its index if the index has a name.
+    """Read the numeric columns of a parquet file, and its index if the index has a name or contains dates.
+
+    Without a numeric time, the first column of dates is the time if they increase.
 
     Raises MeasuredError without pyarrow, which the extra `parquet` installs.
     """
@@ -249,10 +275,17 @@ def read_parquet(path: Path) -> Content:
         table: pd.DataFrame = pd.read_parquet(path)
     except ImportError:
         raise MeasuredError(path, "parquet needs pyarrow: `pip install 'bearingsim[parquet]'`") from None
-    if table.index.name is not None:
+    if table.index.name is not None or table.index.dtype.kind == "M":
         table = table.reset_index()
     names = [str(name) for name in table if table[name].dtype.kind in "fiu"]
-    return _make_content(path, names, [table[name].to_numpy() for name in names], Statements(), True)
+    columns = [table[name].to_numpy() for name in names]
+    clocks = [str(name) for name in table if table[name].dtype.kind == "M"]
+    if clocks and len(table) and not any(normalize(name) in TIME_NAMES for name in names):
+        dates = table[clocks[0]]
+        instants = (dates - dates.iloc[0]).dt.total_seconds().to_numpy()
+        if is_rising(instants):
+            names, columns = [f"{clocks[0]} [s]", *names], [instants, *columns]
+    return _make_content(path, names, columns, Statements(), True)
 
 
 def _remove_quoted(line: str) -> str:

@@ -173,6 +173,30 @@ def test_other_tables_are_refused_with_the_reason(tmp_path, name):
         read(tmp_path / "a.csv")
 
 
+@pytest.mark.parametrize(
+    "clock", ["2024-05-01 10:11:12.500000", "2024-05-01T10:11:12.5Z", "10:11:12.5", "01.05.2024 10:11:12"]
+)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_clock_times_are_left_out_beside_a_rate(tmp_path, clock, separator):
+    """The times are beyond the resolution of most clocks; a rate replaces them."""
+    for beginning, request in (("", Request(rate=RATE)), ("fs: 12800 Hz\n", Request())):
+        lines = rows(X, 2.0 * X, separator=separator).splitlines()
+        text = beginning + separator.join(["time", "a [g]", "b"]) + "\n"
+        (tmp_path / "a.csv").write_text(text + "".join(f"{clock}{separator}{line}\n" for line in lines))
+        recording = read(tmp_path / "a.csv", request)
+        assert recording.channels["a"] == pytest.approx(X, rel=1e-6)
+        assert recording.channels["b"] == pytest.approx(2.0 * X, rel=1e-6)
+        assert recording.rate.value == RATE
+        assert recording.units["a"].value == "g"
+        assert recording.remarks == ("the clock times in the column `time` of a.csv are not used",)
+
+
+def test_clock_times_with_decimal_commas_between_commas_are_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("time,acc\n" + "10:11:12,5,1.5\n" * 40)
+    with pytest.raises(MeasuredError, match="its times are clock times; export them in seconds"):
+        read(tmp_path / "a.csv", Request(rate=RATE))
+
+
 @pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
 def test_utf_16_without_its_mark_is_refused_with_the_remedy(tmp_path, encoding):
     (tmp_path / "a.csv").write_bytes(("time,acc\n" + rows(T, X)).encode(encoding))

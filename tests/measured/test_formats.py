@@ -535,3 +535,26 @@ def test_two_rates_that_both_may_be_sampling_rates_are_refused(tmp_path):
     savemat(tmp_path / "a.mat", {"bearing": {"gs": X[:, 0], "sr": 48000.0, "rate": 12000.0}})
     with pytest.raises(MeasuredError, match="states two sampling rates"):
         read(tmp_path / "a.mat")
+
+
+@pytest.mark.parametrize("place", ["column", "index", "index without a name", "column behind the signal"])
+@pytest.mark.parametrize("zone", [None, "Europe/Berlin"])
+def test_dates_of_a_parquet_file_are_its_times(tmp_path, place, zone):
+    pytest.importorskip("pyarrow")
+    dates = pd.Timestamp("2024-05-01 10:11:12", tz=zone) + pd.to_timedelta(np.arange(len(X)) / 12800.0, unit="s")
+    if place.startswith("column"):
+        table = pd.DataFrame({"recorded": dates, "acc": X[:, 0]})
+        table = table[["acc", "recorded"]] if "behind" in place else table
+    else:
+        table = pd.DataFrame({"acc": X[:, 0]}, index=dates.rename("recorded" if place == "index" else None))
+    table.to_parquet(tmp_path / "a.parquet")
+    recording = read(tmp_path / "a.parquet")
+    assert list(recording.channels) == ["acc"]
+    assert recording.rate.value == pytest.approx(12800.0)
+
+
+def test_one_date_of_all_samples_is_no_time(tmp_path):
+    pytest.importorskip("pyarrow")
+    dates = pd.to_datetime(["2024-05-01"] * len(X))
+    pd.DataFrame({"date": dates, "acc": X[:, 0]}).to_parquet(tmp_path / "a.parquet")
+    assert list(read(tmp_path / "a.parquet", Request(rate=RATE)).channels) == ["acc"]
