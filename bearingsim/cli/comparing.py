@@ -370,7 +370,8 @@ def _only_channel(recording: "Recording") -> str:
 def _unit_factor(recording: "Recording", name: str, channel: str, unit: str, scale: bool) -> float | None:
     """Return the factor from the unit of the file to that of the job's channel.
 
-    If there is none, return None if the simulated signal is scaled, else raise MeasuredError.
+    If there is none, return None if the simulated signal is scaled and the unit of the file is that of no other
+    quantity, such as V; else raise MeasuredError.
     """
     from bearingsim.measured import MeasuredError
     from bearingsim.measured.files import FULL_SCALE_UNIT
@@ -386,6 +387,13 @@ def _unit_factor(recording: "Recording", name: str, channel: str, unit: str, sca
         statement = f"has `{name}` in `{file_unit}`" if file_unit else f"states no unit of `{name}`"
         raise MeasuredError(
             recording.path, f"{statement}; {channel} is in {unit}: give `--unit`, one of {choices}"
+        )
+    other_quantities = (units for si_unit, units in FACTORS.items() if si_unit not in (unit, ""))
+    if factor is None and any(file_unit in units for units in other_quantities):
+        raise MeasuredError(
+            recording.path,
+            f"has `{name}` in `{file_unit}`, another quantity than {channel} in {unit}, which no factor converts: "
+            "name a channel of the job by `--y`, or give the right unit by `--unit`",
         )
     return factor
 

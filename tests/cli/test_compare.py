@@ -310,6 +310,12 @@ def test_text_and_figure(results, series, tmp_path):
         ({"x": 1}, [], "states no unit of `x`; ring.acceleration.x is in m/s^2: give `--unit`, one of m/s^2"),
         ({"x": 1, "x_unit": "V"}, [], "has `x` in `V`"),
         ({"x": 1, "y": 1, "unit": "g"}, [], "has 2 channels: name one by `--channel`, such as `x`"),
+        (
+            {"x": 1, "x_unit": "mm/s"},
+            ["--scale"],
+            "another quantity than ring.acceleration.x in m/s^2, which no factor converts: name a channel of the "
+            "job by `--y`, or give the right unit by `--unit`",
+        ),
         ({"x": 1, "unit": "g"}, ["--y", "ring.velocity.x"], "not `ring.velocity.x`"),
         ({"x": 1, "unit": "g"}, ["--job", "zzz"], "no job begins with `zzz`"),
         ({"x": 0, "unit": "g"}, [], "is constant"),
