@@ -14,6 +14,8 @@ MAX_CONSTANT = 0.02
 """Largest share of a record in constant runs that gives no remark."""
 MIN_RUN = 32
 """Number of equal samples in a row that a coarse resolution alone does not explain."""
+MIN_SHORT_RUN = 4
+"""Number of equal samples in a row, in a record of few samples, that counts as constant."""
 
 
 def refuse_unusable(
@@ -66,7 +68,7 @@ def describe_dropouts(channel: str, values: np.ndarray, rate: float) -> str | No
     """Return a remark on the constant parts of a signal (n,) at ``rate`` (Hz); None if they are short."""
     bounds = np.concatenate([[0], 1 + np.flatnonzero(np.diff(values)), [len(values)]])
     lengths, begins = np.diff(bounds), bounds[:-1]
-    is_long = lengths >= min(MIN_RUN, MAX_CONSTANT * len(values))
+    is_long = lengths >= max(MIN_SHORT_RUN, min(MIN_RUN, MAX_CONSTANT * len(values)))
     total = int(lengths[is_long].sum())
     if total <= MAX_CONSTANT * len(values):
         return None

@@ -11,7 +11,7 @@ from scipy.io import savemat, wavfile
 
 from bearingsim import open_results
 from bearingsim.measured import MeasuredError, Request, read
-from bearingsim.measured.checks import refuse_unusable
+from bearingsim.measured.checks import describe_dropouts, refuse_unusable
 from bearingsim.measured.content import Content, Stated
 from bearingsim.study import load_study
 from bearingsim.text.yamlfile import StudyError
@@ -302,6 +302,16 @@ def test_coarse_samples_are_not_called_clipped():
     values = np.clip(np.round(0.5 * NOISE), -1.0, 1.0)
     with pytest.raises(MeasuredError, match="only 3 different values: measure with a smaller range"):
         refuse_unusable(Path("a.wav"), "signal", values, RATE)
+
+
+@pytest.mark.parametrize("count", [20, 49, 100])
+def test_short_records_that_change_are_not_called_constant(count):
+    """2 % of 49 samples are under one, 2 % of 100 are two, which may be equal by their resolution."""
+    pairs = np.repeat(NOISE[: count // 2], 2)
+    assert describe_dropouts("x", NOISE[:count], RATE) is None
+    assert describe_dropouts("x", pairs, RATE) is None
+    flat = np.concatenate([NOISE[:count], np.zeros(8)])
+    assert "does not change" in describe_dropouts("x", flat, RATE)
 
 
 # Compare
