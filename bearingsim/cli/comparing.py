@@ -159,7 +159,7 @@ def _detect_line(pair: Pair) -> "tuple[Detection | None, list[str]]":
     try:
         result = detect_line(pair.measured, pair.race)
     except Unsuitable as error:
-        advice = source_of_low_rate(pair.recording)
+        advice = source_of_low_rate(pair.recording) or _effect_of_short_record(pair)
         return None, [f"{line} of the measured signal cannot be assessed: {error}{advice}"]
     score, needed = (f"{decibels(value):.1f} dB" for value in (result.comb.score, result.threshold))
     values = f"score {score}, threshold {needed}"
@@ -172,6 +172,16 @@ def _detect_line(pair: Pair) -> "tuple[Detection | None, list[str]]":
     else:
         reason = _describe_stronger(result, pair)
     return result, [f"{line} of the measured signal: {reason}; check speed and bearing by `bearingsim analyze`"]
+
+
+def _effect_of_short_record(pair: Pair) -> str:
+    """Return a remark on the level of a measured record of few passes of the race; else empty."""
+    from bearingsim.diagnosis.suitability import MIN_PERIODS
+
+    measured = pair.measured
+    if len(measured.series) / measured.fs * measured.lines.of_race(pair.race) >= MIN_PERIODS:
+        return ""
+    return "; its RMS, peak, crest factor and kurtosis depend on where it begins, as does the factor of `--scale`"
 
 
 def _describe_stronger(detection: "Detection", pair: Pair) -> str:
