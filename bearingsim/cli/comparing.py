@@ -203,6 +203,17 @@ def _describe_stronger(detection: "Detection", pair: Pair) -> str:
     return f"a periodicity of {other.frequency:.2f} Hz is stronger {scores}"
 
 
+def _speed_of_job(pair: Pair) -> str:
+    """Return a remark on the speed of the job if the measurement has another one; else empty."""
+    from bearingsim.measured.arrays import MAX_CHANGE
+    from bearingsim.measured.content import differ
+
+    job, measured = pair.simulated.lines.shaft, pair.measured.lines.shaft
+    if not differ(measured, job, MAX_CHANGE):
+        return ""
+    return f"; the job has {60.0 * job:.6g} rpm, and levels depend on the speed"
+
+
 def _source_of_speed(recording: "Recording") -> str:
     return "the job" if recording.speed is None else recording.speed.source
 
@@ -217,7 +228,7 @@ def _print_signals(job: str, pair: Pair, band: tuple[float, float], factor: floa
     say(f"{short_path(pair.recording.path)}: {name}, {seconds:.4g} s at {rate.value:g} Hz ({rate.source})")
     advice = "; to change it, use `--speed`" if pair.recording.speed is None else ""
     speed = f"{pair.measured.lines.shaft * 60.0:.6g} rpm"
-    say(f"speed of the measurement: {speed} ({_source_of_speed(pair.recording)}{advice})")
+    say(f"speed of the measurement: {speed} ({_source_of_speed(pair.recording)}{advice}){_speed_of_job(pair)}")
     say(f"both in the band {band[0] / 1e3:g} to {band[1] / 1e3:.4g} kHz")
     if factor is not None:
         from bearingsim.measured.si import FACTORS

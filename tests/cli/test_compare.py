@@ -102,6 +102,15 @@ def test_levels_of_a_record_of_few_passes_give_a_remark(results, series, tmp_pat
     assert (remark in out) == (count == 200)
 
 
+@pytest.mark.parametrize(("rpm", "is_other"), [(900.0, False), (905.0, False), (920.0, True), (15.0, True)])
+def test_another_speed_than_that_of_the_job_is_named(results, series, tmp_path, rpm, is_other):
+    """The last one is in Hz, which its name does not say."""
+    np.savez(tmp_path / "a.npz", x=series["ring.acceleration.x"].astype(float), fs=25600.0, rpm=rpm)
+    out = " ".join(type_("compare", results, tmp_path / "a.npz", "--unit", "g")[0].split())
+    assert f"speed of the measurement: {rpm:g} rpm (the variable `rpm`)" in out
+    assert ("; the job has 900 rpm, and levels depend on the speed" in out) == is_other
+
+
 @pytest.mark.parametrize("unit", ["", "V"])
 def test_a_scale_needs_no_unit(results, series, tmp_path, unit):
     own = series["ring.acceleration.x"].astype(float)
