@@ -27,6 +27,7 @@ OTHER_MEANINGS = {
     ("config/rules/hierarchy.py", "ring"): "a field of the rig",
     ("config/sections/machine.py", "ring"): "a field of the rig",
     ("config/sections/ring.py", "ring"): "what carries the sensor",
+    ("plots/caption.py", "ring"): "a body that channels describe",
     ("selection/candidates.py", "ring"): "a field of the rig",
     ("study/paths.py", "rollers"): "a field of the surfaces",
     ("study/used.py", "ring"): "a field of the rig",
