@@ -54,5 +54,5 @@ def equilibrium_in_space(case: Case) -> MeanSpatialEquilibrium:
         cage_z=space.build_cage_in_space(case),
     )
     y = lay.make_buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
-    solve_at(static_model(model), 0.0, y)
+    solve_at(static_model(model), 0.0, y, from_scratch=True)
     return mean_spatial_equilibrium(model, y)

@@ -19,9 +19,8 @@ from bearingsim.core.vectors import dot
 # this band
 DECIMATION_HALF_LENGTH = 4
 RESAMPLE_HALF_LENGTH = 13  # samples on each side: flat to 0.4 of the sampling rate, attenuation of 80 dB above 0.6
-INTERPOLATION_HALF_LENGTH = (
-    6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the remaining band
-)
+# fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the remaining band
+INTERPOLATION_HALF_LENGTH = 6
 KERNEL_ENTRIES = 1024  # entries of the interpolation kernel per fine sample
 
 

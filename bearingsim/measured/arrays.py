@@ -34,7 +34,7 @@ CONVERSION_NAMES = ("scale", "scalefactor", "scaling", "gain", "offset", "addoff
 """Names of numbers by which integer samples may have to be converted to their unit."""
 MAX_CHANGE = 0.01
 """Largest relative change of a speed that counts as constant."""
-MIN_RATE_RATIO = 100.0
+MIN_SHAFT_RATE_RATIO = 100.0
 """Ratio of a sampling rate to a `rate` beside it, above which this is the frequency of the shaft."""
 MIN_SAMPLES = 16
 """Smallest number of samples of a signal; shorter arrays are ignored."""
@@ -122,8 +122,8 @@ def _omit_shaft_rates(rates: list[Stated[float]]) -> list[Stated[float]]:
     return [
         stated
         for stated in rates
-        if not stated.source.removesuffix("`").endswith(("`rate", ".rate"))
-        or not any(o.group == stated.group and MIN_RATE_RATIO * stated.value < o.value for o in rates)
+        if not stated.source.lower().removesuffix("`").endswith(("`rate", ".rate"))
+        or not any(o.group == stated.group and MIN_SHAFT_RATE_RATIO * stated.value < o.value for o in rates)
     ]
 
 

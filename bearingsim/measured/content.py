@@ -120,8 +120,8 @@ class Content:
 
     times: instants (s) of the samples; rates: sampling rates (Hz); several of either should agree. speeds: rad/s,
     by the name of the channel or of the group whose channels have this speed, "" for the whole file; units: by
-    channel; other_speed: a further statement, which contradicts a speed; remarks: by
-    channel, on values of the file that are not used; clock: column of clock times, "" without.
+    channel; other_speed: a further statement, which contradicts a speed; remarks: by channel, on values of the
+    file that are not used; clock: column of clock times, "" without.
     """
 
     channels: Mapping[str, np.ndarray]

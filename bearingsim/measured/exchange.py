@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.measured.arrays import TIME_NAMES, normalize
+from bearingsim.measured.arrays import names_time
 from bearingsim.measured.content import Content, MeasuredError, Stated
 from bearingsim.measured.si import TIME_FACTORS
 from bearingsim.text.numbers import is_number
@@ -93,7 +93,7 @@ def _pop_times(path: Path, channels: dict[str, np.ndarray], units: Mapping[str, 
     and if nothing else remains.
     """
     times = []
-    for name in [name for name in channels if normalize(name.rpartition("/")[2]) in TIME_NAMES]:
+    for name in [name for name, values in channels.items() if names_time(name.rpartition("/")[2], values)]:
         unit = units.get(name, "").lower()
         if unit not in TIME_FACTORS:
             raise MeasuredError(path, f"has times in `{unit}`: expected s, ms or us")

@@ -147,7 +147,7 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
             raise MeasuredError(path, f"has no channel `{request.channel}`: it has {_list_channels(channels)}")
         content = content.of_channel(request.channel)
         channels = dict(content.channels)
-    remarks = *content.remarks.values(), *_list_replaced(path, content, request), *unequal_lengths
+    remarks = *content.remarks.values(), *_list_unused(path, content, request), *unequal_lengths
     scale, unit_of_integers = _choose_scale(path, content, request)
     return Recording(
         path,
@@ -159,7 +159,7 @@ def _make_recording(path: Path, content: Content, request: Request) -> Recording
     )
 
 
-def _list_replaced(path: Path, content: Content, request: Request) -> Iterator[str]:
+def _list_unused(path: Path, content: Content, request: Request) -> Iterator[str]:
     """Yield remarks on clock times, and on rates and speeds that differ from those of the request."""
     if content.clock:
         yield f"the clock times in {content.clock} of {path.name} are not used"

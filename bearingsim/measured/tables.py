@@ -152,7 +152,8 @@ def _detect_layout(path: Path, lines: list[str]) -> Layout:
         separator = None
     decimal, thousands = _detect_signs(path, lines, separator)
     rows = [n for n, line in enumerate(lines) if _is_numeric(line, separator, decimal, thousands)]
-    if not rows and (without_clocks := _remove_clock_times(lines, separator)) != lines:
+    without_clocks = lines if rows else _remove_clock_times(lines, separator)
+    if without_clocks != lines and _has_numbers(path, without_clocks, separator):
         layout = _detect_layout(path, without_clocks)
         numbers = enumerate(split_cells(lines[layout.begin], separator))
         clocks = tuple(number for number, cell in numbers if CLOCK_CELL.fullmatch(cell))
@@ -181,6 +182,12 @@ def _detect_layout(path: Path, lines: list[str]) -> Layout:
     names += [""] * (width - len(names))  # rows end with more separators than the headers
     are_seconds = not any(map(names_other_time_unit, above))
     return Layout(separator, decimal, thousands, rows[0], names, lines[: rows[0]], are_seconds)
+
+
+def _has_numbers(path: Path, lines: list[str], separator: str | None) -> bool:
+    """Check if a line is a row of numbers."""
+    decimal, thousands = _detect_signs(path, lines, separator)
+    return any(_is_numeric(line, separator, decimal, thousands) for line in lines)
 
 
 def _remove_clock_times(lines: list[str], separator: str | None) -> list[str]:

@@ -77,9 +77,9 @@ def compute_trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
         groups = [points[points[:, 0] == level] for level in levels]
     else:
         groups = np.array_split(points, min(MAX_GROUPS, math.isqrt(len(points))))
-    positions = np.array([np.median(group[:, 0]) for group in groups])
+    centres = np.array([np.median(group[:, 0]) for group in groups])
     low, median, high = np.array([np.percentile(group[:, 1], (25, 50, 75)) for group in groups]).T
-    return Trend(positions, median, low, high)
+    return Trend(centres, median, low, high)
 
 
 def trend_texts(

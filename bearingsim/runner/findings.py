@@ -267,24 +267,25 @@ def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
             yield f"{jobs}: {quantity} has a step error of up to {percent(exceeding.max())} (`{name}`)"
 
 
-START_ERRORS = {"error.start": "velocity line", "error.start.rms": "velocity RMS"}
+START_ERROR_NAMES = {"error.start": "velocity line", "error.start.rms": "velocity RMS"}
 """Quantities whose errors of the start ``transient_warnings`` reports, by column."""
 
 
 def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of jobs in which parts of the record differ in line or RMS by more than ``STEP_ACCURACY``.
 
-    The cause is the initial transient, or a record of few revolutions of a defect. Jobs with random scatter (a
-    standard error, or cage slip) are left out.
+    The cause is the initial transient, or a record of few revolutions of a defect or unbalance. Jobs with random
+    scatter (a standard error, or cage slip) are left out.
     """
     is_random = frame.filter(items=["features/standard_error.line", "features/cage.slip.mean"]).notna().any(axis=1)
-    errors = frame.loc[~is_random].filter(items=[f"features/{name}" for name in START_ERRORS])
+    errors = frame.loc[~is_random].filter(items=[f"features/{name}" for name in START_ERROR_NAMES])
     exceeding = errors.where(errors > STEP_ACCURACY).dropna(how="all").dropna(how="all", axis=1)
     if len(exceeding):
         jobs = f"{len(exceeding)} job{'s' * (len(exceeding) > 1)}"
         columns = {str(column).removeprefix("features/"): exceeding[column].max() for column in exceeding}
         texts = [
-            f"of the {START_ERRORS[name]} up to {percent(error)} (`{name}`)" for name, error in columns.items()
+            f"of the {START_ERROR_NAMES[name]} up to {percent(error)} (`{name}`)"
+            for name, error in columns.items()
         ]
         yield (
             f"{jobs}: error {', '.join(texts)}, because the record is short or not"
@@ -301,7 +302,8 @@ def unknown_transients(frame: "pd.DataFrame") -> Iterator[str]:
     if count := int(is_unknown.sum()):
         yield (
             f"{count} job{'s' * (count > 1)}: unknown error of the start (`error.start.rms`), because the record"
-            " has too few ball passes or revolutions of a defect; use a longer `duration` (docs/settling.md)"
+            " has too few ball passes or revolutions of a defect or unbalance; use a longer `duration`"
+            " (docs/settling.md)"
         )
 
 

@@ -29,8 +29,8 @@ from bearingsim.simulation.trial import defect_revolution_time
 PARTS = 4  # quarters of a record, from whose changes the decay is extrapolated
 PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
 RESOLVED_REVOLUTIONS = 2.0
-"""Revolutions of a defect below which a record shows no scatter, and a Hann window does not separate lines one
-rotation frequency apart."""
+"""Revolutions of a defect or unbalance below which a record shows no scatter, and a Hann window does not separate
+lines one rotation frequency apart."""
 DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 
@@ -110,7 +110,7 @@ def estimate_start_errors(
 
     NaN if the speed is not constant, or if the record is shorter than a period or, if it is not periodic, than
     ``PARTS`` ball passes; zero in these cases for a model without memory. NaN also if a record at constant speed
-    is not periodic and shorter than ``RESOLVED_REVOLUTIONS`` of a defect; that of the line also if there are no
+    is not periodic and shorter than ``RESOLVED_REVOLUTIONS``; that of the line also if there are no
     lines. standard_errors: those of BPFO and RMS if the motion scatters at random (infinite for too few ball
     passes), else NaN; lines: the defects' lines that the record resolves.
     """
@@ -241,9 +241,9 @@ def _whole_revolutions(passes: int, revolution: float) -> float:
 
 
 def _partial_revolution_errors(motion: RecordedMotion, revolution: float) -> StartErrors:
-    """Return the changes of amplitudes and RMS by the last, incomplete revolution of a defect in the record.
+    """Return the changes of amplitudes and RMS by the last, incomplete revolution of a defect or unbalance.
 
-    revolution: in ball passes, 0 if no defect rotates. The vibration due to a defect is stronger in the load zone,
+    revolution: in ball passes, 0 if nothing rotates. The vibration due to a defect is stronger in the load zone,
     so the RMS of a record of few revolutions depends on where the record ends, and so does the leakage of
     neighbouring lines into an amplitude.
     """

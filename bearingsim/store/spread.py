@@ -15,6 +15,7 @@ BLOCK_ERRORS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standar
 """Columns with relative standard errors from blocks of ball passes, by feature; results of earlier versions do not
 have them."""
 LARGEST_FORCE = "outer_force.max"
+"""Feature whose scatter is estimated from the maxima of rollers."""
 FORCE_ERROR = "features/error.start.force"
 """Column whose relative error of the largest outer force includes its scatter in a chaotic motion."""
 NOTABLE_ERROR = 0.005
@@ -92,7 +93,7 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 def scatters_by_known_amount(frame: "pd.DataFrame", feature: str) -> bool:
     """Check if chaotic motions have a standard error of a feature, unless their records are too short."""
-    return f"features/{feature}-scatter" in frame or ".rms" in feature or feature == "outer_force.max"
+    return f"features/{feature}-scatter" in frame or ".rms" in feature or feature == LARGEST_FORCE
 
 
 def reference_ratio(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -143,7 +144,7 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if not has_error_estimate(table, feature):
         return pd.Series(float("nan"), frame.index)
     base = _base(feature)
-    reference = _reference(base) or base
+    reference = _reference(base)
     relative = standard_error(frame, reference) / frame[f"features/{reference}"].abs()
     block_errors = frame.get(f"features/{BLOCK_ERRORS.get(reference, '')}")
     if block_errors is not None:

@@ -116,6 +116,7 @@ REFUSED = {
         "its times are clock times; export them in seconds",
     ),
     "clock": ("time,acc\n" + "10:11:12.5,1.5\n" * 40, "its times are clock times; export them in seconds"),
+    "date": ("Date;Time;acc\n" + "2024-01-01;12:00:00;0.1\n" * 40, "its times are clock times; export them in"),
     "text below": ("time,acc\n" + rows(T, X) + "End of file\n", "'End of file'.*remove text below the headers"),
     "hours": ("time [h],acc\n" + rows(T, X), "has times in `h`: expected s, ms or us"),
     "thousands without decimals": (

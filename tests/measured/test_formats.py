@@ -484,8 +484,9 @@ def write_tdms(path, channels, properties=()):
         )
 
 
-def test_a_time_channel_of_a_tdms_file_is_no_signal(tmp_path):
-    write_tdms(tmp_path / "a.tdms", {"Time": T, "acc": X[:, 0], "temperature": X[:100, 1]})
+@pytest.mark.parametrize("name", ["Time", "Time 2", "t1"])
+def test_a_time_channel_of_a_tdms_file_is_no_signal(tmp_path, name):
+    write_tdms(tmp_path / "a.tdms", {name: T, "acc": X[:, 0], "temperature": X[:100, 1]})
     recording = read(tmp_path / "a.tdms")
     assert list(recording.channels) == ["g/acc"]
     assert recording.rate.value == pytest.approx(RATE)
@@ -524,10 +525,10 @@ def test_signals_in_an_array_of_structs_are_named(tmp_path):
         read(tmp_path / "a.mat")
 
 
-@pytest.mark.parametrize("names", [("sr", "rate"), ("rate", "sr")])
+@pytest.mark.parametrize("names", [("sr", "rate"), ("rate", "sr"), ("sr", "Rate")])
 def test_a_rate_of_the_shaft_is_no_sampling_rate(tmp_path, names):
     rates = {"sr": 97656.0, "rate": 25.0}
-    savemat(tmp_path / "a.mat", {"bearing": {"gs": X[:, 0], **{name: rates[name] for name in names}}})
+    savemat(tmp_path / "a.mat", {"bearing": {"gs": X[:, 0], **{name: rates[name.lower()] for name in names}}})
     assert read(tmp_path / "a.mat").rate.value == 97656.0
 
 

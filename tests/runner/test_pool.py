@@ -1,11 +1,20 @@
 """Process pools: calls are spread over processes, which end or are replaced without loss."""
 
 import os
+import subprocess
+import sys
 from math import inf
 
 import pytest
 
+from bearingsim.runner import pool  # noqa: F401 (of the process started below)
 from bearingsim.runner.pool import map_in_new_processes, map_unordered
+
+MAPS = (map_unordered.__name__, map_in_new_processes.__name__)
+GROWTH = """
+from tests.runner.test_pool import grow, pool
+print(*pool.{name}(grow, [(n,) for n in range(7)], 2))
+"""
 
 
 def test_calls_are_spread_over_processes() -> None:
@@ -28,10 +37,12 @@ def grow(_: int) -> int:
     return os.getpid()
 
 
-@pytest.mark.parametrize("spread", [map_unordered, map_in_new_processes])
-def test_worker_whose_memory_has_grown_is_replaced(spread) -> None:
+@pytest.mark.parametrize("name", MAPS)
+def test_worker_whose_memory_has_grown_is_replaced(name: str) -> None:
     """After its second call; a warning, which is an error here, would stop the pool."""
     pytest.importorskip("psutil", reason="loky measures memory with psutil")
-    processes = list(spread(grow, [(n,) for n in range(7)], 2))
-    assert len(processes) == 7
+    command = [sys.executable, "-W", "error::UserWarning", "-c", GROWTH.format(name=name)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    processes = ended.stdout.split()
+    assert len(processes) == 7, ended.stderr
     assert len(set(processes)) > 2

@@ -22,7 +22,7 @@ SCENES: dict[str, dict[str, Any]] = {
 
 @cache
 def record(name: str, seconds: float = 2.0) -> Record:
-    """2 s of a scene in `ring`: Hann's window, under which features are read, leaks 0.5 % of 2 BSF into BPFO."""
+    """2 s of a scene in `ring`: a Hann window, under which features are read, leaks 0.5 % of 2 BSF into BPFO."""
     return simulate(case(model="ring", duration=seconds, **SCENES[name]))
 
 

@@ -102,12 +102,12 @@ def solve_in_turn(model, times, y, from_scratch=True, tolerance=inf):
     return float(cpu_time.bounded(fill_until)), rows
 
 
-def solve_at(model, t, y, from_scratch=True):
+def solve_at(model, t, y, from_scratch):
     """Find the static equilibrium at ``t`` (s) into ``y``; return the residual (N).
 
     The initial guess is the equilibrium in ``y`` unless ``from_scratch`` is true. Raises ``OutOfCpuTime``.
     """
-    residual, _ = solve_in_turn(model, np.array([t]), y, from_scratch)
+    residual, _ = solve_in_turn(model, np.array([t], dtype=float), y, from_scratch)
     return residual
 
 

@@ -260,7 +260,7 @@ def pocket_stiffness(cage: Any, per_mass: float, Z: int) -> float:
     """Return the stiffness of the pockets' walls over the effective mass (1/s^2) of ``Z`` rollers and the cage.
 
     per_mass: inverse mass of a roller (1/kg). That of the cage is Z r^2/I = Z/m if all rollers push it, because
-    its moment of inertia I is m r^2; its translation adds less (Z/(2 m), or Z/m if it is guided by the rollers).
+    its moment of inertia I is m r^2; its translation adds no more.
     """
 
 
