@@ -121,7 +121,7 @@ def build_flanges(case: Case) -> Any:
 
 
 def build_cage_in_space(case: Case) -> Any:
-    """Build the axial motion and tilt of the cage, with contacts of the rollers and the ends of their pockets."""
+    """Build the axial and tilting motion of the cage, with contacts of rollers and ends of pockets."""
     cage, c = free.build_cage(case), case.cage or config.Cage()
     if isinstance(cage, KinematicCage):
         return CageInPlane()

@@ -20,9 +20,9 @@ UNEVEN_SPACING = 0
 
 
 def read_uff(path: Path) -> Content:
-    """Read the time series (dataset 58) of a universal file; those of uneven spacing with their instants.
+    """Read the time series (dataset 58) of a universal file; those of uneven spacing with their times.
 
-    Raises MeasuredError without pyuff or time series, and for two of the same name.
+    Raises MeasuredError if pyuff is missing, without time series, and for two of the same name.
     """
     try:
         import pyuff
@@ -54,8 +54,8 @@ def read_uff(path: Path) -> Content:
 def read_tdms(path: Path) -> Content:
     """Read the channels of a TDMS file that have a sampling interval, `wf_increment`; all if none has one.
 
-    Without intervals, a channel named as a time contains the instants (s) of the channels of its group.
-    Raises MeasuredError without nptdms or numbers.
+    Without intervals, a channel named as a time contains the times (s) of the channels of its group.
+    Raises MeasuredError if nptdms is missing, and without numbers.
     """
     try:
         from nptdms import TdmsFile
@@ -87,10 +87,10 @@ def read_tdms(path: Path) -> Content:
 
 
 def _pop_times(path: Path, channels: dict[str, np.ndarray], units: Mapping[str, str]) -> list[Stated[np.ndarray]]:
-    """Remove the times from the channels of a TDMS file, and return their instants (s).
+    """Remove the times (s) from the channels of a TDMS file, and return them.
 
-    Channels of other lengths than all times are removed, too. Raises MeasuredError for times in an unknown unit,
-    and if nothing else remains.
+    Channels whose length is that of no time are removed as well. Raises MeasuredError for times in an unknown
+    unit, and if nothing else remains.
     """
     times = []
     for name in [name for name, values in channels.items() if names_time(name.rpartition("/")[2], values)]:
@@ -103,5 +103,5 @@ def _pop_times(path: Path, channels: dict[str, np.ndarray], units: Mapping[str, 
     for name in [name for name, values in channels.items() if times and len(values) not in lengths]:
         del channels[name]
     if not channels:
-        raise MeasuredError(path, "has no signal beside its times")
+        raise MeasuredError(path, "has times but no signal of the same length")
     return times

@@ -16,7 +16,7 @@ FACTORS = {
 
 TIME_FACTORS = dict.fromkeys(("", "s", "sec", "secs", "second", "seconds"), 1.0)
 TIME_FACTORS |= dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3)
-TIME_FACTORS |= dict.fromkeys(("us", "µs", "μs", "usec", "microseconds"), 1e-6)
+TIME_FACTORS |= dict.fromkeys(("us", "µs", "μs", "usec", "microsecond", "microseconds"), 1e-6)
 """Factors to s, by unit in lower case."""
 FREQUENCY_FACTORS = {
     "": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "1/s": 1.0, "khz": 1e3, "ks/s": 1e3, "mhz": 1e6

@@ -22,7 +22,7 @@ FORMATS = ("png", "svg", "pdf")
 FIGURES = "figures"
 """Folder of a study's figures, within its results."""
 MARK = b"made by bearingsim"
-"""Mark in the metadata of every figure; only files that contain it are replaced."""
+"""Mark in the metadata of every figure; outside the study's folder of figures only files with it are replaced."""
 METADATA = {
     "png": {"Software": MARK.decode()},
     "svg": {"Creator": MARK.decode(), "Date": None},
@@ -45,7 +45,8 @@ def plot(
     """Draw figures into ``out`` (default: the study's folder `figures`); return the files.
 
     kind: a name in ``figure_kinds.KINDS``; None for the figures of the study, or one for each swept path. jobs:
-    ids of the jobs of a figure of signals, or `all`; by default those selected by ``where``, or some. options:
+    job ids, for figures of signals, or `all`; by default those selected by ``where``, without it some jobs, those
+    with measured signals first. options:
     keys of a figure, which replace those of the study: lists y, by, panels and log; x; where (paths and values);
     and those of ``figure_kinds.View`` as texts, such as range="0 Hz..2 kHz".
     Raises PlotError, OptionError, ResultsError; warns (PlotWarning) of a figure that is skipped.
@@ -166,7 +167,7 @@ def _apply_options(figure: Figure, options: Mapping[str, Any]) -> Figure:
 
 
 def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> list[str]:
-    """List the jobs of a figure of signals: the named ones, else those selected, else some with measured signals.
+    """List the jobs of a figure of signals: the named or selected ones, else some, with measured signals first.
 
     Raises PlotError if none of them is done.
     """
@@ -228,7 +229,7 @@ def slug(words: Sequence[str]) -> str:
 def write_figure(canvas: "Canvas", path: Path, results: "Results") -> Path:
     """Write a figure in the format of the file's suffix; return the file.
 
-    Raises PlotError instead of replacing a file that is not a figure of bearingsim.
+    Raises PlotError instead of replacing a file that is not a figure of bearingsim, outside the study's folder.
     """
     from bearingsim.plots.style import disable_invalid_math
     from bearingsim.store import write_bytes

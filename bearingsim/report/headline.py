@@ -88,10 +88,10 @@ def _ties(values: "pd.Series[float]", row: Any) -> str:
 
 
 def _at_other_values(results: "Results", cases: list[str], name: str, job: str) -> str:
-    """Count the values of the uncertain parameters for which a case is as extreme as with the nominal ones.
+    """Count the values of the uncertain parameters for which the same case is the extreme one.
 
     Example: ` (for 2 of 3 values of damping, all values of clearance)`; values without all cases are
-    not counted. Empty for a phase, which has no largest value.
+    not counted. Empty for a phase, whose extremes depend on the branch.
     """
     if name.endswith(".phase"):
         return ""
@@ -251,7 +251,7 @@ def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     text = degrees_text if is_phase(name) else lambda error: percent(error / largest)
     if step.notna().any():
         unchecked = int((step.isna() & rows[name].notna()).sum())
-        exception = f", of {unchecked} jobs not estimated" if unchecked else ""
+        exception = f" (not estimated for {unchecked} jobs)" if unchecked else ""
         texts.append(f"numerical error {text(float(step.max()))}{exception}")
     if len(scatter):
         texts.append(_scatter_text(scatter, text))
@@ -263,5 +263,5 @@ def _scatter_text(scatter: "pd.Series[float]", text: Callable[[float], str]) -> 
     unknown = int((scatter == inf).sum())
     if unknown == len(scatter):
         return "statistical scatter unknown (chaotic)"
-    exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
+    exception = f" (unknown for {unknown} chaotic jobs)" if unknown else ""
     return f"statistical scatter {text(float(scatter[scatter < inf].max()))}{exception}"

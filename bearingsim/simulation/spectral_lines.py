@@ -160,7 +160,7 @@ def _amplitudes_at_equal_times(case: Case, model: Any, grid: Grid, raw: RawRecor
     )
     arguments = position, speed, M, start, grid.rate, case.bearing.rollers * model.bearing.theta_0
     if has_other_lines(case):
-        return _amplitudes_across_boundaries(*arguments)
+        return _amplitudes_by_pass_pair(*arguments)
     amplitudes_of_quantity = _amplitudes_of_passes(*arguments)
     return {quantity: amplitudes[:, segments.index] for quantity, amplitudes in amplitudes_of_quantity.items()}
 
@@ -183,10 +183,10 @@ def _amplitudes_at_equal_angles(case: Case, model: Any, grid: Grid, raw: RawReco
     (position, speed), first_pass = signals.resample_by_angle(motion, pass_angle, M)
     passes = first_pass + np.arange((len(position) - 1) // M + 1)
     rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, pass_angle, np.arange(length) / grid.fine_rate))
-    return _amplitudes_across_boundaries(position, speed, M, 0, rate, angle)
+    return _amplitudes_by_pass_pair(position, speed, M, 0, rate, angle)
 
 
-def _amplitudes_across_boundaries(
+def _amplitudes_by_pass_pair(
     position: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
     """Return amplitudes (harmonics, passes - 1), each over two successive passes; empty for fewer than two passes.
@@ -276,7 +276,7 @@ def _amplitudes_at_constant_speed(
     displacement, velocity = signals.amplitudes_of_segments(
         series.reshape(2, segment_count, M), count, segments.period, tail, phases[:, 0], phase_step
     )
-    # from the velocity, integrated by parts, because impacts alias into the line less than from the acceleration
+    # by parts from the velocity: impacts alias into the line less than in the sampled acceleration
     acceleration = 1j * phase_step * grid.fine_rate * velocity
     amplitudes = dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
     return amplitudes, phase_step / (2.0 * pi) * grid.fine_rate

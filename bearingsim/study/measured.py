@@ -159,7 +159,7 @@ class _Reader:
     def check_header(self, name: str, number: str, mark: Mark) -> None:
         """Add a problem for a header ``name`` that is neither feature nor path, or a ``number`` in a wrong unit.
 
-        number: one in the unit of the column, empty for a column of words.
+        number: 1 in the unit of the column, empty for a text column.
         """
         node = Node(number, mark, mark)
         if name not in FEATURES:
@@ -205,7 +205,7 @@ class _Reader:
         return factor * float(number)
 
     def is_path(self, path: str, node: Node) -> bool:
-        """Check if a path is one of a case; add a problem, at its key, if it is not."""
+        """Check if the cases have a path; add a problem, at its key, if not."""
         try:
             self.cases.locate(path)
         except ValueError as error:
@@ -217,7 +217,7 @@ class _Reader:
         return True
 
     def convert_parameters(self, entries: Mapping[str, Node]) -> dict[str, float | str]:
-        """Convert parameters to SI; words remain. Keys are the paths as the sweep spells them."""
+        """Convert parameters to SI; texts are kept. Keys are the paths as the sweep spells them."""
         values: dict[str, float | str] = {}
         for path, node in entries.items():
             if not self.is_path(path, node):
@@ -277,7 +277,7 @@ class _Reader:
             self.add_problem(entries["file"].mark, f"measured: {error}")
             return
         self.remarks += remarks
-        name = str(entries["file"].value)  # with its folder: several may have a file of one name
+        name = str(entries["file"].value)  # includes the folder, because file names may repeat
         source = name if request.channel is None else f"{name} ({request.channel})"
         yield MeasuredPoint(parameters, features, source, signal)
 

@@ -21,7 +21,7 @@ def table_rows(
     """Yield position and entries of each row of a table in a text file; values have the unit of their column.
 
     Columns are separated by a semicolon, tab, comma or bar. ``check_header`` receives the name of a column, a
-    number with its unit ("" for a column of words), and its position, and adds a problem if one is wrong; the rows
+    number with its unit ("" for a text column), and its position, and adds a problem if one is wrong; the rows
     are then not read. Other mistakes are added to ``problems``.
     """
 

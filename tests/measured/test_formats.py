@@ -496,7 +496,7 @@ def test_a_time_channel_of_a_tdms_file_is_no_signal(tmp_path, name):
     ("channels", "properties", "message"),
     [
         ({"Time": T, "acc": X[:, 0]}, {"unit_string": "days"}, "times in `days`: expected s, ms or us"),
-        ({"Time": T, "acc": X[:100, 0]}, {}, "no signal beside its times"),
+        ({"Time": T, "acc": X[:100, 0]}, {}, "has times but no signal of the same length"),
     ],
 )
 def test_unusable_times_of_a_tdms_file_are_refused(tmp_path, channels, properties, message):

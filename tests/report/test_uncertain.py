@@ -268,4 +268,4 @@ def test_jobs_without_a_step_error_are_counted(uncertain):
     uncertain._table["chaotic"] = 0.0
     uncertain._table["step_error.line"] = np.where(uncertain._table["job"] == cases[-1], 0.01, np.nan)
     [_, line] = feature_results(uncertain)
-    assert line.error == "numerical error 1 %, of 5 jobs not estimated"
+    assert line.error == "numerical error 1 % (not estimated for 5 jobs)"

@@ -99,13 +99,12 @@ def _radial_stop_derivatives_rollers(guide, offset, speed):
 
 @generic
 def cage_accelerances(cage: Any) -> tuple[float, float]:
-    """Return the cage's accelerances: 1/(moment of inertia) (1/(kg m^2)) and 1/mass (1/kg), each 0 if that motion
-    is prescribed."""
+    """Return the cage's inverse moment of inertia (1/(kg m^2)) and mass (1/kg), each 0 if prescribed."""
 
 
 @generic
 def centre_accelerance(guide: Any, m: float) -> float:
-    """Return the accelerance 1/m (1/kg) of the centre of a cage of mass ``m`` (kg), 0 if the centre is fixed."""
+    """Return the inverse mass 1/m (1/kg) of the centre of a cage of mass ``m`` (kg), 0 if the centre is fixed."""
 
 
 @centre_accelerance.register(Centred)
@@ -186,8 +185,8 @@ def _fill_pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
 def add_pocket_changes(
     cage: Any, R_w: float, omega_cage: float, d_spin: float, d_cage_angle: float, d_cage_omega: float, y, n
 ) -> None:
-    """Add the changes of the pocket forces to the rows D_FORCE, for the changes in the rows D_POSITION and
-    D_VELOCITY and for rotation of rollers and cage.
+    """Add the directional derivatives of the pocket forces to the rows D_FORCE, along the rows D_POSITION and
+    D_VELOCITY and the rotations of rollers and cage.
 
     d_spin: change of the rollers' spin (rad/s); d_cage_angle, d_cage_omega: changes of the cage's angle (rad) and
     speed (rad/s).

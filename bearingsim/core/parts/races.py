@@ -142,8 +142,8 @@ def fill_defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
 
 @jit
 def correct_derivatives_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
-    """Correct the derivatives of each contact of this side over a defect, as ``planar.correct_for_defects`` does
-    forces."""
+    """Correct the derivatives of each contact over a defect on this side; ``planar.correct_for_defects`` corrects
+    the forces."""
     defects, b, sigma = model.defects, model.bearing, sign(side)
     base, frame, _, shared = derivative_rows(side)
     for d in range(len(defects.head)):
@@ -201,8 +201,8 @@ def fill_friction_derivatives(side, friction, R_w, omega_cage, spin, y, n):
 
 @jit
 def add_race_changes(side, spin, omega_ring, d_roll, d_spin, d_orbit, d_ring_angle, d_ring_omega, y, n):
-    """Add the changes of force of every roller to the rows D_FORCE, for the changes in the rows D_POSITION and
-    D_VELOCITY and for rotation.
+    """Add the directional derivatives of the contact forces to the rows D_FORCE, along the rows D_POSITION and
+    D_VELOCITY and the rotations.
 
     spin, omega_ring: nominal spin of a roller and speed of the ring (rad/s); d_roll, d_spin: changes of the
     rollers' rotation angle (rad) and spin (rad/s); d_orbit: change of their orbital speed (rad/s), on which the
