@@ -15,8 +15,6 @@ BIN := $(VENV)/bin
 LOCK = $(BIN)/uv pip compile --quiet --python-version 3.11 --generate-hashes --no-header --no-emit-index-url --no-annotate
 PYTHONS := 3.11 3.12 3.13
 PYTEST = $(BIN)/python -m pytest --numprocesses auto --max-worker-restart 0 --dist loadfile --no-loadscope-reorder
-# many of the other tests wait for processes and clocks: half as many again as processors
-WAITING_PROCESSES = $$($(BIN)/python -c "import os; print(3 * os.cpu_count() // 2)")
 FIND_PYTHON = PATH="$$PATH$$(printf ':%s' "$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/*/bin)" $(BIN)/uv python find --system --no-python-downloads 2>/dev/null
 SMOKE := tests/cli/test_smoke.py tests/store
 CAMPAIGNS := promise random-scenes step-error choice price step-cost until many cluster repetition job-cost
@@ -102,9 +100,8 @@ studies: $(FIGURES)
 
 # sessions, because a process keeps all that it compiles: a worker of a single one grows to 3.7 GB
 test: install-dev
-	@code=0; for part in tests/core/models "tests/core --ignore tests/core/models" tests/simulation; do \
-	  $(PYTEST) $$part || code=$$?; done; \
-	$(PYTEST) --numprocesses $(WAITING_PROCESSES) tests --ignore tests/core --ignore tests/simulation || code=$$?; exit $$code
+	@code=0; for part in tests/core/models "tests/core --ignore tests/core/models" tests/simulation \
+	  "tests --ignore tests/core --ignore tests/simulation"; do $(PYTEST) $$part || code=$$?; done; exit $$code
 
 test-quick: install-dev
 	$(PYTEST) -m "not slow"
