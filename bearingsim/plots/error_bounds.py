@@ -96,7 +96,7 @@ def error_texts(results: "Results", rows: "pd.DataFrame", names: Sequence[str]) 
 
 def _share_text(rows: "pd.DataFrame", name: str, error: "pd.Series[float]") -> str:
     """Describe the largest error (SI) of a feature; empty if all are within 1 %, of a phase within 0.01 rad."""
-    if is_phase(name):
+    if name.endswith(".phase"):
         largest = float(error[error < inf].max())
         return f"up to {degrees_text(largest)}" if largest > STEP_ACCURACY else ""
     value = rows[name].abs().where(~is_zero(rows, name), 0.0)
@@ -159,12 +159,7 @@ def _reference_value(rows: "pd.DataFrame", name: str) -> "pd.Series[float]":
     is the largest error of its phase in rad.
     """
     value = rows[_base_and_kind(name)[0]].abs()
-    return value / rows[name.removesuffix(".phase")].abs() if is_phase(name) else value
-
-
-def is_phase(name: str) -> bool:
-    """Check if a feature is the phase of a spectral line."""
-    return name.endswith(".phase")
+    return value / rows[name.removesuffix(".phase")].abs() if name.endswith(".phase") else value
 
 
 def degrees_text(angle: float) -> str:

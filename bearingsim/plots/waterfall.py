@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from bearingsim.study import Figure
 
 SPACING = 0.5  # offset of adjacent curves, relative to the largest value, or to the range of a curve of levels
-MAX_DROP_DB = 120.0  # dB, largest fall between adjacent curves that the offset includes: one may be zero
 SPACING_DB = 25.0  # dB, minimum distance of the medians of adjacent curves of levels
 ROW_IN, MIN_IN = 0.32, 2.2  # height per curve, and minimum height of axes
 MIN_SPECTRA = 3  # minimum number of spectra
@@ -106,7 +105,7 @@ def _offset_db(medians: Sequence[Sequence[float]], tallest: float) -> float:
     The median of each curve is SPACING_DB or more above that of the one below. medians: levels (dB) of the curves
     of each subplot, from below; tallest: largest range of a curve (dB).
     """
-    drops = [min(below - above, MAX_DROP_DB) for levels in medians for below, above in pairwise(levels)]
+    drops = [below - above for levels in medians for below, above in pairwise(levels)]
     return float(ceil(round(max(SPACING * tallest, SPACING_DB + max([0.0, *drops])), 3)))
 
 

@@ -240,7 +240,7 @@ def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
     The numerical error is that of the step; it is left out if all motions are chaotic, as is the scatter if none
     is. Returns "" for a feature without errors (``numerical_errors``), or one that is zero within them.
     """
-    from bearingsim.plots.error_bounds import degrees_text, is_phase, numerical_errors
+    from bearingsim.plots.error_bounds import degrees_text, numerical_errors
     from bearingsim.store import all_zero
 
     errors, largest = numerical_errors(results, rows, name), float(rows[name].abs().max())
@@ -248,7 +248,7 @@ def _error(results: "Results", rows: "pd.DataFrame", name: str) -> str:
         return ""
     is_chaotic, texts = rows["chaotic"] == 1.0, []
     step, scatter = errors.step[~is_chaotic], errors.scatter[is_chaotic]
-    text = degrees_text if is_phase(name) else lambda error: percent(error / largest)
+    text = degrees_text if name.endswith(".phase") else lambda error: percent(error / largest)
     if step.notna().any():
         unchecked = int((step.isna() & rows[name].notna()).sum())
         exception = f" (not estimated for {unchecked} jobs)" if unchecked else ""
